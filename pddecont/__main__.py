@@ -1,0 +1,5 @@
+"""``python -m pddecont``."""
+
+from pddecont.cli import main
+
+main()

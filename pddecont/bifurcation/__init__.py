@@ -1,0 +1,1 @@
+"""Special points of a branch, one kind a file: test function, defining equations, what happens there."""

@@ -1,0 +1,63 @@
+"""The command line: one file a subcommand, loaded when it is called; the only code that prints or exits."""
+
+from __future__ import annotations
+
+import importlib
+import os
+from typing import Any
+
+import click
+
+import pddecont
+
+# The matrices here are too small to share among threads; a user's own setting stands.
+if "OMP_NUM_THREADS" not in os.environ:
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+COMMANDS = {
+    "run": "Do the steps of a run file (or of a model's own run block).",
+    "plot": "Draw what a results file holds.",
+    "check": "Report every problem in model and run files.",
+    "info": "Say what is in a model, a run file or a results file.",
+    "export": "Write a table of a results file to standard output.",
+}
+
+
+class LazyGroup(click.Group):
+    """A group that imports a subcommand only when it is called."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Return the subcommands' names, in the order they are used."""
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """Return a subcommand, or None if there is none of this name."""
+        if cmd_name not in COMMANDS:
+            return None
+        return getattr(importlib.import_module(f"pddecont.cli.{cmd_name}"), "command")  # noqa: B009 - a module loaded by name
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the list of subcommands without importing them."""
+        with formatter.section("Commands"):
+            formatter.write_dl(list(COMMANDS.items()))
+
+
+@click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(pddecont.__version__, package_name="pddecont")
+def group() -> None:
+    """Bifurcation analysis of piecewise-smooth delay differential equations.
+
+    A system is described in a YAML file (delays, modes, events, resets); branches of its periodic orbits, their special
+    points and pictures come out.
+
+    \b
+      pddecont run impact_oscillator        compute a shipped model's own run
+      pddecont plot impact_oscillator.h5    draw it
+    """
+
+
+def main(args: list[str] | None = None) -> Any:
+    """Run the command line."""
+    from pddecont.cli.console import guarded
+
+    return guarded(lambda: group.main(args=args, prog_name="pddecont", standalone_mode=False))

@@ -1,0 +1,88 @@
+"""``pddecont info``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from pddecont.cli.console import print_json
+
+
+@click.command("info")
+@click.argument("file")
+@click.option("--without", multiple=True, metavar="EFFECT", help="Look at the model without an effect; may be repeated.")
+@click.option("--json", "as_json", is_flag=True, help="Write one JSON document.")
+def command(file: str, without: tuple[str, ...], as_json: bool) -> None:
+    """Say what is in FILE: a model, a run file or a results file."""
+    data = results_info(file) if _is_hdf5(file) else model_info(file, without)
+    if as_json:
+        print_json(data)
+    else:
+        click.echo("\n".join(_lines(data)))
+
+
+def _is_hdf5(file: str) -> bool:
+    path = Path(file)
+    if path.suffix in (".h5", ".hdf5"):
+        return True
+    if not path.is_file():
+        return False
+    with path.open("rb") as stream:
+        return stream.read(8) == b"\x89HDF\r\n\x1a\n"
+
+
+def results_info(file: str) -> dict[str, Any]:
+    """Return what a results file holds."""
+    from pddecont.results.reader import read_results
+    from pddecont.results.summary import summary
+
+    return {"file": file, **summary(read_results(file))}
+
+
+def model_info(file: str, without: tuple[str, ...]) -> dict[str, Any]:
+    """Return what a model, or a run file and its model, holds."""
+    from pddecont.model.effects import without as leave_out
+    from pddecont.model.system import parse_model
+    from pddecont.steps.plan import Overrides, is_run_file, load_document, load_plan
+
+    document = load_document(file)
+    steps = None
+    if is_run_file(document):
+        plan = load_plan(document, Overrides(without=without))
+        model, left_out = plan.model, plan.left_out
+        steps = [f"{step.name}: {step.kind}" for step in plan.run.steps]
+    else:
+        model, left_out = leave_out(parse_model(document)[0], without)
+        steps = [f"{s.get('name')}" for s in ((document.data.get("run") or {}).get("steps") or []) if isinstance(s, dict)]
+    delays = [f"{model.states[i]}(t - {model.delays[k]})" for i, k in model.delayed]
+    return {
+        "model": model.name, "reference": model.reference, "states": list(model.states), "parameters": dict(model.parameters),
+        "forcing period": None if model.period is None else str(model.period), "delayed": delays, "modes": list(model.modes),
+        "events": list(model.events), "resets": list(model.resets),
+        "segments": [f"{s.name}: {s.mode} -- {s.event} ({s.direction}) / {s.reset} -> {s.to}" for s in model.segments.values()],
+        "effects": list(model.effects), "steps": steps,
+        "left out": {"effects": list(left_out.effects), "events": list(left_out.events), "modes": list(left_out.modes),
+                     "delays": list(left_out.delays)},
+    }  # fmt: skip
+
+
+def _lines(data: dict[str, Any], indent: str = "") -> list[str]:
+    lines = []
+    for key, value in data.items():
+        if value in (None, [], {}):
+            continue
+        if isinstance(value, dict):
+            if any(value.values()):
+                lines += [f"{indent}{key}:", *_lines(value, indent + "  ")]
+        elif isinstance(value, list) and value and isinstance(value[0], dict):
+            lines.append(f"{indent}{key}:")
+            for item in value:
+                lines += [f"{indent}  - {item.get('name')}", *_lines({k: v for k, v in item.items() if k != "name"}, indent + "      ")]
+        elif isinstance(value, list):
+            long = key in ("segments", "termination")
+            lines += [f"{indent}{key}:", *(f"{indent}  {v}" for v in value)] if long else [f"{indent}{key}: {', '.join(map(str, value))}"]
+        else:
+            lines.append(f"{indent}{key}: {value:.6g}" if isinstance(value, float) else f"{indent}{key}: {value}")
+    return lines

@@ -1,0 +1,59 @@
+"""``pddecont run``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from pddecont.cli.console import Progress, print_json, say
+
+
+@click.command("run")
+@click.argument("file")
+@click.option("-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="Results file  [default: the input's name, .h5]")
+@click.option("--set", "assignments", multiple=True, metavar="NAME=VALUE", help="Set a parameter; may be repeated.")
+@click.option("--without", multiple=True, metavar="EFFECT", help="Leave an effect of the model out; may be repeated.")
+@click.option("--only", metavar="STEP", help="Do this step only (those it starts from are in the file already).")
+@click.option("--until", metavar="STEP", help="Stop after this step.")
+@click.option("--resume", is_flag=True, help="Go on with an output that exists.")
+@click.option("--overwrite", is_flag=True, help="Replace an output that exists.")
+@click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors and warnings.")
+@click.option("--json", "as_json", is_flag=True, help="Write one JSON document on what was computed to standard output.")
+def command(file: str, output: Path | None, assignments: tuple[str, ...], without: tuple[str, ...], only: str | None,
+            until: str | None, resume: bool, overwrite: bool, quiet: bool, as_json: bool) -> None:  # fmt: skip
+    """Do the steps of run file FILE, or of the run block of model FILE.
+
+    FILE is a path, '-' for standard input, or the name of a shipped model or run.
+    """
+    from pddecont.results.reader import read_results
+    from pddecont.results.summary import summary
+    from pddecont.steps.plan import Overrides, load_document, load_plan
+    from pddecont.steps.run import execute
+
+    if resume and overwrite:
+        raise click.UsageError("--resume and --overwrite exclude each other")
+    document = load_document(file)
+    plan = load_plan(document, Overrides(tuple(map(_assignment, assignments)), without))
+    for warning in plan.warnings:
+        say(f"{warning} (warning)")
+    stem = "run" if file == "-" else Path(document.path).stem
+    path = output or Path(f"{stem}.h5")
+    progress = Progress(quiet or as_json)
+    try:
+        execute(plan, path, progress, resume=resume, overwrite=overwrite, only=only, until=until)
+    finally:
+        progress.stop()
+    if as_json:
+        result: dict[str, Any] = {"output": str(path), **summary(read_results(path))}
+        print_json(result)
+    elif not quiet:
+        say(f"results: {path}")
+
+
+def _assignment(text: str) -> tuple[str, str]:
+    name, equals, value = text.partition("=")
+    if not equals or not name.strip() or not value.strip():
+        raise click.UsageError(f"--set takes NAME=VALUE, found '{text}'")
+    return name.strip(), value.strip()

@@ -1,0 +1,80 @@
+"""Pseudo-arclength: the tangent to a branch and the correction back onto it.
+
+Lengths are measured in scaled unknowns, |dx|^2 = sum_i w_i (dx_i / scale_i)^2. Reference: Allgower, Georg, Introduction to
+Numerical Continuation Methods (2003), chapters 2 and 6.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pddecont.continuation.linear import Matrix, add_row, factor, row_maxima, scale_matrix
+from pddecont.continuation.newton import NewtonSettings, Solution, newton
+
+Array = NDArray[np.float64]
+
+
+class Problem(Protocol):
+    """A system of n equations in n + 1 unknowns whose solutions form curves."""
+
+    def residual(self, x: Array) -> Array:
+        """Return the n residuals."""
+        ...
+
+    def jacobian(self, x: Array) -> Matrix:
+        """Return their derivatives, n by n + 1."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Metric:
+    """Typical size and weight of each unknown."""
+
+    scale: Array
+    weight: Array
+
+    def dot(self, a: Array, b: Array) -> float:
+        """Return the inner product of two directions."""
+        return float(np.sum(self.weight * (a / self.scale) * (b / self.scale)))
+
+    def covector(self, a: Array) -> Array:
+        """Return the row that takes the inner product with ``a``."""
+        return self.weight * a / self.scale**2
+
+    def unit(self, a: Array) -> Array:
+        """Return ``a`` at length one."""
+        return a / np.sqrt(self.dot(a, a))
+
+
+def tangent(problem: Problem, x: Array, metric: Metric, towards: Array) -> Array:
+    """Return the unit tangent of the branch at ``x`` that makes an acute angle with ``towards``."""
+    matrix = add_row(problem.jacobian(x), metric.covector(towards))
+    matrix = scale_matrix(matrix, np.ones(len(x)), metric.scale)
+    rows = 1.0 / row_maxima(matrix)
+    rhs = np.zeros(len(x))
+    rhs[-1] = rows[-1]
+    return metric.unit(metric.scale * factor(scale_matrix(matrix, rows, np.ones(len(x)))).solve(rhs))
+
+
+def correct(problem: Problem, predicted: Array, direction: Array, metric: Metric, settings: NewtonSettings) -> Solution:
+    """Return the branch's point in the hyperplane through ``predicted`` across ``direction``."""
+    row = metric.covector(direction)
+    return _bordered(problem, row, lambda x: float(row @ (x - predicted)), predicted, metric, settings)
+
+
+def correct_at(problem: Problem, guess: Array, index: int, value: float, metric: Metric, settings: NewtonSettings) -> Solution:
+    """Return the branch's point near ``guess`` at which unknown ``index`` equals ``value``."""
+    row = np.zeros(len(guess))
+    row[index] = 1.0
+    return _bordered(problem, row, lambda x: float(x[index] - value), guess, metric, settings)
+
+
+def _bordered(problem: Problem, row: Array, condition: Callable[[Array], float], guess: Array, metric: Metric,
+              settings: NewtonSettings) -> Solution:  # fmt: skip
+    return newton(lambda x: np.append(problem.residual(x), condition(x)), lambda x: add_row(problem.jacobian(x), row),
+                  guess, metric.scale, settings)  # fmt: skip

@@ -1,0 +1,93 @@
+"""Newton's method with damping, in variables scaled to order one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pddecont.continuation.linear import Matrix, factor, row_maxima, scale_matrix
+from pddecont.errors import ConvergenceError
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class NewtonSettings:
+    """When Newton's method stops.
+
+    ``step_tol`` bounds the largest scaled component of the last step: convergence is quadratic, so the error left is
+    about its square. ``residual_tol`` bounds the residual with rows scaled by their largest entry of the Jacobian.
+    """
+
+    step_tol: float = 1e-8
+    residual_tol: float = 1e-9
+    max_iterations: int = 12
+    min_damping: float = 1.0 / 64.0
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """Where Newton's method arrived; ``history`` holds the scaled residual before each iteration and at the end."""
+
+    x: Array
+    history: tuple[float, ...]
+
+    @property
+    def n_iterations(self) -> int:
+        """Number of Newton steps taken."""
+        return len(self.history) - 1
+
+
+def newton(residual: Callable[[Array], Array], jacobian: Callable[[Array], Matrix], x: Array, scale: Array,
+           settings: NewtonSettings | None = None) -> Solution:  # fmt: skip
+    """Return the solution of ``residual(x) = 0`` near ``x``.
+
+    ``scale`` gives the typical size of each unknown. A step is halved until the scaled residual falls.
+
+    Raises
+    ------
+    ConvergenceError
+        With the history of residuals, if no solution is reached or the Jacobian is singular.
+    """
+    settings = settings or NewtonSettings()
+    history: list[float] = []
+    r = residual(x)
+    for _ in range(settings.max_iterations):
+        matrix = scale_matrix(jacobian(x), np.ones(len(r)), scale)
+        rows = 1.0 / row_maxima(matrix)
+        size = _norm(rows * r)
+        if not history:
+            history.append(size)
+        try:
+            step = factor(scale_matrix(matrix, rows, np.ones(len(x)))).solve(-rows * r)
+        except ConvergenceError as exc:
+            raise ConvergenceError(f"{exc} (residuals: {show(history)})", history) from exc
+        damping = 1.0
+        while True:
+            trial = x + damping * scale * step
+            r_trial = residual(trial)
+            trial_size = _norm(rows * r_trial)
+            if trial_size < size or trial_size < settings.residual_tol:
+                break
+            damping *= 0.5
+            if damping < settings.min_damping:
+                raise ConvergenceError(f"Newton's method cannot lower the residual further (residuals: {show(history)})", history)
+        x, r = trial, r_trial
+        history.append(trial_size)
+        if damping == 1.0 and _norm(step) < settings.step_tol and trial_size < settings.residual_tol:
+            return Solution(x, tuple(history))
+    raise ConvergenceError(f"Newton's method did not converge in {settings.max_iterations} iterations "
+                           f"(residuals: {show(history)})", history)  # fmt: skip
+
+
+def show(history: list[float]) -> str:
+    """Return residual norms for a message."""
+    return ", ".join(f"{value:.1e}" for value in history) or "none"
+
+
+def _norm(v: Array) -> float:
+    largest = float(np.max(np.abs(v), initial=0.0))
+    return largest if np.isfinite(largest) else np.inf

@@ -1,0 +1,1 @@
+"""Ways to discretise the delay, one a file, behind one interface (design section 5)."""

@@ -1,0 +1,61 @@
+"""The errors a user can meet, each with the place, what was found, what was expected and what to do next."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, order=True)
+class Problem:
+    """One thing wrong in a text file; ``line`` and ``column`` count from 1 (0: the file as a whole)."""
+
+    path: str
+    line: int
+    column: int
+    message: str
+
+    def __str__(self) -> str:
+        place = f"{self.path}:{self.line}:{self.column}" if self.line else self.path
+        return f"{place}: {self.message}"
+
+
+class PddecontError(Exception):
+    """Base of all errors this program raises on purpose."""
+
+
+class InputError(PddecontError):
+    """A text file is wrong; ``problems`` holds everything found in it, in the file's order."""
+
+    def __init__(self, problems: Sequence[Problem]):
+        self.problems = tuple(sorted(problems))
+        super().__init__("\n".join(map(str, self.problems)))
+
+    @classmethod
+    def at(cls, path: str, line: int, column: int, message: str) -> InputError:
+        """Return the error for a single problem at ``path:line:column``."""
+        return cls([Problem(path, line, column, message)])
+
+
+class ModelError(InputError):
+    """The model file is wrong."""
+
+
+class RunError(InputError):
+    """The run file, or an option that overrides it, is wrong."""
+
+
+class SignatureError(PddecontError):
+    """The segments of a signature do not follow one another, or a trajectory has no signature."""
+
+
+class ConvergenceError(PddecontError):
+    """A computation did not converge; ``history`` holds the residual norms of its iterations."""
+
+    def __init__(self, message: str, history: Sequence[float] = ()):
+        self.history = tuple(history)
+        super().__init__(message)
+
+
+class ResultsError(PddecontError):
+    """A results file is missing, damaged, of another version, or must not be overwritten."""

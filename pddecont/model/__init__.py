@@ -1,0 +1,1 @@
+"""From text to a model: YAML document, checked expressions, symbolic system, numeric functions."""

@@ -1,0 +1,177 @@
+"""YAML text to plain data that remembers where each value stood.
+
+Only the YAML that the formats need: mappings with text keys, lists, text, numbers, booleans and null. Scalars are
+resolved here, so that ``1e-3`` is a number and nothing but ``true`` and ``false`` is a boolean.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from pddecont.errors import InputError, Problem
+
+MAX_BYTES = 1_000_000
+MAX_DEPTH = 40
+MAX_NODES = 50_000
+AMBIGUOUS_KEYS = {"yes", "no", "on", "off", "true", "false"}
+
+_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$")
+
+KeyPath = tuple[str | int, ...]
+
+
+@dataclass(frozen=True)
+class Mark:
+    """A place in a file; line and column count from 1."""
+
+    line: int
+    column: int
+
+
+@dataclass(frozen=True)
+class Document:
+    """A YAML file as plain data; ``values`` and ``keys`` give the place of each value and key by its path."""
+
+    path: str
+    text: str
+    data: Any
+    values: dict[KeyPath, Mark] = field(repr=False)
+    keys: dict[KeyPath, Mark] = field(repr=False)
+
+    def mark(self, path: KeyPath) -> Mark:
+        """Return the place of the value at ``path``, or of the nearest thing around it that the file holds."""
+        while path not in self.values and path:
+            path = path[:-1]
+        return self.values.get(path, Mark(1, 1))
+
+    def problem(self, path: KeyPath, message: str, *, offset: int = 0, key: bool = False) -> Problem:
+        """Return a problem placed at the value (or the key) at ``path``, ``offset`` characters into it."""
+        mark = self.keys.get(path, self.mark(path)) if key else self.mark(path)
+        return Problem(self.path, mark.line, mark.column + offset, message)
+
+
+def read_text(path: str | Path, error: type[InputError] = InputError) -> str:
+    """Return the file's text, or raise ``error`` that says why it cannot be read."""
+    try:
+        raw = Path(path).read_bytes()
+    except OSError as exc:
+        raise error.at(str(path), 0, 0, f"cannot be read: {exc.strerror}; check the path") from exc
+    try:
+        return raw.decode("utf-8")
+    except UnicodeDecodeError as exc:
+        raise error.at(str(path), 0, 0, f"is not UTF-8 text (byte {exc.start}); save it as UTF-8") from exc
+
+
+def parse_document(text: str, path: str, error: type[InputError] = InputError) -> Document:
+    """Return ``text`` as a :class:`Document`; raise ``error`` with every problem of YAML found."""
+    if len(text) > MAX_BYTES:
+        raise error.at(path, 0, 0, f"holds {len(text)} characters; at most {MAX_BYTES} are read")
+    try:
+        root = yaml.compose(text, Loader=yaml.SafeLoader)
+    except yaml.MarkedYAMLError as exc:
+        mark = exc.problem_mark or exc.context_mark
+        line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
+        what = " ".join(str(part) for part in (exc.context, exc.problem) if part)
+        raise error.at(path, line, column, f"not valid YAML: {what}") from exc
+    except yaml.YAMLError as exc:
+        raise error.at(path, 1, 1, f"not valid YAML: {' '.join(str(exc).split())}") from exc
+    except RecursionError as exc:
+        raise error.at(path, 1, 1, f"nested deeper than {MAX_DEPTH} levels; write it flatter") from exc
+    if root is None:
+        raise error.at(path, 1, 1, "the file is empty; expected a mapping such as 'name: my_model'")
+    builder = _Builder(path)
+    data = builder.build(root, ())
+    if builder.problems:
+        raise error(builder.problems)
+    if not isinstance(data, dict):
+        raise error.at(path, 1, 1, f"expected a mapping at the top of the file, found {kind_of(data)}")
+    return Document(path, text, data, builder.values, builder.keys)
+
+
+def kind_of(value: Any) -> str:
+    """Return what ``value`` is, in words for a message."""
+    names = {dict: "a mapping", list: "a list", str: "text", bool: "true/false", type(None): "nothing"}
+    return names.get(type(value), "a number")
+
+
+
+
+class _Builder:
+    """Walks the node tree once; counts what it visits, so that aliases cannot multiply without bound."""
+
+    def __init__(self, path: str):
+        self.path = path
+        self.problems: list[Problem] = []
+        self.values: dict[KeyPath, Mark] = {}
+        self.keys: dict[KeyPath, Mark] = {}
+        self.visited = 0
+
+    def complain(self, node: yaml.Node, message: str) -> None:
+        self.problems.append(Problem(self.path, node.start_mark.line + 1, node.start_mark.column + 1, message))
+
+    def build(self, node: yaml.Node, path: KeyPath) -> Any:
+        self.visited += 1
+        if self.visited > MAX_NODES or len(path) > MAX_DEPTH:
+            if self.visited < 2 * MAX_NODES:
+                self.complain(node, f"more than {MAX_NODES} values or {MAX_DEPTH} levels, counting each use of an anchor; "
+                                    "write the values out or make the file smaller")
+                self.visited = 2 * MAX_NODES
+            return None
+        quoted = isinstance(node, yaml.ScalarNode) and node.style in ("'", '"')
+        self.values[path] = Mark(node.start_mark.line + 1, node.start_mark.column + 1 + quoted)
+        if isinstance(node, yaml.MappingNode):
+            return self.mapping(node, path)
+        if isinstance(node, yaml.SequenceNode):
+            return [self.build(item, (*path, i)) for i, item in enumerate(node.value)]
+        return self.scalar(node)
+
+    def mapping(self, node: yaml.MappingNode, path: KeyPath) -> dict[str, Any]:
+        data: dict[str, Any] = {}
+        for key_node, value_node in node.value:
+            if self.visited > MAX_NODES:
+                break
+            if not isinstance(key_node, yaml.ScalarNode):
+                self.complain(key_node, "a key must be a plain name")
+                continue
+            key = key_node.value
+            here = (*path, key)
+            mark = Mark(key_node.start_mark.line + 1, key_node.start_mark.column + 1)
+            if key in data:
+                first = self.keys[here]
+                self.complain(key_node, f"key '{key}' stands twice in this mapping (first on line {first.line}); remove one")
+                continue
+            if key_node.style is None and key.lower() in AMBIGUOUS_KEYS and here[-2:] != ("effects", "off"):
+                self.complain(key_node, f"key '{key}' means true or false to many YAML readers; use another name")
+                continue
+            if key == "<<":
+                self.complain(key_node, "merge keys '<<' are not supported; write the keys out")
+                continue
+            self.keys[here] = mark
+            data[key] = self.build(value_node, here)
+        return data
+
+    def scalar(self, node: yaml.ScalarNode) -> Any:
+        text = node.value
+        if node.style is not None or node.tag == "!":
+            return text
+        if not node.tag.startswith("tag:yaml.org,2002:"):
+            self.complain(node, f"tags such as '{node.tag}' are not supported; remove it")
+            return None
+        if text in ("true", "false"):
+            return text == "true"
+        if text in ("", "~", "null"):
+            return None
+        if _NUMBER.match(text):
+            if text.lstrip("+-").isdigit() and len(text) < 16:
+                return int(text)
+            number = float(text)
+            if math.isinf(number):
+                self.complain(node, f"{text} is too large for a number of double precision")
+            return number
+        return text

@@ -1,0 +1,265 @@
+"""Text to sympy through a whitelist: numbers, declared names, arithmetic, a few functions, delayed values.
+
+The text is parsed by Python's own grammar into a syntax tree and never evaluated; each node that is not on the list is
+an error with its column.
+"""
+
+from __future__ import annotations
+
+import ast
+import difflib
+import keyword
+import math
+import re
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field
+
+import sympy
+
+MAX_LENGTH = 20_000
+MAX_NODES = 5_000
+MAX_DEPTH = 100
+
+FUNCTIONS: dict[str, tuple[Callable[..., sympy.Expr], int]] = {
+    "sin": (sympy.sin, 1), "cos": (sympy.cos, 1), "tan": (sympy.tan, 1),
+    "asin": (sympy.asin, 1), "acos": (sympy.acos, 1), "atan": (sympy.atan, 1), "atan2": (sympy.atan2, 2),
+    "sinh": (sympy.sinh, 1), "cosh": (sympy.cosh, 1), "tanh": (sympy.tanh, 1),
+    "exp": (sympy.exp, 1), "log": (sympy.log, 1), "sqrt": (sympy.sqrt, 1),
+}  # fmt: skip
+NONSMOOTH = {"abs", "sign", "sgn", "heaviside", "Heaviside", "min", "max", "Min", "Max", "Abs", "floor", "ceil", "mod"}
+IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*$")
+TIME = sympy.Symbol("t", real=True)
+PI_NAME = "pi"
+
+# Python keywords may be names in a model (`lambda` is a popular parameter): they are masked by names of equal length.
+_MASK = "\u00df"
+_KEYWORD = re.compile(r"\b(" + "|".join(keyword.kwlist) + r")\b")
+
+
+class ExpressionError(Exception):
+    """An expression is wrong at ``offset`` characters from its start."""
+
+    def __init__(self, message: str, offset: int = 0):
+        self.offset = offset
+        super().__init__(message)
+
+
+Builtin = Callable[["ast.Call", "Scope"], sympy.Expr]
+
+
+@dataclass(frozen=True)
+class Scope:
+    """What an expression may mention.
+
+    ``symbols`` maps names to what they stand for; ``delayed(state, delay)`` returns the symbol of a delayed value, or is
+    None where delays are not allowed; ``time`` says whether ``t`` may appear; ``builtins`` are functions of syntax nodes
+    (for monitors); ``place`` names the scope in messages.
+    """
+
+    symbols: Mapping[str, sympy.Expr]
+    states: Collection[str] = ()
+    delayed: Callable[[str, sympy.Expr], sympy.Expr] | None = None
+    time: bool = True
+    builtins: Mapping[str, Builtin] = field(default_factory=dict)
+    place: str = "this expression"
+    no_delay_because: str = "delayed values are not allowed here"
+
+
+def parse(text: str | float | int, scope: Scope) -> sympy.Expr:
+    """Return the sympy expression that ``text`` writes; raise :class:`ExpressionError` with an offset into it."""
+    if isinstance(text, bool):
+        raise ExpressionError("expected an expression, found true/false")
+    if isinstance(text, int | float):
+        return _number(text)
+    if len(text) > MAX_LENGTH:
+        raise ExpressionError(f"the expression has {len(text)} characters; at most {MAX_LENGTH} are read")
+    if not text.isascii():
+        offset = next(i for i, c in enumerate(text) if not c.isascii())
+        raise ExpressionError(f"character '{text[offset]}' is not allowed; write names in plain letters", offset)
+    tree = _syntax_tree(text)
+    return finite(build(tree, scope))
+
+
+def build(node: ast.expr, scope: Scope) -> sympy.Expr:
+    """Return the sympy expression of a syntax node (used by built-in functions for their arguments)."""
+    return _Translator(scope).visit(node, 0)
+
+
+def finite(expr: sympy.Expr) -> sympy.Expr:
+    """Return ``expr``, or raise if it holds an infinity or an undefined number."""
+    if expr.has(sympy.zoo, sympy.nan, sympy.oo, -sympy.oo):
+        raise ExpressionError("the expression is not finite (a division by zero, or a number too large)")
+    return expr
+
+
+def suggest(name: str, known: Collection[str]) -> str:
+    """Return "; did you mean 'x'?" for the known name closest to ``name``, or an empty text."""
+    close = difflib.get_close_matches(name, list(known), n=1)
+    return f"; did you mean '{close[0]}'?" if close else ""
+
+
+def _syntax_tree(text: str) -> ast.expr:
+    masked = _KEYWORD.sub(lambda m: m.group()[:-1] + _MASK, text.replace("\n", " ").replace("\t", " "))
+    stripped = masked.lstrip()
+    shift = len(masked) - len(stripped)
+    try:
+        # Parentheses let an expression span lines; they move columns by one.
+        tree = ast.parse(f"({stripped}\n)", mode="eval").body
+    except SyntaxError as exc:
+        offset = max(0, min((exc.offset or 2) - 2, len(stripped) - 1)) if (exc.lineno or 1) == 1 else len(stripped)
+        if not stripped.strip():
+            raise ExpressionError("the expression is empty; expected a number or a formula") from exc
+        raise ExpressionError(f"not an expression: {exc.msg.replace(_MASK, '')}", offset + shift) from exc
+    except (RecursionError, MemoryError, ValueError) as exc:
+        raise ExpressionError("the expression is nested too deeply; use definitions for its parts") from exc
+    for node in ast.walk(tree):
+        if hasattr(node, "col_offset"):
+            # Python counts columns in bytes, and the mask is two bytes long.
+            before = f"({stripped}".encode()[: node.col_offset].decode(errors="ignore")
+            node.col_offset = len(before) - 1 + shift
+    return tree
+
+
+def _unmask(name: str) -> str:
+    if not name.endswith(_MASK):
+        return name
+    return next(word for word in keyword.kwlist if word[:-1] == name[:-1] and len(word) == len(name))
+
+
+def _number(value: float) -> sympy.Expr:
+    if isinstance(value, int) and abs(value) < 2**53:
+        return sympy.Integer(value)
+    try:
+        value = float(value)
+    except OverflowError:
+        value = math.inf
+    if not math.isfinite(value):
+        raise ExpressionError("the number is too large for double precision")
+    return sympy.Float(value, 17)
+
+
+class _Translator:
+    def __init__(self, scope: Scope):
+        self.scope = scope
+        self.count = 0
+
+    def visit(self, node: ast.expr, depth: int) -> sympy.Expr:
+        self.count += 1
+        if self.count > MAX_NODES or depth > MAX_DEPTH:
+            raise ExpressionError(f"more than {MAX_NODES} terms or {MAX_DEPTH} levels; use definitions", node.col_offset)
+        if isinstance(node, ast.Constant):
+            if isinstance(node.value, bool) or not isinstance(node.value, int | float):
+                raise ExpressionError(f"{node.value!r} is not a number", node.col_offset)
+            try:
+                return _number(node.value)
+            except ExpressionError as exc:
+                raise ExpressionError(str(exc), node.col_offset) from exc
+        if isinstance(node, ast.Name):
+            return self.name(node)
+        if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.UAdd | ast.USub):
+            value = self.visit(node.operand, depth + 1)
+            return -value if isinstance(node.op, ast.USub) else value
+        if isinstance(node, ast.BinOp):
+            return self.binary(node, depth)
+        if isinstance(node, ast.Call):
+            return self.call(node, depth)
+        raise ExpressionError(
+            f"{_describe(node)} is not allowed; an expression holds numbers, names, + - * / **, parentheses and "
+            f"functions ({' '.join(FUNCTIONS)})", node.col_offset)  # fmt: skip
+
+    def name(self, node: ast.Name) -> sympy.Expr:
+        name = _unmask(node.id)
+        if name in self.scope.symbols:
+            return self.scope.symbols[name]
+        if name == "t":
+            if not self.scope.time:
+                raise ExpressionError(f"'t' is not allowed in {self.scope.place}", node.col_offset)
+            return TIME
+        if name == PI_NAME:
+            return sympy.pi
+        if name in FUNCTIONS or name in self.scope.builtins:
+            raise ExpressionError(f"'{name}' is a function: write {name}(...)", node.col_offset)
+        known = [*self.scope.symbols, "t", PI_NAME] if self.scope.time else [*self.scope.symbols, PI_NAME]
+        listed = ", ".join(sorted(self.scope.symbols)[:12])
+        hint = suggest(name, known) or f" (known: {listed})"
+        raise ExpressionError(f"'{name}' is not defined{hint}", node.col_offset)
+
+    def binary(self, node: ast.BinOp, depth: int) -> sympy.Expr:
+        if isinstance(node.op, ast.BitXor):
+            raise ExpressionError("'^' is not a power here; write **", node.col_offset)
+        a, b = self.visit(node.left, depth + 1), self.visit(node.right, depth + 1)
+        if isinstance(node.op, ast.Add):
+            return a + b
+        if isinstance(node.op, ast.Sub):
+            return a - b
+        if isinstance(node.op, ast.Mult):
+            return a * b
+        if isinstance(node.op, ast.Div):
+            if b == 0:
+                raise ExpressionError("division by zero", node.right.col_offset)
+            return a / b
+        if isinstance(node.op, ast.Pow):
+            return self.power(a, b, node)
+        raise ExpressionError("only + - * / and ** are allowed between terms", node.col_offset)
+
+    def power(self, a: sympy.Expr, b: sympy.Expr, node: ast.BinOp) -> sympy.Expr:
+        if a.is_number and b.is_number:
+            # In doubles, so that 9**9**9 cannot fill the memory with digits; small whole numbers stay exact.
+            if a.is_Integer and b.is_Integer and abs(b) <= 64 and abs(a) <= 64 and (a != 0 or b >= 0):
+                return a**b
+            try:
+                value = float(a) ** float(b)
+            except (OverflowError, ZeroDivisionError, TypeError, ValueError):
+                value = math.inf
+            if isinstance(value, complex) or not math.isfinite(value):
+                raise ExpressionError("this power is not a finite real number", node.col_offset)
+            return _number(value)
+        return a**b
+
+    def call(self, node: ast.Call, depth: int) -> sympy.Expr:
+        if not isinstance(node.func, ast.Name):
+            raise ExpressionError(f"calling {_describe(node.func)} is not allowed", node.col_offset)
+        name = _unmask(node.func.id)
+        if node.keywords or any(isinstance(a, ast.Starred) for a in node.args):
+            raise ExpressionError(f"{name}(...) takes plain arguments only", node.col_offset)
+        if name in self.scope.states:
+            return self.delayed(name, node, depth)
+        if name in self.scope.builtins:
+            return self.scope.builtins[name](node, self.scope)
+        if name in FUNCTIONS:
+            function, n_args = FUNCTIONS[name]
+            if len(node.args) != n_args:
+                raise ExpressionError(f"{name} takes {n_args} argument(s), found {len(node.args)}", node.col_offset)
+            return function(*(self.visit(arg, depth + 1) for arg in node.args))
+        if name in NONSMOOTH:
+            raise ExpressionError(f"'{name}' is not smooth: write one mode for each side of its corner and an event "
+                                  "function that is zero there", node.col_offset)  # fmt: skip
+        if name in self.scope.symbols:
+            raise ExpressionError(f"'{name}' cannot be called: only a state can be delayed, as in x(t - tau)", node.col_offset)
+        raise ExpressionError(f"unknown function '{name}'{suggest(name, FUNCTIONS)}", node.col_offset)
+
+    def delayed(self, state: str, node: ast.Call, depth: int) -> sympy.Expr:
+        if len(node.args) != 1:
+            raise ExpressionError(f"a delayed value is written {state}(t - delay)", node.col_offset)
+        if self.scope.delayed is None:
+            raise ExpressionError(self.scope.no_delay_because, node.col_offset)
+        inner = Scope({**self.scope.symbols, "t": TIME}, time=True, place="a delay")
+        argument = _Translator(inner).visit(node.args[0], depth + 1)
+        delay = sympy.expand(TIME - argument)
+        if TIME in delay.free_symbols:
+            raise ExpressionError(f"a delayed value is written {state}(t - delay), with a delay that does not depend on t",
+                                  node.args[0].col_offset)  # fmt: skip
+        try:
+            return self.scope.delayed(state, delay)
+        except ExpressionError as exc:
+            raise ExpressionError(str(exc), node.args[0].col_offset) from exc
+
+
+def _describe(node: ast.AST) -> str:
+    names = {
+        ast.Attribute: "an attribute (a dot)", ast.Subscript: "an index in brackets", ast.Compare: "a comparison",
+        ast.BoolOp: "and/or", ast.IfExp: "if/else", ast.Lambda: "lambda", ast.List: "a list", ast.Tuple: "a tuple (a comma)",
+        ast.Dict: "a mapping", ast.Set: "a set", ast.NamedExpr: "an assignment", ast.JoinedStr: "text",
+        ast.UnaryOp: "this operator", ast.Starred: "'*' before a name", ast.Call: "the result of a call",
+    }  # fmt: skip
+    return names.get(type(node), f"'{type(node).__name__}'")

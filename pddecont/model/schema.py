@@ -1,0 +1,71 @@
+"""The shape of a model file (design section 2): which keys, which kinds of values."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field, model_validator
+from pydantic_core import PydanticCustomError
+
+from pddecont.model.validation import Formula, Identifier, NewName, Strict
+
+
+class Forcing(Strict):
+    """Present when ``t`` appears in the model: the period after which the model repeats itself."""
+
+    period: Formula = Field(description="period of everything that depends on t")
+
+
+class DelayedEvent(Strict):
+    """An event that happens a fixed time after another."""
+
+    after: Identifier = Field(description="event that starts the clock")
+    delay: Formula = Field(description="time from that event to this one")
+
+
+class Segment(Strict):
+    """A smooth arc: where it runs, what ends it, what happens then, where it leads."""
+
+    mode: Identifier = Field(description="mode whose vector field holds")
+    event: Identifier = Field(description="event that ends the segment")
+    direction: Literal["rising", "falling", "any"] = Field("any", description="how the event function passes zero")
+    reset: Identifier = Field("identity", description="reset applied at the event")
+    to: Identifier = Field(description="mode that follows")
+
+
+class Effect(Strict):
+    """A part of the model that a run may leave out, and what leaving it out means."""
+
+    set: dict[Identifier, Formula] = Field(default_factory=dict, description="parameter values without the effect")
+    drop: list[Identifier] = Field(default_factory=list, description="events that never happen without the effect")
+
+    @model_validator(mode="after")
+    def _says_something(self) -> Effect:
+        if not self.set and not self.drop:
+            raise PydanticCustomError("effect", "an effect needs 'set' (parameter values) or 'drop' (events)", {})
+        return self
+
+
+def _event(value: Any) -> Any:
+    return DelayedEvent.model_validate(value) if isinstance(value, dict) else value
+
+
+Event = Annotated[Formula | DelayedEvent, BeforeValidator(_event)]
+
+
+class ModelFile(Strict):
+    """A piecewise-smooth delay differential equation (design section 2)."""
+
+    name: str = Field(description="name of the model")
+    reference: str | None = Field(None, description="where the model comes from")
+    states: list[NewName] = Field(min_length=1, description="names of the states")
+    parameters: dict[NewName, float] = Field(default_factory=dict, description="parameters and their values")
+    definitions: dict[NewName, Formula] = Field(default_factory=dict, description="named parts of expressions")
+    forcing: Forcing | None = None
+    modes: dict[Identifier, dict[str, Formula]] = Field(min_length=1, description="vector fields: {x': expression}")
+    events: dict[Identifier, Event] = Field(default_factory=dict, description="event functions; the event is their zero")
+    resets: dict[Identifier, dict[Identifier, Formula]] = Field(default_factory=dict, description="states after the event")
+    segments: dict[Identifier, Segment] = Field(default_factory=dict, description="arcs that a signature is made of")
+    effects: dict[Identifier, Effect] = Field(default_factory=dict, description="parts that a run may leave out")
+    initial: dict[str, Formula] = Field(default_factory=dict, description="mode and history for t <= 0")
+    run: dict[str, Any] | None = Field(None, description="the run that 'pddecont run' does on this file")

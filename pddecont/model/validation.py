@@ -1,0 +1,125 @@
+"""Pydantic's findings, mapped back to the place in the file and worded for the person who wrote it."""
+
+from __future__ import annotations
+
+import re
+import types
+from typing import Annotated, Any, Union, get_args, get_origin
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError, WithJsonSchema
+from pydantic_core import PydanticCustomError
+
+from pddecont.errors import Problem
+from pddecont.model.document import Document, KeyPath, kind_of
+from pddecont.model.expression import FUNCTIONS, IDENTIFIER, PI_NAME, suggest
+
+RESERVED = {"t", PI_NAME, "mode", *FUNCTIONS}
+
+
+class Strict(BaseModel):
+    """A mapping of the file format: unknown keys are errors, values are never converted."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, arbitrary_types_allowed=True)
+
+
+def _identifier(value: Any) -> str:
+    if not isinstance(value, str):
+        raise PydanticCustomError("name", "expected a name, found {found}", {"found": kind_of(value)})
+    if not IDENTIFIER.match(value):
+        raise PydanticCustomError("name", "'{name}' is not a name: letters, digits and _, not starting with a digit",
+                                  {"name": value})  # fmt: skip
+    return value
+
+
+def _new_name(value: Any) -> str:
+    name = _identifier(value)
+    if name in RESERVED:
+        raise PydanticCustomError("name", "'{name}' has a meaning of its own in expressions; choose another name", {"name": name})
+    return name
+
+
+def _formula(value: Any) -> str | float:
+    if isinstance(value, bool) or not isinstance(value, str | int | float):
+        raise PydanticCustomError("formula", "expected a number or a formula, found {found}", {"found": kind_of(value)})
+    return value
+
+
+_FORMULA_SCHEMA = {"anyOf": [{"type": "number"}, {"type": "string"}]}
+Identifier = Annotated[str, BeforeValidator(_identifier)]
+NewName = Annotated[str, BeforeValidator(_new_name)]
+Formula = Annotated[str | float, BeforeValidator(_formula), WithJsonSchema(_FORMULA_SCHEMA)]
+
+
+def validate(document: Document, cls: type[BaseModel], base: KeyPath = ()) -> tuple[Any, list[Problem]]:
+    """Return the ``cls`` object in ``document`` under ``base`` (or None) and the problems found in it."""
+    data = document.data
+    for part in base:
+        data = data[part]
+    if not isinstance(data, dict):
+        return None, [document.problem(base, f"expected a mapping, found {kind_of(data)}")]
+    try:
+        return cls.model_validate(data), []
+    except ValidationError as exc:
+        found = {}
+        for error in exc.errors(include_url=False):
+            problem = _problem(document, cls, base, error)
+            found[(problem.line, problem.column)] = problem
+        return None, list(found.values())
+
+
+def _problem(document: Document, cls: type[BaseModel], base: KeyPath, error: Any) -> Problem:
+    loc, at_key = _clean(error["loc"])
+    path = (*base, *loc)
+    kind, context = error["type"], error.get("ctx") or {}
+    if kind == "extra_forbidden":
+        known = _fields_at(cls, loc[:-1])
+        hint = suggest(str(loc[-1]), known)
+        return document.problem(path, f"unknown key '{loc[-1]}'{hint} (keys here: {', '.join(known)})", key=True)
+    if kind == "missing":
+        return document.problem(path[:-1], f"key '{loc[-1]}' is missing here; add it")
+    found = kind_of(error["input"])
+    expected = {
+        "string_type": "text", "dict_type": "a mapping", "model_type": "a mapping", "list_type": "a list",
+        "tuple_type": "a list", "int_type": "a whole number", "float_type": "a number", "bool_type": "true or false",
+        "int_from_float": "a whole number",
+    }.get(kind)  # fmt: skip
+    if expected:
+        return document.problem(path, f"expected {expected}, found {found}", key=at_key)
+    if kind == "literal_error":
+        hint = suggest(str(error["input"]), re.findall(r"'(\w+)'", context.get("expected", "")))
+        return document.problem(path, f"expected {context['expected']}, found '{error['input']}'{hint}")
+    message = error["msg"]
+    return document.problem(path, message[0].lower() + message[1:], key=at_key)
+
+
+def _clean(loc: tuple[Any, ...]) -> tuple[KeyPath, bool]:
+    """Return the file path of a pydantic location and whether it speaks of a key (pydantic marks those ``[key]``)."""
+    at_key = bool(loc) and loc[-1] == "[key]"
+    return tuple(part for part in loc if part != "[key]"), at_key
+
+
+def _fields_at(cls: Any, loc: KeyPath) -> list[str]:
+    """Return the keys that the format allows at ``loc`` below the mapping ``cls``."""
+    for part in loc:
+        cls = _bare(cls)
+        if isinstance(cls, type) and issubclass(cls, BaseModel):
+            by_key = {info.alias or name: info.annotation for name, info in cls.model_fields.items()}
+            cls = by_key.get(str(part))
+        else:
+            cls = get_args(cls)[-1] if get_args(cls) else None
+    cls = _bare(cls)
+    if isinstance(cls, type) and issubclass(cls, BaseModel):
+        return [info.alias or name for name, info in cls.model_fields.items()]
+    return []
+
+
+def _bare(annotation: Any) -> Any:
+    """Return the annotation without Annotated, Optional and unions with plain values."""
+    while True:
+        if get_origin(annotation) is Annotated:
+            annotation = get_args(annotation)[0]
+        elif get_origin(annotation) in (Union, types.UnionType):
+            parts = [a for a in get_args(annotation) if a is not type(None)]
+            annotation = next((a for a in parts if isinstance(_bare(a), type) and issubclass(_bare(a), BaseModel)), parts[0])
+        else:
+            return annotation

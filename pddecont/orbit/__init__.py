@@ -1,0 +1,1 @@
+"""The multi-segment boundary-value problem that a periodic orbit solves (design section 5)."""

@@ -1,0 +1,67 @@
+"""Whether an orbit does what its signature says: each event crossed in its direction, none crossed unlisted."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pddecont.orbit.extrema import Profile, profile
+from pddecont.orbit.problem import OrbitProblem
+
+Array = NDArray[np.float64]
+RELATIVE_ZERO = 1e-9
+
+
+def event_profiles(problem: OrbitProblem, x: Array) -> dict[str, Profile]:
+    """Return the event functions along the orbit, by event, for all that some mode of the orbit watches."""
+    model = problem.numeric.model
+    modes = {segment.mode for segment in problem.segments}
+    watched = dict.fromkeys(s.event for s in model.segments.values() if s.mode in modes)
+    return {name: profile(problem, x, problem.numeric.event(name)) for name in watched if model.events[name].function is not None}
+
+
+def watched_events(problem: OrbitProblem, s: int) -> Iterator[tuple[str, str, bool]]:
+    """Yield (event, direction, whether it ends the segment) for the events with a function that segment ``s`` watches."""
+    model = problem.numeric.model
+    here = problem.segments[s]
+    seen = set()
+    for segment in model.segments.values():
+        key = (segment.event, segment.direction)
+        if segment.mode == here.mode and key not in seen and model.events[segment.event].function is not None:
+            seen.add(key)
+            yield segment.event, segment.direction, key == (here.event, here.direction)
+
+
+def objections(problem: OrbitProblem, x: Array, profiles: dict[str, Profile] | None = None) -> list[str]:
+    """Return what makes the orbit inadmissible, in words; an empty list for an admissible orbit."""
+    profiles = event_profiles(problem, x) if profiles is None else profiles
+    result = []
+    durations = x[problem.layout.durations]
+    for s, segment in enumerate(problem.segments):
+        if durations[s] <= 0.0:
+            result.append(f"segment {s + 1} ({segment.name}) has duration {durations[s]:.3g}")
+            continue
+        for event, direction, terminal in watched_events(problem, s):
+            result += [f"segment {s + 1} ({segment.name}): {text}" for text in _crossings(profiles[event], s, event, direction, terminal)]
+    return result
+
+
+def _crossings(profile: Profile, s: int, event: str, direction: str, terminal: bool) -> Iterator[str]:
+    start, end = profile.ends(s)
+    interior = [e.value for e in profile.extrema() if e.segment == s]
+    levels = np.array([start, *interior, end])
+    zero = RELATIVE_ZERO * max(float(np.max(np.abs(profile.values))), np.finfo(float).tiny)
+    signs = np.where(np.abs(levels) <= zero, 0, np.sign(levels)).astype(int)
+    if terminal:
+        signs[-1] = 0
+        came_from = next((int(sign) for sign in signs[-2::-1] if sign), 0)
+        wrong = {"rising": 1, "falling": -1}.get(direction)
+        if came_from and came_from == wrong:
+            yield f"event '{event}' is crossed {'falling' if wrong == 1 else 'rising'} at its end, not {direction}"
+    known = [int(sign) for sign in signs if sign]
+    for before, after in zip(known, known[1:], strict=False):
+        rises = after > before
+        if before != after and (direction == "any" or rises == (direction == "rising")):
+            yield f"event '{event}' is also crossed {'rising' if rises else 'falling'} inside"

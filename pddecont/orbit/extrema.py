@@ -1,0 +1,108 @@
+"""Extrema of an expression along an orbit, from the polynomials and not from samples."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pddecont.model.codegen import ArrayFunction
+from pddecont.orbit.basis import make_basis
+from pddecont.orbit.mesh import Places
+from pddecont.orbit.problem import OrbitProblem, read
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Extremum:
+    """A local extremum inside a segment; ``time`` counts from the orbit's start, ``is_max`` tells which kind."""
+
+    segment: int
+    interval: int
+    sigma: float
+    time: float
+    value: float
+    is_max: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Profile:
+    """A function along an orbit as one polynomial a mesh interval.
+
+    ``values`` (n_intervals, degree + 1) are taken at the base points of the basis of ``degree``.
+    """
+
+    degree: int
+    values: Array
+    segment: NDArray[np.intp]
+    start: Array
+    h: Array
+
+    def ends(self, s: int) -> tuple[float, float]:
+        """Return the values at the start and the end of segment ``s``."""
+        inside = np.flatnonzero(self.segment == s)
+        return float(self.values[inside[0], 0]), float(self.values[inside[-1], -1])
+
+    def extrema(self) -> list[Extremum]:
+        """Return all local extrema inside segments, in order of time."""
+        return list(_extrema(self))
+
+
+def profile(problem: OrbitProblem, x: Array, function: ArrayFunction, row: int = 0) -> Profile:
+    """Return expression ``row`` of ``function`` along the orbit with unknowns ``x``.
+
+    An expression that is linear in the states is a polynomial of the orbit's degree; any other is interpolated at twice
+    that degree.
+    """
+    mesh = problem.mesh
+    degree = mesh.degree if _is_linear(function, row) else 2 * mesh.degree
+    base = make_basis(degree).base
+    places = Places(np.repeat(np.arange(mesh.n_intervals), len(base)), np.tile(base, mesh.n_intervals))
+    reads = read(problem, x, places, delays=function.uses_delayed())
+    values = function.value(reads.t, reads.x, reads.xd, reads.p)[row].reshape(mesh.n_intervals, -1)
+    return Profile(degree, values, mesh.segment, mesh.start @ reads.theta, reads.h)
+
+
+def _is_linear(function: ArrayFunction, row: int) -> bool:
+    expr = function.exprs[row]
+    slopes = [expr.diff(s) for s in function.states]
+    return not (set().union(*(s.free_symbols for s in slopes)) - set(function.parameters)) and (
+        expr.free_symbols <= {*function.states, *function.parameters})
+
+
+def _extrema(profile: Profile) -> Iterator[Extremum]:
+    basis = make_basis(profile.degree)
+    slopes = profile.values @ basis.differentiate.T
+    to_power = np.linalg.inv(np.vander(basis.base, increasing=True))
+    to_power_slope = (np.diag(np.arange(1.0, profile.degree + 1), 1)[:-1] @ to_power)
+    for j, values in enumerate(profile.values):
+        # A slope without a change of sign among many points has no root inside but for a rounding-wide pair.
+        yield from _inside(profile, j, values, to_power_slope @ values)
+        last = j + 1 == len(profile.values) or profile.segment[j + 1] != profile.segment[j]
+        if not last and slopes[j, -1] * slopes[j + 1, 0] < 0.0:
+            yield _make(profile, j, 1.0, float(values[-1]), bool(slopes[j, -1] > 0))
+
+
+def _inside(profile: Profile, j: int, values: Array, slope: Array) -> Iterator[Extremum]:
+    """Yield the extrema strictly inside interval ``j``; ``slope`` are the power coefficients of the derivative."""
+    coefficients = slope[::-1]
+    largest = np.max(np.abs(coefficients), initial=0.0)
+    if largest == 0.0 or not np.isfinite(largest):
+        return
+    roots = np.roots(np.where(np.abs(coefficients) > 1e-15 * largest, coefficients, 0.0))
+    inside = np.sort(roots.real[(np.abs(roots.imag) < 1e-9) & (roots.real > 0.0) & (roots.real < 1.0)])
+    curvature = np.polyder(coefficients)
+    for sigma in inside:
+        bend = np.polyval(curvature, sigma)
+        if bend != 0.0:
+            sigma = min(max(sigma - np.polyval(coefficients, sigma) / bend, 0.0), 1.0)
+        value = float(make_basis(profile.degree).lagrange(np.array(sigma)) @ values)
+        yield _make(profile, j, float(sigma), value, bool(bend < 0))
+
+
+def _make(profile: Profile, j: int, sigma: float, value: float, is_max: bool) -> Extremum:
+    time = float(profile.start[j] + sigma * profile.h[j])
+    return Extremum(int(profile.segment[j]), j, sigma, time, value, is_max)

@@ -1,0 +1,210 @@
+"""The residual's derivatives in all unknowns: one pattern a mesh, refilled at every call.
+
+Block pattern, with columns in the order of the unknowns (J intervals, S segments):
+
+                    base values                    T_s   t_0   free
+    collocation   [ diagonal blocks + delayed reads | full  full  full ]
+    resets        [ one start, one end, its reads   | full  full  full ]
+    events        [ one end, its reads              | full  full  full ]
+    period        [                                 | ones        full ]
+
+A delayed read touches one interval's base points (direct) or all base points of one state (chain). The matrix is
+returned sparse in the first case and dense in the second.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from pddecont.delay.operator import FullWeights, LocalWeights
+from pddecont.model.codegen import Derivatives
+from pddecont.orbit.problem import OrbitProblem, Reads, read
+from pddecont.orbit.residual import Rows, end_point, mode_sites, phase_weights
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.intp]
+Matrix = Array | sp.csc_matrix
+
+
+@dataclass(frozen=True, eq=False)
+class Triplets:
+    """Entries of a matrix by row, column and value; entries at the same place add up."""
+
+    rows: Ints
+    columns: Ints
+    values: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Pattern:
+    """A sparse matrix's structure, found once from the places of its entries."""
+
+    shape: tuple[int, int]
+    rows: Ints
+    columns: Ints
+
+    @cached_property
+    def _order(self) -> tuple[Ints, Ints, Ints]:
+        key = self.columns * self.shape[0] + self.rows
+        unique, inverse = np.unique(key, return_inverse=True)
+        indptr = np.searchsorted(unique, np.arange(self.shape[1] + 1) * self.shape[0])
+        return unique % self.shape[0], indptr, inverse
+
+    def fits(self, rows: Ints, columns: Ints) -> bool:
+        """Whether entries at these places have this structure."""
+        return np.array_equal(self.columns, columns) and np.array_equal(self.rows, rows)
+
+    def fill(self, values: Array) -> sp.csc_matrix:
+        """Return the matrix with these values."""
+        indices, indptr, inverse = self._order
+        data = np.bincount(inverse, weights=values, minlength=len(indices))
+        return sp.csc_matrix((data, indices, indptr), shape=self.shape)
+
+
+class Assembler:
+    """Jacobian of one problem; keeps the pattern between calls while the delayed reads stay in their intervals."""
+
+    def __init__(self, problem: OrbitProblem):
+        self.problem = problem
+        self.rows = Rows(problem.layout)
+        self.pattern: Pattern | None = None
+
+    def __call__(self, x: Array, sites: Reads | None = None) -> Matrix:
+        """Return d residual / d x, shape (n_equations, n_unknowns); ``sites`` if the orbit has been read already."""
+        problem = self.problem
+        sites = sites or read(problem, x, problem.mesh.sites)
+        blocks = _Blocks(problem, self.rows, sites)
+        triplets = blocks.assemble()
+        shape = (self.rows.size, problem.layout.size)
+        if blocks.dense:
+            matrix = np.bincount(triplets.rows * shape[1] + triplets.columns, weights=triplets.values,
+                                 minlength=shape[0] * shape[1]).reshape(shape)  # fmt: skip
+            for rows, state, values in blocks.dense:
+                matrix[rows, state : problem.layout.values.stop : problem.layout.n_states] += values
+            return matrix
+        if self.pattern is None or not self.pattern.fits(triplets.rows, triplets.columns):
+            self.pattern = Pattern(shape, triplets.rows, triplets.columns)
+        return self.pattern.fill(triplets.values)
+
+
+class _Blocks:
+    """Collects the entries of one Jacobian."""
+
+    def __init__(self, problem: OrbitProblem, rows: Rows, sites: Reads):
+        self.problem, self.equations, self.sites = problem, rows, sites
+        self.mesh, self.layout, self.numeric = problem.mesh, problem.layout, problem.numeric
+        self.n = self.numeric.n_states
+        self.parts: list[Triplets] = []
+        self.dense: list[tuple[Ints, int, Array]] = []
+        # Unknown part of theta: durations are unknowns themselves, delays move with free parameters.
+        self.delay_slopes = self.numeric.delays.derivatives(sites.p, problem.free_index)
+        moving = np.flatnonzero(np.any(self.delay_slopes != 0.0, axis=1))
+        self.which = [*range(self.mesh.n_segments), *(self.mesh.n_segments + k for k in moving)]
+        self.to_free = self.delay_slopes[moving]
+        delayed = self.numeric.model.delayed
+        self.xd_theta = np.zeros((len(delayed), self.mesh.n_sites, len(self.which)))
+        for k, operator in enumerate(sites.operators):
+            reads = [i for i, (_, delay) in enumerate(delayed) if delay == k]
+            states = [delayed[i][0] for i in reads]
+            self.xd_theta[reads] = np.moveaxis(operator.theta_derivative(sites.values[:, states], self.which), 1, 0)
+
+    def add(self, rows: Array | Ints, columns: Array | Ints, values: Array) -> None:
+        rows, columns, values = np.broadcast_arrays(rows, columns, values)
+        self.parts.append(Triplets(rows.ravel(), columns.ravel(), values.ravel()))
+
+    def assemble(self) -> Triplets:
+        self.collocation()
+        self.ends()
+        self.period()
+        return Triplets(*(np.concatenate([getattr(p, f) for p in self.parts]) for f in ("rows", "columns", "values")))
+
+    def others(self, rows: Ints, points: Ints, d: Derivatives, factor: Array, extra: Array) -> None:
+        """Add the columns of durations, start and free parameters for ``factor`` * function at ``points``.
+
+        ``rows`` (n_out, n_points) are the equations, ``factor`` (n_points,) multiplies the function, ``extra`` (n_points,
+        n_theta) is the factor's own derivative in theta.
+        """
+        S, layout = self.mesh.n_segments, self.layout
+        times = self.mesh.site_times[points][:, self.which]
+        slope = d.dt[:, :, None] * times + np.einsum("oqc,qcr->ocr", d.dxd, self.xd_theta[:, points])
+        slope = factor[:, None] * slope + d.value[:, :, None] * extra[:, self.which]
+        columns = np.arange(layout.durations.start, layout.durations.stop)
+        self.add(rows[:, :, None], columns, slope[:, :, :S])
+        if layout.forced:
+            self.add(rows, layout.start.start, factor * d.dt)
+        if layout.n_free:
+            columns = np.arange(layout.free.start, layout.free.stop)
+            at_free = factor[:, None] * np.moveaxis(d.dp, 1, 2) + slope[:, :, S:] @ self.to_free
+            self.add(rows[:, :, None], columns, at_free)
+
+    def reads(self, rows: Ints, points: Ints, dxd: Array) -> None:
+        """Add the delayed reads: ``dxd`` (n_out, n_delayed, n_points) times the weights at ``points``."""
+        for q, (state, delay) in enumerate(self.numeric.model.delayed):
+            weights = self.sites.operators[delay].weights
+            for i in range(len(rows)):
+                if not np.any(dxd[i, q]):
+                    continue
+                if isinstance(weights, FullWeights):
+                    self.dense.append((rows[i], state, dxd[i, q][:, None] * weights.weights[points]))
+                elif isinstance(weights, LocalWeights):
+                    columns = self.layout.value_index[weights.columns[points], state]
+                    self.add(rows[i][:, None], columns, dxd[i, q][:, None] * weights.weights[points])
+
+    def collocation(self) -> None:
+        mesh, n = self.mesh, self.n
+        all_rows = np.arange(self.equations.n_collocation).reshape(mesh.n_collocation, n)
+        columns = self.layout.value_index[mesh.base_index]  # (J, m + 1, n)
+        row_blocks = all_rows.reshape(mesh.n_intervals, mesh.degree, n)
+        self.add(row_blocks[:, :, None, :], columns[:, None, :, :], mesh.basis.slopes[None, :, :, None])
+        h = np.repeat(self.sites.h, mesh.degree)
+        h_theta = np.repeat(mesh.length, mesh.degree, axis=0)
+        for mode, points in mode_sites(self.problem):
+            s = self.sites
+            d = self.numeric.mode(mode).derivatives(s.t[points], s.x[:, points], s.xd[:, points], s.p, self.problem.free_index)
+            interval, node = np.divmod(points, mesh.degree)
+            rows = all_rows[points].T
+            # -h df/dx at the node, spread over the interval's base points; only entries that can be non-zero
+            for i, k in np.argwhere(np.any(d.dx != 0.0, axis=2)):
+                block = (-h[points] * d.dx[i, k])[:, None] * mesh.basis.values[node]
+                self.add(rows[i][:, None], columns[interval, :, k], block)
+            self.reads(rows, points, -h[points] * d.dxd)
+            self.others(rows, points, d, -h[points], -h_theta[points])
+
+    def ends(self) -> None:
+        mesh, n = self.mesh, self.n
+        for s, segment in enumerate(self.problem.segments):
+            at_end = end_point(self.problem, self.sites, s)
+            point = np.array([mesh.n_collocation + s])
+            end = self.layout.value_index[mesh.last_base[s]]
+            rows = (self.equations.resets + s * n + np.arange(n))[:, None]
+            start = self.layout.value_index[mesh.first_base[(s + 1) % mesh.n_segments]]
+            self.add(rows[:, 0], start, np.ones(n))
+            d = self.numeric.reset(segment.reset).derivatives(*at_end, self.problem.free_index)
+            self.condition(rows, point, end, d, -1.0)
+            row = np.array([[self.equations.events + s]])
+            if segment.event:
+                self.condition(row, point, end, self.numeric.event(segment.event).derivatives(*at_end, self.problem.free_index), 1.0)
+            elif self.layout.forced:
+                self.add(row, self.layout.start.start, np.ones(1))
+            else:
+                self.add(row, np.arange(self.layout.values.stop), phase_weights(self.problem))
+
+    def condition(self, rows: Ints, point: Ints, end: Ints, d: Derivatives, sign: float) -> None:
+        """Add ``sign`` times a function of a segment's end."""
+        self.add(rows, end, sign * d.dx[:, :, 0])
+        self.reads(rows, point, sign * d.dxd)
+        self.others(rows, point, d, np.full(1, sign), np.zeros((1, self.mesh.length.shape[1])))
+
+    def period(self) -> None:
+        if not self.layout.forced:
+            return
+        row, layout = self.equations.period, self.layout
+        self.add(row, np.arange(layout.durations.start, layout.durations.stop), np.ones(self.mesh.n_segments))
+        if layout.n_free:
+            slope = self.numeric.period.derivatives(self.sites.p, self.problem.free_index)[0]
+            self.add(row, np.arange(layout.free.start, layout.free.stop), -self.problem.n_periods * slope)

@@ -1,0 +1,169 @@
+"""Monitor functions: numbers recorded at every point, written as expressions over built-ins (design section 3)."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import sympy
+from numpy.typing import NDArray
+
+from pddecont.model.codegen import ArrayFunction, NumericModel, ParameterFunction
+from pddecont.model.expression import ExpressionError, Scope, build, parse, suggest
+from pddecont.model.system import Model, delayed_symbol, symbol
+from pddecont.orbit.extrema import Extremum, profile
+from pddecont.orbit.mesh import Places
+from pddecont.orbit.problem import OrbitProblem, read
+
+Array = NDArray[np.float64]
+Measure = Callable[[OrbitProblem, Array], float]
+
+
+@dataclass(frozen=True, eq=False)
+class Monitor:
+    """A named expression over measures of an orbit and parameters."""
+
+    name: str
+    measures: tuple[Measure, ...]
+    function: ParameterFunction
+
+    def value(self, problem: OrbitProblem, x: Array) -> float:
+        """Return the monitor at the orbit ``x``; NaN where a part of it is not defined."""
+        parts = [measure(problem, x) for measure in self.measures]
+        return float(self.function.value(np.concatenate([problem.all_parameters(x), parts]))[0])
+
+
+def parse_monitor(numeric: NumericModel, name: str, text: str | float) -> Monitor:
+    """Return the monitor that ``text`` writes; raise :class:`ExpressionError` with an offset into it."""
+    model = numeric.model
+    measures: list[Measure] = []
+    symbols: list[sympy.Symbol] = []
+
+    def measure(function: Measure) -> sympy.Symbol:
+        measures.append(function)
+        symbols.append(sympy.Symbol(f"measure {len(measures)}", real=True))
+        return symbols[-1]
+
+    inner = model.scope("a monitor", delayed=_known_delays(model))
+
+    def along(reduce: Callable[[OrbitProblem, Array, ArrayFunction], float]) -> Callable[[ast.Call, Scope], sympy.Expr]:
+        def builtin(node: ast.Call, _: Scope) -> sympy.Expr:
+            function = numeric.function([build(_only(node), inner)])
+            return measure(lambda problem, x: reduce(problem, x, function))
+
+        return builtin
+
+    def at(node: ast.Call, _: Scope) -> sympy.Expr:
+        if len(node.args) != 2:
+            raise ExpressionError("at takes a segment and an expression: at(segment, expression)", node.col_offset)
+        segment = _name(node.args[0], model.segments, "segment")
+        function = numeric.function([build(node.args[1], inner)])
+        return measure(lambda problem, x: _at(problem, x, segment, function))
+
+    def time_in(node: ast.Call, _: Scope) -> sympy.Expr:
+        mode = _name(_only(node), model.modes, "mode")
+        return measure(lambda problem, x: _time_in(problem, x, mode))
+
+    def extremum(node: ast.Call, _: Scope) -> sympy.Expr:
+        event = _name(_only(node), [e.name for e in model.events.values() if e.function is not None], "event")
+        return measure(lambda problem, x: _extremum(problem, x, event))
+
+    builtins = {"min": along(_min), "max": along(_max), "mean": along(_mean), "amplitude": along(_amplitude),
+                "at": at, "time_in": time_in, "extremum": extremum}  # fmt: skip
+    parameters = {p: symbol(p) for p in model.parameters}
+    period = measure(lambda problem, x: problem.period(x))
+    scope = Scope({**parameters, "period": period}, states=model.states, time=False, builtins=builtins, place="a monitor",
+                  no_delay_because="a state varies along the orbit: write max(...), mean(...) or at(segment, ...)")  # fmt: skip
+    try:
+        expr = parse(text, scope)
+    except ExpressionError as exc:
+        bare = next((s for s in model.states if str(exc).startswith(f"'{s}' is not defined")), None)
+        if bare:
+            raise ExpressionError(f"state '{bare}' varies along the orbit: write max({bare}), mean({bare}), or "
+                                  f"at(segment, {bare})", exc.offset) from exc  # fmt: skip
+        raise
+    function = ArrayFunction((expr,), (), (), (*model.parameter_symbols, *symbols))
+    used = expr.free_symbols
+    kept = tuple(m if s in used else _nothing for m, s in zip(measures, symbols, strict=True))
+    return Monitor(name, kept, ParameterFunction(function))
+
+
+def _nothing(problem: OrbitProblem, x: Array) -> float:
+    return 0.0
+
+
+def _known_delays(model: Model) -> Callable[[str, sympy.Expr], sympy.Expr]:
+    def delayed(state: str, delay: sympy.Expr) -> sympy.Expr:
+        if delay == 0:
+            return symbol(state)
+        for i, k in model.delayed:
+            if model.states[i] == state and model.delays[k] == delay:
+                return delayed_symbol(state, delay)
+        known = ", ".join(delayed_symbol(model.states[i], model.delays[k]).name for i, k in model.delayed)
+        raise ExpressionError(f"a monitor reads only delayed values that the model itself uses ({known or 'none'})")
+
+    return delayed
+
+
+def _only(node: ast.Call) -> ast.expr:
+    if len(node.args) != 1:
+        raise ExpressionError(f"{ast.unparse(node.func)} takes one argument, found {len(node.args)}", node.col_offset)
+    return node.args[0]
+
+
+def _name(node: ast.expr, known: Sequence[str] | dict[str, object], what: str) -> str:
+    name = ast.unparse(node)
+    if name not in known:
+        raise ExpressionError(f"'{name}' is not a {what}{suggest(name, list(known))} ({what}s: {', '.join(known) or 'none'})",
+                              node.col_offset)  # fmt: skip
+    return name
+
+
+def _levels(problem: OrbitProblem, x: Array, function: ArrayFunction) -> Array:
+    """Return the values at which an expression along the orbit can be largest or smallest."""
+    curve = profile(problem, x, function)
+    ends = [value for s in range(len(problem.segments)) for value in curve.ends(s)]
+    return np.array([*ends, *(e.value for e in curve.extrema())])
+
+
+def _max(problem: OrbitProblem, x: Array, function: ArrayFunction) -> float:
+    return float(np.max(_levels(problem, x, function)))
+
+
+def _min(problem: OrbitProblem, x: Array, function: ArrayFunction) -> float:
+    return float(np.min(_levels(problem, x, function)))
+
+
+def _amplitude(problem: OrbitProblem, x: Array, function: ArrayFunction) -> float:
+    return 0.5 * float(np.ptp(_levels(problem, x, function)))
+
+
+def _mean(problem: OrbitProblem, x: Array, function: ArrayFunction) -> float:
+    mesh = problem.mesh
+    reads = read(problem, x, Places(mesh.sites.interval[: mesh.n_collocation], mesh.sites.sigma[: mesh.n_collocation]), delays=function.uses_delayed())
+    values = function.value(reads.t, reads.x, reads.xd, reads.p)[0].reshape(mesh.n_intervals, -1)
+    return float(np.sum(reads.h[:, None] * mesh.basis.weights * values) / np.sum(reads.h))
+
+
+def _time_in(problem: OrbitProblem, x: Array, mode: str) -> float:
+    durations = x[problem.layout.durations]
+    return float(sum(T for T, segment in zip(durations, problem.segments, strict=True) if segment.mode == mode))
+
+
+def _at(problem: OrbitProblem, x: Array, segment: str, function: ArrayFunction) -> float:
+    names = [s.name for s in problem.segments]
+    if segment not in names:
+        return float("nan")
+    interval = problem.mesh.last_interval[[names.index(segment)]]
+    reads = read(problem, x, Places(interval, np.ones(1)), delays=function.uses_delayed())
+    return float(function.value(reads.t, reads.x, reads.xd, reads.p)[0, 0])
+
+
+def _extremum(problem: OrbitProblem, x: Array, event: str) -> float:
+    """Return the interior extremum of the event function that lies nearest to zero."""
+    extrema: list[Extremum] = profile(problem, x, problem.numeric.event(event)).extrema()
+    watching = {s.mode for s in problem.numeric.model.segments.values() if s.event == event}
+    values = [e.value for e in extrema if problem.segments[e.segment].mode in watching]
+    return min(values, key=abs, default=float("nan"))

@@ -1,0 +1,106 @@
+"""How far unknowns are from a periodic orbit.
+
+Rows, in this order (c runs over collocation points, s over segments):
+
+    collocation   z'(c) - h f_m(t_c, z, z(t - tau), p)          n_collocation * n_states   (slope on the reference interval)
+    resets        z_{s+1}(start) - g_s(z_s(end))                S * n_states
+    events        h_s(z_s(end))                                 S   (an orbit without events: its phase condition)
+    period        sum T_s - k * forcing period                  1 if forced
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pddecont.orbit.layout import Layout
+from pddecont.orbit.problem import OrbitProblem, Reads, read
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """Places of the equations in the residual."""
+
+    layout: Layout
+
+    @property
+    def n_collocation(self) -> int:
+        """Number of collocation equations."""
+        return self.layout.mesh.n_collocation * self.layout.n_states
+
+    @property
+    def resets(self) -> int:
+        """First reset equation."""
+        return self.n_collocation
+
+    @property
+    def events(self) -> int:
+        """First event equation."""
+        return self.resets + self.layout.mesh.n_segments * self.layout.n_states
+
+    @property
+    def period(self) -> int:
+        """The period equation of a forced orbit."""
+        return self.events + self.layout.mesh.n_segments
+
+    @property
+    def size(self) -> int:
+        """Number of equations."""
+        return self.period + self.layout.forced
+
+
+def mode_sites(problem: OrbitProblem) -> list[tuple[str, NDArray[np.intp]]]:
+    """Return each mode of the orbit with the collocation points that run in it."""
+    mesh = problem.mesh
+    of_interval = np.array([problem.segments[s].mode for s in mesh.segment])
+    of_point = np.repeat(of_interval, mesh.degree)
+    return [(mode, np.flatnonzero(of_point == mode)) for mode in dict.fromkeys(of_interval.tolist())]
+
+
+def end_point(problem: OrbitProblem, sites: Reads, s: int) -> tuple[Array, Array, Array, Array]:
+    """Return (t, x, xd, p) at the end of segment ``s``, as arrays over one point."""
+    i = problem.mesh.n_collocation + s
+    return sites.t[i : i + 1], sites.x[:, i : i + 1], sites.xd[:, i : i + 1], sites.p
+
+
+def residual(problem: OrbitProblem, x: Array, sites: Reads | None = None) -> Array:
+    """Return the residual of the unknowns ``x``, shape (n_equations,); ``sites`` if the orbit has been read already."""
+    sites = sites or read(problem, x, problem.mesh.sites)
+    mesh, n = problem.mesh, problem.numeric.n_states
+    rows = Rows(problem.layout)
+    result = np.empty(rows.size)
+    h = np.repeat(sites.h, mesh.degree)
+    slope = np.einsum("ib,jbn->jin", mesh.basis.slopes, sites.values[mesh.base_index]).reshape(-1, n)
+    collocation = result[: rows.n_collocation].reshape(-1, n)
+    for mode, points in mode_sites(problem):
+        f = problem.numeric.mode(mode).value(sites.t[points], sites.x[:, points], sites.xd[:, points], sites.p)
+        collocation[points] = slope[points] - h[points, None] * f.T
+    for s, segment in enumerate(problem.segments):
+        at_end = end_point(problem, sites, s)
+        after = problem.numeric.reset(segment.reset).value(*at_end)[:, 0]
+        start = sites.values[mesh.first_base[(s + 1) % mesh.n_segments]]
+        result[rows.resets + s * n : rows.resets + (s + 1) * n] = start - after
+        if segment.event:
+            result[rows.events + s] = problem.numeric.event(segment.event).value(*at_end)[0, 0]
+        elif problem.numeric.model.forced:
+            result[rows.events + s] = sites.start - problem.phase
+        else:
+            result[rows.events + s] = phase_weights(problem) @ np.ravel(sites.values)
+    if problem.numeric.model.forced:
+        result[rows.period] = problem.period(x) - problem.n_periods * problem.numeric.period.value(sites.p)[0]
+    return result
+
+
+def phase_weights(problem: OrbitProblem) -> Array:
+    """Return the weights of the integral phase condition, integral of z . dz_ref/dsigma = 0, shape (n_base * n_states,)."""
+    assert problem.reference is not None, "an autonomous orbit without events needs a reference for its phase"
+    mesh = problem.mesh
+    slope = np.einsum("ib,jbn->jin", mesh.basis.slopes, problem.reference[mesh.base_index])
+    local = np.einsum("i,ib,jin->jbn", mesh.basis.weights, mesh.basis.values, slope)
+    weights = np.zeros((mesh.n_base, problem.numeric.n_states))
+    np.add.at(weights, mesh.base_index, local)
+    return np.ravel(weights)

@@ -1,0 +1,95 @@
+"""Orbits in the plane of two states, with the event surface; states over time."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from pddecont.errors import ResultsError
+from pddecont.model.expression import suggest
+from pddecont.plot.curves import segments
+from pddecont.plot.style import COLOURS, label
+from pddecont.results.reader import Step
+
+
+def state_index(step: Step, name: str) -> int:
+    """Return a state's number, or raise :class:`ResultsError` with the states there are."""
+    states = list(step.meta["states"])
+    if name not in states:
+        raise ResultsError(f"step '{step.name}' has no state '{name}'{suggest(name, states)} (states: {', '.join(states)})")
+    return states.index(name)
+
+
+def draw_orbit(axes: Any, step: Step, row: int, x: str, y: str, title: str = "") -> None:
+    """Draw the orbit of one point, each segment in its colour, with the event surfaces that show in this plane."""
+    i, j = state_index(step, x), state_index(step, y)
+    names = segment_names(step, row)
+    arcs = segments(step, row)
+    kinds = list(dict.fromkeys(names))
+    for (_, z), name in zip(arcs, names, strict=True):
+        axes.plot(z[:, i], z[:, j], color=COLOURS[kinds.index(name) % len(COLOURS)], label=name)
+    # A jump at a reset is drawn as a thin line.
+    for (_, before), (_, after) in zip(arcs, arcs[1:] + arcs[:1], strict=True):
+        ends = np.array([before[-1, [i, j]], after[0, [i, j]]])
+        if np.max(np.abs(ends[1] - ends[0])) > 1e-9 * np.max(np.abs(ends), initial=1e-300):
+            axes.plot(ends[:, 0], ends[:, 1], color="0.5", lw=0.8, ls="--")
+    _draw_surfaces(axes, step, row, i, j)
+    axes.set_xlabel(label(x))
+    axes.set_ylabel(label(y))
+    if title:
+        axes.set_title(title, fontsize=9.5)
+
+
+def _draw_surfaces(axes: Any, step: Step, row: int, i: int, j: int) -> None:
+    n = len(step.meta["states"])
+    for surface in step.points["surfaces"][row]:
+        normal, level = surface[:n], surface[n]
+        shown = [i, j]
+        if not np.all(np.isfinite(surface)) or np.any(np.delete(normal, shown)) or not np.any(normal[shown]):
+            continue
+        style = {"color": "0.35", "lw": 1.0, "zorder": 0}
+        if normal[j] == 0.0:
+            axes.axvline(level / normal[i], **style)
+        elif normal[i] == 0.0:
+            axes.axhline(level / normal[j], **style)
+        else:
+            axes.axline((0.0, level / normal[j]), slope=-normal[i] / normal[j], **style)
+
+
+def segment_names(step: Step, row: int) -> list[str]:
+    """Return the segments' names of a recorded orbit."""
+    return step.orbit(row)["signature"].tobytes().decode().split()
+
+
+def draw_profile(axes: Any, step: Step, row: int, states: list[str], title: str = "") -> None:
+    """Draw states over one period; events are thin vertical lines."""
+    arcs = segments(step, row)
+    start = arcs[0][0][0]
+    for k, state in enumerate(states):
+        index = state_index(step, state)
+        for s, (t, z) in enumerate(arcs):
+            axes.plot(t - start, z[:, index], color=COLOURS[k % len(COLOURS)], label=label(state) if s == 0 else None)
+    if len(arcs) > 1:
+        for t, _ in arcs[1:]:
+            axes.axvline(t[0] - start, color="0.7", lw=0.7, zorder=0)
+    axes.set_xlabel(label("t"))
+    axes.set_ylabel(", ".join(label(s) for s in states))
+    if len(states) > 1:
+        axes.legend(fontsize=8)
+    if title:
+        axes.set_title(title, fontsize=9.5)
+
+
+def draw_trajectory(axes: Any, step: Step, states: list[str], last: float | None = None) -> None:
+    """Draw a trajectory's states over time; ``last`` shows only the end of it."""
+    rows = step.orbit(0)
+    t = rows["time"]
+    shown = t >= (t[-1] - last if last else t[0])
+    for k, state in enumerate(states):
+        axes.plot(t[shown], rows["states"][shown, state_index(step, state)], color=COLOURS[k % len(COLOURS)], lw=0.9,
+                  label=label(state))  # fmt: skip
+    axes.set_xlabel(label("t"))
+    axes.set_ylabel(", ".join(label(s) for s in states))
+    if len(states) > 1:
+        axes.legend(fontsize=8)

@@ -1,0 +1,24 @@
+"""One look for all pictures."""
+
+from __future__ import annotations
+
+from typing import Any
+
+COLOURS = ("#1f5fa8", "#c2402f", "#2f8f5b", "#8a5fb0", "#b8860b", "#3b3b3b")
+MARKERS = {"GR": "o", "LP": "s", "BP": "x", "PD": "^", "TR": "*", "VS": "D", "EP": "|"}
+RC: dict[str, Any] = {
+    "figure.constrained_layout.use": True, "figure.dpi": 110, "savefig.dpi": 160, "font.size": 9.5, "axes.grid": True,
+    "grid.alpha": 0.25, "grid.linewidth": 0.6, "axes.spines.top": False, "axes.spines.right": False, "lines.linewidth": 1.6,
+    "legend.frameon": False, "mathtext.default": "regular", "svg.hashsalt": "pddecont",
+}  # fmt: skip
+_GREEK = {"alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "kappa", "lambda", "mu", "nu", "xi", "pi", "rho",
+          "sigma", "tau", "phi", "chi", "psi", "omega"}  # fmt: skip
+
+
+def label(name: str) -> str:
+    """Return a name as it is written in mathematics: ``tau_d`` with its Greek letter and index."""
+    first, _, rest = name.partition("_")
+    if "_" in rest or not (first in _GREEK or len(first) == 1):
+        return name.replace("_", " ")
+    body = f"\\{first}" if first in _GREEK else first
+    return f"${body}_{{{rest}}}$" if rest else f"${body}$"

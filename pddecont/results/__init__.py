@@ -1,0 +1,1 @@
+"""Results files: the only code that touches HDF5."""

@@ -1,0 +1,205 @@
+"""Appending to a results file so that a process killed at any instant leaves a file that opens.
+
+The file's structure only ever changes by writing a new file beside it and renaming that onto the old one, which is atomic.
+Between such changes every array has room for rows to come at a fixed place in the file, and a new point is written there
+directly, its count last: no metadata of HDF5 is touched while a computation runs.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from pddecont.errors import ResultsError
+from pddecont.results.layout import FORMAT_VERSION, N_TERMINATIONS, TEXT_BYTES, Column, StepSpec
+
+ROOM = 64
+
+
+def create(path: Path, model_text: str, run_text: str, source: str, versions: str, *, overwrite: bool = False) -> None:
+    """Make a new results file; refuse to touch an existing one unless ``overwrite``."""
+    if path.exists() and not overwrite:
+        raise ResultsError(f"{path} exists already; give --resume to go on with it, --overwrite to replace it, or another -o")
+
+    def fill(_: h5py.File | None, new: h5py.File) -> None:
+        new.attrs["format_version"] = FORMAT_VERSION
+        new.attrs["versions"] = versions
+        new.attrs["source"] = source
+        new["model"] = model_text
+        new["run"] = run_text
+        new.create_group("steps", track_order=True)
+
+    _rewrite(path, fill, fresh=True)
+
+
+def _rewrite(path: Path, change: Callable[[h5py.File | None, h5py.File], None], *, fresh: bool = False) -> None:
+    """Write ``path`` anew through ``change(old, new)`` and put it in place of the old file at once."""
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        with contextlib.ExitStack() as stack:
+            old = None if fresh else stack.enter_context(h5py.File(path, "r"))
+            new = stack.enter_context(h5py.File(temporary, "w"))
+            change(old, new)
+        os.replace(temporary, path)
+    except OSError as exc:
+        raise ResultsError(f"{path} cannot be written: {exc.strerror or exc}; check the folder and the space on the disk") from exc
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+class StepWriter:
+    """Rows of one step; a context manager that leaves the file without spare room when the step is done.
+
+    ``kept`` rows (with ``kept_rows`` rows in each array of orbits) of an unfinished step stay; the rest is written anew.
+    """
+
+    def __init__(self, path: Path, spec: StepSpec, *, capacity: int = ROOM, kept: int = 0, kept_rows: Mapping[str, int] | None = None):
+        self.path, self.spec = path, spec
+        self.n = kept
+        self.used = dict.fromkeys(spec.orbits, 0) | dict(kept_rows or {})
+        capacity = max(capacity, kept, *self.used.values()) if self.used else max(capacity, kept)
+        self.capacity = {name: capacity for name in (*spec.points, *spec.orbits)}
+        self._descriptor = -1
+        self._offsets: dict[str, int] = {}
+        self._arrange(keep=True)
+
+    def __enter__(self) -> StepWriter:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def append(self, points: Mapping[str, Any], orbits: Mapping[str, np.ndarray] | None = None) -> None:
+        """Write one point; it counts as finished only when all of it is written."""
+        orbits = orbits or {}
+        self._make_room({**dict.fromkeys(self.spec.points, self.n + 1), **{k: self.used[k] + len(v) for k, v in orbits.items()}})
+        for name, rows in orbits.items():
+            self._write(f"orbits/{name}", self.spec.orbits[name], self.used[name], rows)
+            self.used[name] += len(rows)
+            self._write(f"orbits/{name}_end", Column("i8"), self.n, np.array([self.used[name]]))
+        for name, column in self.spec.points.items():
+            self._write(f"points/{name}", column, self.n, np.asarray(points[name])[None])
+        self.n += 1
+        self._write("finished", Column("i8"), 0, np.array([self.n]))
+
+    def terminate(self, text: str, direction: int = 0) -> None:
+        """Record how the step, or one of its directions, ended."""
+        self._write("termination", Column(f"S{TEXT_BYTES}"), direction, np.array([text.encode()[:TEXT_BYTES]], dtype=f"S{TEXT_BYTES}"))
+
+    def close(self) -> None:
+        """Take the spare room out of the file."""
+        if self._descriptor >= 0:
+            self.capacity = {**dict.fromkeys(self.spec.points, self.n), **self.used}
+            self._arrange(keep=True)
+            os.close(self._descriptor)
+            self._descriptor = -1
+
+    def special(self, labels: Sequence[str], indices: Sequence[int]) -> None:
+        """Write the table of special points; the step must be closed."""
+
+        def change(old: h5py.File | None, new: h5py.File) -> None:
+            assert old is not None
+            _copy(old, new)
+            group = new[f"steps/{self.spec.name}"].require_group("special_points")
+            group["label"] = np.array([label.encode() for label in labels], dtype="S8")
+            group["index"] = np.array(indices, dtype="i8")
+
+        _rewrite(self.path, change)
+
+    def _make_room(self, wanted: Mapping[str, int]) -> None:
+        short = {name: max(n, 2 * self.capacity[name]) for name, n in wanted.items() if n > self.capacity[name]}
+        if short:
+            self.capacity |= short
+            self._arrange(keep=True)
+
+    def _arrange(self, *, keep: bool) -> None:
+        """Rewrite the file with the present capacities and note where each array lies in it."""
+        spec, group = self.spec, f"steps/{self.spec.name}"
+
+        def change(old: h5py.File | None, new: h5py.File) -> None:
+            assert old is not None
+            _copy(old, new, leave_out=spec.name)
+            target = new.create_group(group)
+            target.attrs["kind"] = spec.kind
+            target.attrs["meta"] = spec.meta_text()
+            had = old.get(group) if keep else None
+            if had is not None and "finished" not in had:
+                had = None
+            _array(target, had, "finished", Column("i8"), 1, 1)
+            if self.n:
+                target["finished"][0] = self.n
+            _array(target, had, "termination", Column(f"S{TEXT_BYTES}"), N_TERMINATIONS, N_TERMINATIONS)
+            for name, column in spec.points.items():
+                _array(target, had, f"points/{name}", column, self.capacity[name], self.n)
+            n_points = max((self.capacity[name] for name in spec.points), default=0)
+            for name, column in spec.orbits.items():
+                _array(target, had, f"orbits/{name}", column, self.capacity[name], self.used[name])
+                _array(target, had, f"orbits/{name}_end", Column("i8"), n_points, self.n)
+
+        _rewrite(self.path, change)
+        if self._descriptor >= 0:
+            os.close(self._descriptor)
+        self._descriptor = os.open(self.path, os.O_RDWR)
+        with h5py.File(self.path, "r") as file:
+            arrays: dict[str, Any] = {}
+            file[group].visititems(lambda name, item: arrays.update({name: item}) if isinstance(item, h5py.Dataset) else None)
+            self._offsets = {name: item.id.get_offset() for name, item in arrays.items() if item.id.get_offset() is not None}
+
+    def _write(self, name: str, column: Column, first: int, rows: np.ndarray) -> None:
+        data = np.ascontiguousarray(rows, dtype=column.dtype)
+        if data.shape[1:] != column.shape:
+            raise ResultsError(f"column {name} takes rows of shape {column.shape}, not {data.shape[1:]}")
+        if not data.nbytes:
+            return
+        row_bytes = data.nbytes // len(data)
+        view, offset = memoryview(data).cast("B"), self._offsets[name] + first * row_bytes
+        try:
+            while view:
+                done = os.pwrite(self._descriptor, view, offset)
+                view, offset = view[done:], offset + done
+        except OSError as exc:
+            raise ResultsError(f"{self.path} cannot be written: {exc.strerror}; finished points are kept") from exc
+
+
+def _array(target: h5py.Group, had: h5py.Group | None, name: str, column: Column, capacity: int, used: int) -> None:
+    """Make one array with room for ``capacity`` rows at a fixed place in the file and take over the rows it had."""
+    plist = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+    plist.set_layout(h5py.h5d.CONTIGUOUS)
+    plist.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
+    space = h5py.h5s.create_simple((capacity, *column.shape))
+    parent, _, leaf = name.rpartition("/")
+    group = target.require_group(parent) if parent else target
+    kind = h5py.h5t.py_create(np.dtype(column.dtype), logical=True)
+    dataset = h5py.Dataset(h5py.h5d.create(group.id, leaf.encode(), kind, space, dcpl=plist))
+    if had is not None and name in had and used:
+        dataset[:used] = had[name][:used]
+
+
+def _copy(old: h5py.File, new: h5py.File, leave_out: str | None = None) -> None:
+    for key, value in old.attrs.items():
+        new.attrs[key] = value
+    for key in ("model", "run"):
+        old.copy(key, new)
+    steps = new.create_group("steps", track_order=True)
+    for name in old["steps"]:
+        if name != leave_out:
+            old.copy(f"steps/{name}", steps, name=name)
+
+
+def drop_steps(path: Path, names: Sequence[str]) -> None:
+    """Remove steps, finished or not, so that they can be computed anew."""
+
+    def change(old: h5py.File | None, new: h5py.File) -> None:
+        assert old is not None
+        _copy(old, new)
+        for name in names:
+            if name in new["steps"]:
+                del new["steps"][name]
+
+    _rewrite(path, change)

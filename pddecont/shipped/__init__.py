@@ -1,0 +1,1 @@
+"""Models, run files and JSON Schemas that come with the program."""

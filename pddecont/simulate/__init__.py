@@ -1,0 +1,1 @@
+"""Trajectories: integration with events and resets, and what period they settle to."""

@@ -1,0 +1,166 @@
+"""The period and the signature that a trajectory has settled to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pddecont.errors import SignatureError
+from pddecont.model.codegen import NumericModel
+from pddecont.simulate.trajectory import Arc, Trajectory
+
+Array = NDArray[np.float64]
+MAX_PERIODS = 64
+CLOSE = 1e-4
+
+
+@dataclass(frozen=True, eq=False)
+class Cycle:
+    """The last period of a trajectory.
+
+    ``signature`` names its segments (empty: no events), ``times`` (S + 1,) bounds them, ``arcs`` holds their dense output,
+    ``n_periods`` counts forcing periods (1 for an autonomous model), ``mode`` is the mode at its start.
+    """
+
+    signature: tuple[str, ...]
+    times: Array
+    arcs: tuple[Arc, ...]
+    n_periods: int
+    mode: str
+
+
+def recognise(numeric: NumericModel, p: Array, trajectory: Trajectory) -> Cycle:
+    """Return the cycle that the end of ``trajectory`` repeats.
+
+    Raises
+    ------
+    SignatureError
+        If the trajectory has not settled to a periodic motion, with the nearest return found and what to try.
+    """
+    if numeric.model.forced:
+        return _forced(trajectory, float(numeric.period.value(p)[0]))
+    if trajectory.events:
+        return _by_events(trajectory)
+    return _by_section(trajectory)
+
+
+def _forced(trajectory: Trajectory, period: float) -> Cycle:
+    end = trajectory.t_end
+    most = min(MAX_PERIODS, int(0.5 * (end - trajectory.t0) / period))
+    if most < 1:
+        raise SignatureError(f"the trajectory is shorter than two forcing periods ({period:.6g}); raise 't_end'")
+    offsets = np.linspace(0.0, 1.0, 24, endpoint=False) * period
+    recent = np.array([trajectory(end - o) for o in offsets])
+    size = _size(recent)
+    distances = [_distance(recent, np.array([trajectory(end - o - k * period) for o in offsets]), size) for k in range(1, most + 1)]
+    for k, distance in enumerate(distances, 1):
+        if distance < CLOSE:
+            cycle = _cycle_of(trajectory, end, k * period, k)
+            if cycle is not None:
+                return cycle
+    _refuse(distances, [k * period for k in range(1, most + 1)], "forcing periods")
+    raise AssertionError
+
+
+def _cycle_of(trajectory: Trajectory, end: float, length: float, n_periods: int) -> Cycle | None:
+    """Return the last ``length`` of the trajectory, from event to event; None if its events do not repeat."""
+    events = trajectory.events
+    inside = [i for i, e in enumerate(events) if e.t > end - length]
+    if not inside:
+        arc = trajectory.arcs[-1]
+        return Cycle((), np.array([end - length, end]), (arc,), n_periods, arc.mode)
+    q = len(inside)
+    last = len(events) - 1
+    if last - q < 0 or abs(events[last].t - events[last - q].t - length) > 1e-3 * length:
+        return None
+    return _from_events(trajectory, last - q, last, n_periods)
+
+
+def _from_events(trajectory: Trajectory, first: int, last: int, n_periods: int) -> Cycle:
+    """Return the cycle between two events, turned to begin with the segment that comes first in name and lasts longest."""
+    events = trajectory.events
+    count = last - first
+    names = [events[first + 1 + i].segment for i in range(count)]
+    lengths = [events[first + 1 + i].t - events[first + i].t for i in range(count)]
+    # The trajectory may hold one more turn before, so that any segment can be the first.
+    turn = min(range(count), key=lambda i: (-lengths[i],))
+    if first + turn - count >= 0:
+        first = first + turn - count
+    names = [events[first + 1 + i].segment for i in range(count)]
+    times = np.array([events[first + i].t for i in range(count + 1)])
+    arcs = tuple(trajectory.arcs[first + 1 + i] for i in range(count))
+    return Cycle(tuple(names), times, arcs, n_periods, arcs[0].mode)
+
+
+def _by_events(trajectory: Trajectory) -> Cycle:
+    events = trajectory.events
+    states = np.array([e.after for e in events])
+    size = _size(states[-200:])
+    most = min(MAX_PERIODS * 4, (len(events) - 1) // 2)
+    distances, lengths = [], []
+    for q in range(1, most + 1):
+        same = all(events[-1 - i].segment == events[-1 - i - q].segment for i in range(q))
+        gaps = np.array([events[-1 - i].t - events[-1 - i - q].t for i in range(q)])
+        distance = _distance(states[-q:], states[-2 * q : -q], size) if same else np.inf
+        distance = max(distance, float(np.ptp(gaps) / np.max(gaps))) if same else np.inf
+        distances.append(distance)
+        lengths.append(events[-1].t - events[-1 - q].t)
+        if distance < CLOSE:
+            return _from_events(trajectory, len(events) - 1 - q, len(events) - 1, 1)
+    _refuse(distances, lengths, "events")
+    raise AssertionError
+
+
+def _by_section(trajectory: Trajectory) -> Cycle:
+    """Return the cycle of a smooth autonomous trajectory from its upward passages through a section."""
+    t, x, _ = trajectory.sampled()
+    late = t > t[0] + 0.5 * (t[-1] - t[0])
+    swing = np.ptp(x[late], axis=0)
+    if np.max(swing) < 1e-6 * (1e-300 + np.max(np.abs(x[late]))):
+        raise SignatureError("the trajectory settles to an equilibrium, not to a periodic orbit; change the parameters so that it "
+                             "oscillates, or start elsewhere ('initial')")  # fmt: skip
+    state = int(np.argmax(swing / (np.max(np.abs(x[late]), axis=0) + 1e-300)))
+    level = 0.5 * (x[late, state].min() + x[late, state].max())
+    up = np.flatnonzero(late[:-1] & (x[:-1, state] < level) & (x[1:, state] >= level))
+    passages = []
+    for i in up:
+        a, b = t[i], t[i + 1]
+        for _ in range(60):
+            middle = 0.5 * (a + b)
+            a, b = (middle, b) if trajectory(middle)[state] < level else (a, middle)
+        passages.append(b)
+    points = np.array([trajectory(s) for s in passages])
+    distances, lengths = [], []
+    for q in range(1, min(MAX_PERIODS, (len(passages) - 1) // 2) + 1):
+        gaps = np.array([passages[-1 - i] - passages[-1 - i - q] for i in range(q)])
+        distance = max(_distance(points[-q:], points[-2 * q : -q], swing), float(np.ptp(gaps) / np.max(gaps)))
+        length = passages[-1] - passages[-1 - q]
+        grid = np.linspace(0.0, length, 24)
+        here, there = (np.array([trajectory(passages[-1] - back - s) for s in grid]) for back in (0.0, length))
+        distance = max(distance, _distance(here, there, swing)) if passages[-1] - 2 * length > t[0] else np.inf
+        distances.append(distance)
+        lengths.append(length)
+        if distance < CLOSE:
+            return Cycle((), np.array([passages[-1] - length, passages[-1]]), (trajectory.arcs[-1],), 1, trajectory.arcs[-1].mode)
+    _refuse(distances, lengths, "passages")
+    raise AssertionError
+
+
+def _size(states: Array) -> Array:
+    return np.ptp(states, axis=0) + 1e-9 * np.max(np.abs(states)) + 1e-300
+
+
+def _distance(a: Array, b: Array, size: Array) -> float:
+    return float(np.max(np.abs(a - b) / (size + 1e-300)))
+
+
+def _refuse(distances: list[float], lengths: list[float], what: str) -> None:
+    if not distances:
+        raise SignatureError(f"the trajectory holds too few {what} to see a period in them; raise 't_end'")
+    best = int(np.argmin(distances))
+    raise SignatureError(
+        f"the trajectory has not settled to a periodic motion: of returns after 1 to {len(distances)} {what} the nearest, after time "
+        f"{lengths[best]:.6g}, misses by {distances[best]:.2g} of the motion's size ({CLOSE:g} is needed). If the motion is still "
+        "settling, raise 't_end'; if it is quasi-periodic or chaotic, change the parameters or the initial state")  # fmt: skip

@@ -1,0 +1,1 @@
+"""A run: what its file says, and one file a kind of step."""

@@ -1,0 +1,129 @@
+"""What the steps of one run share: the plan, the results file, trajectories in memory, someone to tell."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pddecont.errors import PddecontError, ResultsError
+from pddecont.orbit.guess import interpolate_orbit
+from pddecont.orbit.problem import OrbitProblem, eventless
+from pddecont.orbit.record import from_rows, mesh_from_row
+from pddecont.results.reader import Results, read_results
+from pddecont.simulate.trajectory import Trajectory
+from pddecont.steps.plan import Plan
+from pddecont.steps.schema import Mesh, Source, Step
+
+Array = NDArray[np.float64]
+
+
+class Reporter(Protocol):
+    """Someone who wants to know how a run goes."""
+
+    def step(self, name: str, kind: str) -> None:
+        """Hear that a step begins."""
+        ...
+
+    def progress(self, text: str, fraction: float | None = None) -> None:
+        """Hear how far a step is."""
+        ...
+
+    def done(self, text: str) -> None:
+        """Hear how a step ended."""
+        ...
+
+
+class Silent:
+    """A reporter that listens and says nothing."""
+
+    def step(self, name: str, kind: str) -> None:
+        """Hear that a step begins."""
+
+    def progress(self, text: str, fraction: float | None = None) -> None:
+        """Hear how far a step is."""
+
+    def done(self, text: str) -> None:
+        """Hear how a step ended."""
+
+
+@dataclass(eq=False)
+class Context:
+    """State of a run in progress."""
+
+    plan: Plan
+    path: Path
+    reporter: Reporter
+    trajectories: dict[str, tuple[Trajectory, Array]] = field(default_factory=dict)
+
+    def results(self) -> Results:
+        """Return what the results file holds now."""
+        return read_results(self.path)
+
+    def mesh_of(self, step: Step) -> Mesh:
+        """Return the mesh settings of a step."""
+        return step.mesh or self.plan.run.mesh
+
+
+def orbit_at(context: Context, step: Step, source: Source) -> tuple[OrbitProblem, Array]:
+    """Return the recorded orbit that a step starts from, at the step's own delay method, mesh and parameters.
+
+    Where those are the recorded orbit's own it solves the problem already; otherwise it is a guess.
+    """
+    plan = context.plan
+    results = context.results() if source.file is None else read_results(plan.base / source.file)
+    recorded = results.step(source.step)
+    if recorded.kind not in ("orbit", "continue"):
+        raise ResultsError(f"step '{source.step}' of {results.path} is a {recorded.kind} step and holds no orbits")
+    row = recorded.row(source.point) if source.point else source.index or 0
+    if row >= len(recorded):
+        raise ResultsError(f"step '{source.step}' of {results.path} has {len(recorded)} points, no index {row}")
+    names = recorded.meta["parameters"]
+    unknown = [name for name in plan.model.parameters if name not in names]
+    if unknown or list(recorded.meta["states"]) != list(plan.model.states):
+        raise ResultsError(f"{results.path} comes from another model: it has parameters {', '.join(names)} and states "
+                           f"{', '.join(recorded.meta['states'])}")  # fmt: skip
+    at_row = dict(zip(names, recorded.points["parameters"][row], strict=True))
+    p = plan.step_parameters(step, np.array([at_row[name] for name in plan.model.parameters]))
+    rows = recorded.orbit(row)
+    problem = OrbitProblem(
+        plan.numeric, segments_of(plan, rows["signature"].tobytes().decode()), mesh_from_row(rows["mesh"]),
+        plan.delay_method(step), p, (), int(recorded.points["n_periods"][row]), None,
+        float(recorded.points["phase"][row]))  # fmt: skip
+    x = from_rows(problem, rows)
+    wanted = step.mesh
+    if wanted is not None:
+        problem, x = interpolate_orbit(problem, x, wanted.degree, wanted.intervals)
+    return with_reference(problem, x), x
+
+
+def with_reference(problem: OrbitProblem, x: Array) -> OrbitProblem:
+    """Return the problem with the orbit ``x`` as the reference of its phase, where it needs one."""
+    if problem.segments[0].event or problem.numeric.model.forced:
+        return problem
+    return replace(problem, reference=problem.layout.split(x)[0])
+
+
+def segments_of(plan: Plan, names: str) -> Any:
+    """Return the segments that a recorded signature names."""
+    result = []
+    for name in names.split():
+        if name.startswith("("):
+            result.append(eventless(name[1:-1]))
+        elif name in plan.model.segments:
+            result.append(plan.model.segments[name])
+        else:
+            raise PddecontError(f"the recorded orbit runs through segment '{name}', which this model does not have")
+    return tuple(result)
+
+
+def settings_text(plan: Plan, step: Step) -> str:
+    """Return all that decides a step's numbers besides the model, as JSON, to compare with at --resume."""
+    body: Mapping[str, Any] = step.model_dump(mode="json", by_alias=True)
+    shared = plan.run.model_dump(mode="json", by_alias=True, include={"delay", "mesh", "monitors"})
+    return json.dumps({"step": body, **shared, "parameters": plan.parameters.tolist(), "off": plan.left_out.effects}, sort_keys=True)

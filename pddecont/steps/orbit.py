@@ -1,0 +1,71 @@
+"""The ``orbit`` step: the periodic orbit that a trajectory has settled to, or a recorded orbit solved anew."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pddecont.errors import ConvergenceError, SignatureError
+from pddecont.orbit.admissibility import objections
+from pddecont.orbit.curve import solve_orbit
+from pddecont.orbit.guess import orbit_from_cycle
+from pddecont.orbit.monitors import parse_monitor
+from pddecont.orbit.problem import OrbitProblem
+from pddecont.results.writer import StepWriter
+from pddecont.simulate.recognise import recognise
+from pddecont.steps.context import Context, orbit_at, settings_text
+from pddecont.steps.points import orbit_row, orbit_spec
+from pddecont.steps.schema import Step
+from pddecont.steps.simulate import integrate
+
+Array = NDArray[np.float64]
+
+
+def first_guess(context: Context, step: Step) -> tuple[OrbitProblem, Array]:
+    """Return the problem and the first guess of an orbit step."""
+    body, plan = step.orbit, context.plan
+    assert body is not None
+    source = body.from_
+    above = {s.name: s for s in plan.run.steps}
+    if source.file is None and above[source.step].kind == "simulate":
+        trajectory = integrate(context, above[source.step])
+        p = plan.step_parameters(step, context.trajectories[source.step][1])
+        cycle = recognise(plan.numeric, p, trajectory)
+        mesh = context.mesh_of(step)
+        return orbit_from_cycle(plan.numeric, p, plan.delay_method(step), cycle, mesh.degree, mesh.intervals)
+    return orbit_at(context, step, source)
+
+
+def run_orbit(context: Context, step: Step) -> None:
+    """Correct the guess to a periodic orbit and record it."""
+    plan = context.plan
+    assert step.orbit is not None
+    problem, guess = first_guess(context, step)
+    names = [s.name for s in problem.segments]
+    if step.orbit.signature is not None and not is_rotation(names, step.orbit.signature):
+        raise SignatureError(f"the orbit runs through [{', '.join(names)}], not through the signature "
+                             f"[{', '.join(step.orbit.signature)}] that step '{step.name}' asks for")  # fmt: skip
+    try:
+        solution = solve_orbit(problem, guess)
+    except ConvergenceError as exc:
+        raise ConvergenceError(f"step '{step.name}': no periodic orbit near the guess with signature [{', '.join(names)}]: {exc}. "
+                               "What usually helps: a longer transient (raise 't_end'), a finer mesh (raise 'intervals'), "
+                               "parameters farther from a grazing", exc.history) from exc  # fmt: skip
+    monitors = [parse_monitor(plan.numeric, name, text) for name, text in plan.monitors.items()]
+    spec = orbit_spec(step.name, "orbit", plan.numeric, monitors, {"settings": settings_text(plan, step)})
+    points, rows = orbit_row(problem, solution.x, monitors, n_iterations=solution.n_iterations)
+    text = f"converged in {solution.n_iterations} Newton iterations to signature [{' '.join(names)}], period {problem.period(solution.x):.10g}"
+    against = objections(problem, solution.x)
+    if against:
+        text += f"; not admissible: {against[0]}"
+    with StepWriter(context.path, spec, capacity=1) as writer:
+        writer.append(points, rows)
+        writer.terminate(text)
+    context.reporter.done(text)
+
+
+def is_rotation(a: Sequence[str], b: Sequence[str]) -> bool:
+    """Whether two signatures are the same up to where they begin."""
+    return len(a) == len(b) and any(list(a) == [*b[i:], *b[:i]] for i in range(max(len(b), 1)))

@@ -1,0 +1,268 @@
+"""A run file with its model: everything resolved and checked before anything is computed."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pddecont.delay.chain import Chain
+from pddecont.delay.operator import DelayMethod
+from pddecont.errors import ModelError, PddecontError, Problem, RunError, SignatureError
+from pddecont.model.codegen import NumericModel
+from pddecont.model.document import Document, KeyPath, parse_document, read_text
+from pddecont.model.effects import LeftOut, without
+from pddecont.model.expression import ExpressionError, parse, suggest
+from pddecont.model.system import Model, check_signature, parse_model
+from pddecont.model.validation import validate
+from pddecont.shipped.find import find
+from pddecont.steps.schema import Delay, RunBlock, RunFile, Step
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Overrides:
+    """What the command line changes of a run file: parameter values (as text) and effects left out."""
+
+    set: tuple[tuple[str, str], ...] = ()
+    without: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """A checked run; ``parameters`` are the run's values, ``base`` the folder that its paths are relative to."""
+
+    run: RunBlock
+    model: Model
+    numeric: NumericModel
+    left_out: LeftOut
+    parameters: Array
+    monitors: Mapping[str, str | float]
+    warnings: tuple[Problem, ...]
+    model_text: str
+    run_text: str
+    source: str
+    base: Path
+
+    def step_parameters(self, step: Step, start: Array | None = None) -> Array:
+        """Return the parameter values of ``step``: those of the run (or ``start``), then the step's own."""
+        p = (self.parameters if start is None else start).copy()
+        for name, text in step.set.items():
+            p[self.numeric.parameter_index(name)] = self.number(text, p)
+        return p
+
+    def number(self, text: str | float, p: Array | None = None) -> float:
+        """Return the number that an expression of the run file stands for at parameters ``p``."""
+        values = dict(zip(self.model.parameters, self.parameters if p is None else p, strict=True))
+        return self.model.evaluate(parse(text, self.model.parameter_scope("a run file")), values)
+
+    def delay_method(self, step: Step) -> DelayMethod:
+        """Return the way the delay is discretised in ``step``."""
+        return delay_method(step.delay or self.run.delay)
+
+
+def delay_method(spec: Delay) -> DelayMethod:
+    """Return the delay method that a file asks for."""
+    return Chain(spec.order, spec.n)
+
+
+def load_document(path: str) -> Document:
+    """Return the YAML document at ``path`` (``-``: standard input; or the name of a shipped model or run)."""
+    if path == "-":
+        return parse_document(sys.stdin.read(), "<stdin>", RunError)
+    found = find(path)
+    return parse_document(read_text(found, RunError), str(found), RunError)
+
+
+def is_run_file(document: Document) -> bool:
+    """Whether the document describes a run (and not a model)."""
+    return "states" not in document.data and ("steps" in document.data or "model" in document.data)
+
+
+def load_plan(document: Document, overrides: Overrides | None = None) -> Plan:
+    """Return the checked run that ``document`` describes; raise ModelError or RunError with all that is wrong."""
+    overrides = overrides or Overrides()
+    folder = Path(document.path).parent
+    if is_run_file(document):
+        run, problems = validate(document, RunFile)
+        if run is None:
+            raise RunError(problems)
+        try:
+            model_path = find(run.model, folder)
+            model_document = parse_document(read_text(model_path, ModelError), str(model_path), ModelError)
+        except PddecontError as exc:
+            if isinstance(exc, ModelError) and any(p.line for p in exc.problems):
+                raise
+            raise RunError([document.problem(("model",), f"the model {exc}")]) from exc
+        model, warnings = parse_model(model_document)
+        prefix: KeyPath = ()
+    else:
+        model, warnings = parse_model(document)
+        model_document = document
+        prefix = ("run",)
+        if document.data.get("run") is None:
+            raise RunError([document.problem((), f"model '{model.name}' says nothing of a run; add a 'run' block or write a run file "
+                                                 f"with 'model: {document.path}'")])  # fmt: skip
+        run, problems = validate(document, RunBlock, prefix)
+        if run is None:
+            raise RunError(problems)
+    return _Planner(document, prefix, run, model, overrides).plan(warnings, model_document.text, folder)
+
+
+class _Planner:
+    """Collects the problems of a run against its model."""
+
+    def __init__(self, document: Document, prefix: KeyPath, run: RunBlock, model: Model, overrides: Overrides):
+        self.document, self.prefix, self.run, self.overrides = document, prefix, run, overrides
+        self.whole, self.model = model, model
+        self.problems: list[Problem] = []
+
+    def complain(self, path: Sequence[str | int], message: str, *, offset: int = 0, key: bool = False) -> None:
+        self.problems.append(self.document.problem((*self.prefix, *path), message, offset=offset, key=key))
+
+    def plan(self, warnings: Sequence[Problem], model_text: str, folder: Path) -> Plan:
+        left_out = LeftOut()
+        off = [*self.run.effects.off, *self.overrides.without]
+        try:
+            self.model, left_out = without(self.whole, off)
+        except PddecontError as exc:
+            place = next((i for i, name in enumerate(self.run.effects.off) if name not in self.whole.effects), None)
+            if place is None:
+                raise RunError.at("--without", 0, 0, str(exc)) from exc
+            self.complain(("effects", "off", place), str(exc))
+        numeric = NumericModel(self.model)
+        parameters = self.parameters(numeric)
+        self.check_delays(numeric, parameters)
+        self.check_monitors(numeric)
+        for i, step in enumerate(self.run.steps):
+            self.check_step(i, step)
+        if self.problems:
+            raise RunError(self.problems)
+        return Plan(self.run, self.model, numeric, left_out, parameters, self.run.monitors, tuple(warnings), model_text,
+                    self.document.text, self.document.path, folder)  # fmt: skip
+
+    def formula(self, path: Sequence[str | int], text: str | float, values: Mapping[str, float]) -> float:
+        try:
+            value = self.model.evaluate(parse(text, self.model.parameter_scope("a run file")), values)
+        except ExpressionError as exc:
+            self.complain(path, str(exc), offset=exc.offset)
+            return 1.0
+        except (TypeError, ValueError):
+            self.complain(path, "is not a real number at these parameters")
+            return 1.0
+        return value
+
+    def parameters(self, numeric: NumericModel) -> Array:
+        values = dict(self.model.parameters)
+        for name, text in self.run.set.items():
+            if name not in values:
+                self.complain(("set", name), f"'{name}' is not a parameter{suggest(name, values)}", key=True)
+            else:
+                values[name] = self.formula(("set", name), text, values)
+        for name, given in self.overrides.set:
+            option = f"--set {name}={given}"
+            if name not in values:
+                raise RunError.at(option, 0, 0, f"'{name}' is not a parameter{suggest(name, values)} "
+                                                f"(parameters: {', '.join(values)})")  # fmt: skip
+            try:
+                values[name] = self.model.evaluate(parse(_plain(given), self.model.parameter_scope("--set")), values)
+            except (ExpressionError, TypeError, ValueError) as exc:
+                raise RunError.at(option, 0, 0, str(exc)) from exc
+        return np.array(list(values.values()), dtype=float)
+
+    def check_delays(self, numeric: NumericModel, parameters: Array) -> None:
+        for delay, value in zip(self.model.delays, numeric.delays.value(parameters), strict=True):
+            if not value >= 0:
+                self.complain(("set",), f"the delay {delay} is {value:g} with these parameters; a delay is positive or zero")
+
+    def check_monitors(self, numeric: NumericModel) -> None:
+        from pddecont.orbit.monitors import parse_monitor
+
+        for name, text in self.run.monitors.items():
+            try:
+                parse_monitor(numeric, name, text)
+            except ExpressionError as exc:
+                self.complain(("monitors", name), str(exc), offset=exc.offset)
+
+    def check_step(self, i: int, step: Step) -> None:
+        path: tuple[str | int, ...] = ("steps", i)
+        values = dict(self.model.parameters)
+        earlier = {s.name: s for s in self.run.steps[:i]}
+        if step.name in earlier:
+            self.complain((*path, "name"), f"step '{step.name}' stands already above; names of steps differ")
+        for name, text in step.set.items():
+            if name not in values:
+                self.complain((*path, "set", name), f"'{name}' is not a parameter{suggest(name, values)}", key=True)
+            else:
+                self.formula((*path, "set", name), text, values)
+        self.check_source((*path, step.kind, "from"), step, earlier)
+        if step.simulate:
+            self.check_simulate((*path, "simulate"), step, values)
+        if step.orbit and step.orbit.signature is not None:
+            try:
+                check_signature(self.model, step.orbit.signature)
+            except SignatureError as exc:
+                self.complain((*path, "orbit", "signature"), str(exc))
+        if step.continue_:
+            self.check_continue((*path, "continue"), step, values)
+
+    def check_source(self, path: tuple[str | int, ...], step: Step, earlier: Mapping[str, Step]) -> None:
+        source = step.source
+        if source is None or source.file is not None:
+            return
+        if source.step not in earlier:
+            self.complain(path, f"step '{source.step}' does not stand above this one{suggest(source.step, earlier)} "
+                                f"(steps above: {', '.join(earlier) or 'none'})")  # fmt: skip
+            return
+        kind = earlier[source.step].kind
+        if step.kind == "continue" and kind == "simulate":
+            self.complain(path, f"'{source.step}' is a trajectory; put an orbit step between: "
+                                f"{{name: orbit, orbit: {{from: {source.step}}}}}")  # fmt: skip
+        if kind == "continue" and source.point is None and source.index is None:
+            self.complain(path, f"'{source.step}' holds many orbits; say which: {{step: {source.step}, point: GR1}} or 'index: 0'")
+
+    def check_simulate(self, path: tuple[str | int, ...], step: Step, values: Mapping[str, float]) -> None:
+        assert step.simulate is not None
+        t_end = self.formula((*path, "t_end"), step.simulate.t_end, values)
+        if t_end <= 0:
+            self.complain((*path, "t_end"), f"t_end is {t_end:g}; expected a positive time")
+        for name, text in step.simulate.initial.items():
+            here = (*path, "initial", name)
+            if name == "mode":
+                if text not in self.model.modes:
+                    self.complain(here, f"mode '{text}' is not defined (modes: {', '.join(self.model.modes)})")
+            elif name not in self.model.states:
+                self.complain(here, f"'{name}' is not a state{suggest(name, self.model.states)}", key=True)
+            else:
+                self.formula(here, text, values)
+
+    def check_continue(self, path: tuple[str | int, ...], step: Step, values: Mapping[str, float]) -> None:
+        body = step.continue_
+        assert body is not None
+        for k, name in enumerate(body.free):
+            if name not in values:
+                self.complain((*path, "free", k), f"'{name}' is not a parameter{suggest(name, values)}")
+            elif name not in body.range:
+                self.complain((*path, "range"), f"the free parameter '{name}' has no range; add '{name}: [lowest, highest]'")
+        for name, limits in body.range.items():
+            if name not in body.free:
+                self.complain((*path, "range", name), f"'{name}' has a range but is not free (free: {', '.join(body.free)})", key=True)
+                continue
+            low, high = (self.formula((*path, "range", name, k), text, values) for k, text in enumerate(limits))
+            if not low < high:
+                self.complain((*path, "range", name), f"the range is empty: {low:g} is not below {high:g}")
+
+
+def _plain(text: str) -> str | float:
+    """Return text from the command line as a number where it is one."""
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+

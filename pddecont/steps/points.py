@@ -1,0 +1,66 @@
+"""One row of a branch: what is recorded of an orbit, and the columns it goes to."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pddecont.bifurcation.grazing import clearance
+from pddecont.model.codegen import NumericModel
+from pddecont.orbit.admissibility import event_profiles, objections
+from pddecont.orbit.error import error_estimate
+from pddecont.orbit.monitors import Monitor
+from pddecont.orbit.problem import OrbitProblem
+from pddecont.orbit.record import to_rows
+from pddecont.results.layout import Column, StepSpec
+
+Array = NDArray[np.float64]
+
+
+def orbit_spec(name: str, kind: str, numeric: NumericModel, monitors: Sequence[Monitor], meta: Mapping[str, Any]) -> StepSpec:
+    """Return the columns of a step that records orbits."""
+    model, n = numeric.model, numeric.n_states
+    points = {
+        "kind": Column("S2"), "arclength": Column("f8"), "parameters": Column("f8", (len(model.parameters),)),
+        "period": Column("f8"), "stable": Column("i1"), "admissible": Column("i1"), "error_estimate": Column("f8"),
+        "monitors": Column("f8", (len(monitors),)), "clearance": Column("f8"), "n_iterations": Column("i8"),
+        "step": Column("f8"), "n_periods": Column("i8"), "phase": Column("f8"), "n_unknowns": Column("i8"),
+        "surfaces": Column("f8", (len(model.events), n + 1)),
+    }  # fmt: skip
+    orbits = {"time": Column("f8"), "states": Column("f8", (n,)), "segment": Column("i4"), "unknowns": Column("f8"),
+              "tangent": Column("f8"), "mesh": Column("f8"), "signature": Column("u1")}  # fmt: skip
+    names = {"parameters": list(model.parameters), "states": list(model.states), "monitors": [m.name for m in monitors],
+             "events": list(model.events), "model": model.name}  # fmt: skip
+    return StepSpec(name, kind, points, orbits, {**names, **meta})
+
+
+def orbit_row(problem: OrbitProblem, x: Array, monitors: Sequence[Monitor], *, kind: str = "", arclength: float = 0.0,
+              n_iterations: int = 0, step: float = 0.0, tangent: Array | None = None) -> tuple[dict[str, Any], dict[str, Array]]:  # fmt: skip
+    """Return the row of points and the rows of orbits that record the orbit ``x``."""
+    profiles = event_profiles(problem, x)
+    points = {
+        "kind": kind.encode(), "arclength": arclength, "parameters": problem.all_parameters(x), "period": problem.period(x),
+        "stable": -1, "admissible": not objections(problem, x, profiles), "error_estimate": error_estimate(problem, x),
+        "monitors": np.array([m.value(problem, x) for m in monitors]), "clearance": clearance(problem, x, profiles),
+        "n_iterations": n_iterations, "step": step, "n_periods": problem.n_periods, "phase": problem.phase,
+        "n_unknowns": len(x), "surfaces": surfaces(problem, x),
+    }  # fmt: skip
+    return points, to_rows(problem, x, tangent)
+
+
+def surfaces(problem: OrbitProblem, x: Array) -> Array:
+    """Return each event surface a . z = b as the row (a, b), shape (n_events, n_states + 1); NaN where it is not a plane."""
+    model, n = problem.numeric.model, problem.numeric.n_states
+    result = np.full((len(model.events), n + 1), np.nan)
+    p = problem.all_parameters(x)
+    for i, event in enumerate(model.events.values()):
+        if event.function is None or not event.function.free_symbols <= {*model.state_symbols, *model.parameter_symbols}:
+            continue
+        function = problem.numeric.event(event.name)
+        d = function.derivatives(np.zeros(2), np.outer(np.ones(n), [0.0, 1.0]), np.zeros((len(model.delayed), 2)), p)
+        if np.allclose(d.dx[0, :, 0], d.dx[0, :, 1], rtol=0, atol=1e-14 * (1 + np.max(np.abs(d.dx)))) and np.all(np.isfinite(d.value)):
+            result[i, :n], result[i, n] = d.dx[0, :, 0], -d.value[0, 0]
+    return result

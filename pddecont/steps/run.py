@@ -1,0 +1,81 @@
+"""A whole run: its steps one after another, into one results file."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import json
+import platform
+from pathlib import Path
+
+import pddecont
+from pddecont.errors import ResultsError, RunError
+from pddecont.model.expression import suggest
+from pddecont.results.reader import read_results
+from pddecont.results.writer import create, drop_steps
+from pddecont.steps.context import Context, Reporter, Silent, settings_text
+from pddecont.steps.continuation import run_continue
+from pddecont.steps.orbit import run_orbit
+from pddecont.steps.plan import Plan
+from pddecont.steps.schema import Step
+from pddecont.steps.simulate import run_simulate
+
+PACKAGES = ("numpy", "scipy", "sympy", "h5py")
+
+
+def execute(plan: Plan, path: Path, reporter: Reporter | None = None, *, resume: bool = False, overwrite: bool = False,
+            only: str | None = None, until: str | None = None) -> None:  # fmt: skip
+    """Do the steps of ``plan`` and keep their results in the file at ``path``.
+
+    Raises
+    ------
+    ResultsError
+        If the file exists and neither ``resume`` nor ``overwrite`` is given, or it belongs to another run.
+    ConvergenceError
+        If a step fails; what was computed before it stays in the file.
+    """
+    steps = chosen_steps(plan, only, until)
+    if path.exists() and (resume or only) and not overwrite:
+        check_same(plan, path)
+    else:
+        create(path, plan.model_text, plan.run_text, plan.source, json.dumps(versions()), overwrite=overwrite)
+    context = Context(plan, path, reporter or Silent())
+    for step in steps:
+        recorded = read_results(path).steps.get(step.name)
+        if recorded is not None and recorded.meta.get("settings") != settings_text(plan, step):
+            raise ResultsError(f"step '{step.name}' of {path} was computed with other settings; give --overwrite or another -o")
+        context.reporter.step(step.name, step.kind)
+        if recorded is not None and recorded.done:
+            context.reporter.done("done already")
+        elif step.continue_:
+            run_continue(context, step, recorded)
+        else:
+            if recorded is not None:
+                drop_steps(path, [step.name])
+            (run_simulate if step.simulate else run_orbit)(context, step)
+
+
+def chosen_steps(plan: Plan, only: str | None, until: str | None) -> list[Step]:
+    """Return the steps to do; raise RunError for a name that is not a step's."""
+    steps = list(plan.run.steps)
+    names = [s.name for s in steps]
+    for option, name in (("--only", only), ("--until", until)):
+        if name is not None and name not in names:
+            raise RunError.at(f"{option} {name}", 0, 0, f"is not a step of this run{suggest(name, names)} (steps: {', '.join(names)})")
+    if only is not None:
+        return [steps[names.index(only)]]
+    return steps if until is None else steps[: names.index(until) + 1]
+
+
+def check_same(plan: Plan, path: Path) -> None:
+    """Raise ResultsError unless the file at ``path`` was made from the same model and run."""
+    recorded = read_results(path)
+    for what, here, there in (("model", plan.model_text, recorded.model_text), ("run file", plan.run_text, recorded.run_text)):
+        if here != there:
+            raise ResultsError(f"{path} was made from another {what} than the one given now; it is left as it is. Give --overwrite to "
+                               "replace it, or another -o")  # fmt: skip
+
+
+def versions() -> dict[str, str]:
+    """Return the versions of this program and of what its numbers depend on."""
+    return {"pddecont": pddecont.__version__, "python": platform.python_version(),
+            **{name: importlib.metadata.version(name) for name in PACKAGES}}  # fmt: skip

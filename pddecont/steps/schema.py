@@ -1,0 +1,148 @@
+"""The shape of a run file (design section 3): which keys, which kinds of values."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field, model_validator
+from pydantic_core import PydanticCustomError
+
+from pddecont.model.validation import Formula, Identifier, Strict
+
+
+class Effects(Strict):
+    """Which effects of the model the run leaves out."""
+
+    off: list[Identifier] = Field(default_factory=list, description="effects to leave out")
+
+
+class Delay(Strict):
+    """How delayed values are found."""
+
+    method: Literal["chain"] = Field("chain", description="chain: Taylor steps of the paper's section 2.2")
+    order: int = Field(2, ge=1, le=20, description="order M of each Taylor step")
+    n: int = Field(15, ge=1, le=1_000_000, description="number of steps the delay is divided into")
+
+
+class Mesh(Strict):
+    """Mesh of piecewise polynomials."""
+
+    degree: int = Field(6, ge=1, le=20, description="degree of the polynomials")
+    intervals: int = Field(40, ge=1, le=100_000, description="mesh intervals a period of the orbit")
+
+
+class Source(Strict):
+    """Where a step starts: an earlier step, or one of its points."""
+
+    file: str | None = Field(None, description="another results file, relative to the run file")
+    step: Identifier = Field(description="step to start from")
+    point: str | None = Field(None, description="label of the point, such as GR1")
+    index: int | None = Field(None, ge=0, description="row of the point, instead of a label")
+
+
+def _source(value: Any) -> Any:
+    return Source(step=value) if isinstance(value, str) else value
+
+
+From = Annotated[Source, BeforeValidator(_source)]
+
+
+class Simulate(Strict):
+    """Integrate from an initial state or history."""
+
+    t_end: Formula = Field(description="time at which to stop")
+    initial: dict[Identifier, Formula] = Field(default_factory=dict, description="states at t = 0, and the mode")
+    rtol: float = Field(1e-9, gt=0, lt=1, description="relative error allowed in a step")
+    atol: float = Field(1e-11, gt=0, description="absolute error allowed in a step")
+
+
+class Orbit(Strict):
+    """Find the periodic orbit that a trajectory has settled to, or solve a recorded orbit anew."""
+
+    from_: From = Field(alias="from", description="a simulate step, or an orbit")
+    signature: list[Identifier] | None = Field(None, description="segments that the orbit must have")
+
+
+class StepSize(Strict):
+    """Lengths of steps along a branch; a parameter's range counts as one, and so does the orbit's size."""
+
+    initial: float = Field(0.02, gt=0, description="first step")
+    min: float = Field(1e-6, gt=0, description="smallest step before the branch is given up")
+    max: float = Field(0.1, gt=0, description="largest step")
+
+    @model_validator(mode="after")
+    def _in_order(self) -> StepSize:
+        if not self.min <= self.initial <= self.max:
+            raise PydanticCustomError("order", "expected min <= initial <= max", {})
+        return self
+
+
+def _range(value: Any) -> Any:
+    if not isinstance(value, list) or len(value) != 2:
+        raise PydanticCustomError("range", "expected a list of two numbers: [lowest, highest]", {})
+    return value
+
+
+class Continue(Strict):
+    """Follow an orbit in a free parameter."""
+
+    from_: From = Field(alias="from", description="an orbit")
+    free: list[Identifier] = Field(min_length=1, max_length=1, description="parameter to vary")
+    range: dict[Identifier, Annotated[list[Formula], BeforeValidator(_range)]] = Field(description="lowest and highest value")
+    step: StepSize = Field(default_factory=StepSize)
+    max_points: int = Field(500, ge=1, le=1_000_000, description="most points in each direction")
+    direction: Literal["both", "up", "down"] = Field("both", description="which way the parameter goes at first")
+
+
+class Step(Strict):
+    """One step of a run; exactly one of its kinds."""
+
+    name: Identifier = Field(description="name of the step in the results")
+    set: dict[Identifier, Formula] = Field(default_factory=dict, description="parameter values for this step")
+    delay: Delay | None = None
+    mesh: Mesh | None = None
+    simulate: Simulate | None = None
+    orbit: Orbit | None = None
+    continue_: Continue | None = Field(None, alias="continue")
+
+    @property
+    def kind(self) -> str:
+        """Which kind of step this is."""
+        return next(k for k in KINDS if self.body_of(k) is not None)
+
+    @property
+    def source(self) -> Source | None:
+        """Where the step starts."""
+        return getattr(self.body_of(self.kind), "from_", None)
+
+    def body_of(self, kind: str) -> Any:
+        """Return what the file says under ``kind``."""
+        return getattr(self, "continue_" if kind == "continue" else kind)
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> Step:
+        given = [k for k in KINDS if self.body_of(k) is not None]
+        if len(given) != 1:
+            raise PydanticCustomError("kind", "a step has exactly one of {kinds}; found {given}",
+                                      {"kinds": ", ".join(KINDS), "given": ", ".join(given) or "none"})  # fmt: skip
+        return self
+
+
+KINDS = ("simulate", "orbit", "continue")
+
+
+class RunBlock(Strict):
+    """A run without its model: what stands under ``run`` in a model file."""
+
+    set: dict[Identifier, Formula] = Field(default_factory=dict, description="parameter values")
+    effects: Effects = Field(default_factory=Effects)
+    delay: Delay = Field(default_factory=Delay)
+    mesh: Mesh = Field(default_factory=Mesh)
+    monitors: dict[Identifier, Formula] = Field(default_factory=dict, description="numbers recorded at every point")
+    steps: list[Step] = Field(min_length=1, description="what to do, in order")
+
+
+class RunFile(RunBlock):
+    """A run file (design section 3)."""
+
+    model: str = Field(description="model file, relative to this file, or the name of a shipped model")
