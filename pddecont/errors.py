@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import difflib
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 
@@ -59,3 +60,9 @@ class ConvergenceError(PddecontError):
 
 class ResultsError(PddecontError):
     """A results file is missing, damaged, of another version, or must not be overwritten."""
+
+
+def suggest(name: str, known: Collection[str]) -> str:
+    """Return "; did you mean 'x'?" for the known name closest to ``name``, or an empty text."""
+    close = difflib.get_close_matches(name, list(known), n=1)
+    return f"; did you mean '{close[0]}'?" if close else ""

@@ -45,7 +45,7 @@ class LazyGroup(click.Group):
 @click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(pddecont.__version__, package_name="pddecont")
 def group() -> None:
-    """Bifurcation analysis of piecewise-smooth delay differential equations.
+    r"""Bifurcation analysis of piecewise-smooth delay differential equations.
 
     A system is described in a YAML file (delays, modes, events, resets); branches of its periodic orbits, their special
     points and pictures come out.

@@ -13,7 +13,8 @@ KINDS = ("diagram", "orbit", "profile", "trajectory")
 
 @click.command("plot")
 @click.argument("file", type=click.Path())
-@click.option("-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="Picture: .png, .svg or .pdf  [default: FILE's name, .png]")
+@click.option("-o", "--output", type=click.Path(dir_okay=False, path_type=Path),
+              help="Picture: .png, .svg or .pdf  [default: FILE's name, .png]")  # fmt: skip
 @click.option("--step", metavar="STEP", help="Step to draw  [default: the last branch, else orbit, else trajectory]")
 @click.option("--view", "kind", type=click.Choice(KINDS), help="What to draw  [default: what suits the step]")
 @click.option("-x", "x", metavar="NAME", help="Horizontal axis: a parameter, monitor or state.")

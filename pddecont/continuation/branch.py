@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import Protocol
 
@@ -74,7 +74,7 @@ class StepSettings:
     max: float = 0.1
     max_points: int = 500
     max_turn: float = 0.3
-    newton: NewtonSettings = NewtonSettings(max_iterations=8)
+    newton: NewtonSettings = field(default_factory=lambda: NewtonSettings(max_iterations=8))
 
 
 @dataclass(frozen=True, eq=False)

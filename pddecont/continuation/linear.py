@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any, TypeAlias
 
 import numpy as np
 import scipy.linalg
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 from pddecont.errors import ConvergenceError
 
 Array = NDArray[np.float64]
-Matrix = Array | sp.csc_matrix
+Matrix: TypeAlias = Any  # an Array or a scipy.sparse matrix in CSC form
 
 
 @dataclass(frozen=True, eq=False)

@@ -81,11 +81,13 @@ class _Stage:
         self.from_rhs = np.linalg.inv(blocks[:, :, order:])
         self.from_start = -self.from_rhs @ blocks[:, :, :order]
         self.size = size
-        self.step = self.from_start[:, -order:]
-        around = np.eye(order)
-        for a in self.step:
-            around = a @ around
-        self.close = np.linalg.inv(np.eye(order) - around)
+        # Left edges: y_{j+1} - a_j y_j = b_j, round the period. Solved as one system: forward recursion would let the growing
+        # solutions of an order of 5 or more drown the answer.
+        n = mesh.n_intervals
+        ring = np.eye(n * order).reshape(n, order, n, order)
+        here = np.arange(n)
+        ring[(here + 1) % n, :, here, :] -= self.from_start[:, -order:]
+        self.ring = np.linalg.inv(ring.reshape(n * order, n * order))
         # The input q enters the last equation of each node only.
         inputs = np.zeros((mesh.n_intervals, size, mesh.n_collocation))
         rows = order * np.arange(mesh.degree) + order - 1
@@ -102,14 +104,8 @@ class _Stage:
         """
         mesh, order = self.mesh, self.chain.order
         particular = self.from_rhs @ rhs
-        jump = particular[:, -order:]
-        y = np.zeros((order, rhs.shape[-1]))
-        for a, b in zip(self.step, jump, strict=True):
-            y = a @ y + b
-        starts = np.empty((mesh.n_intervals, order, rhs.shape[-1]))
-        starts[0] = self.close @ y
-        for j in range(mesh.n_intervals - 1):
-            starts[j + 1] = self.step[j] @ starts[j] + jump[j]
+        jump = np.roll(particular[:, -order:], 1, axis=0)
+        starts = (self.ring @ jump.reshape(-1, rhs.shape[-1])).reshape(jump.shape)
         rest = self.from_start @ starts + particular
         result = np.empty((mesh.n_intervals, mesh.degree + 1, order, rhs.shape[-1]))
         result[:, 0] = starts

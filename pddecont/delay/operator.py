@@ -1,6 +1,7 @@
 """The interface between the boundary-value problem and a way to discretise the delay.
 
-A delay is a linear operator that takes an orbit's base-point values to delayed values at any places of its mesh, with its derivatives in theta = (T_1..T_S, tau_1..tau_K).
+A delay is a linear operator that takes an orbit's base-point values to delayed values at any places of its mesh, with its
+derivatives in theta = (T_1..T_S, tau_1..tau_K).
 """
 
 from __future__ import annotations
@@ -43,6 +44,11 @@ class FullWeights:
     def apply(self, values: Array) -> Array:
         """Return the delayed values of base ``values`` (n_base, n_quantities), shape (n_places, n_quantities)."""
         return self.weights @ values
+
+    @property
+    def amplification(self) -> float:
+        """By how much the operator can magnify an error in the base values."""
+        return float(np.max(np.sum(np.abs(self.weights), axis=1), initial=0.0))
 
 
 @dataclass(frozen=True, eq=False)

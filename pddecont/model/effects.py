@@ -7,8 +7,7 @@ from dataclasses import dataclass, replace
 
 import sympy
 
-from pddecont.errors import PddecontError
-from pddecont.model.expression import suggest
+from pddecont.errors import PddecontError, suggest
 from pddecont.model.system import Model, delayed_symbol, symbol
 
 

@@ -7,7 +7,6 @@ an error with its column.
 from __future__ import annotations
 
 import ast
-import difflib
 import keyword
 import math
 import re
@@ -15,6 +14,8 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 
 import sympy
+
+from pddecont.errors import suggest
 
 MAX_LENGTH = 20_000
 MAX_NODES = 5_000
@@ -31,8 +32,10 @@ IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*$")
 TIME = sympy.Symbol("t", real=True)
 PI_NAME = "pi"
 
-# Python keywords may be names in a model (`lambda` is a popular parameter): they are masked by names of equal length.
-_MASK = "\u00df"
+# Python keywords may be names in a model (`lambda` is a popular parameter): each is masked by a name of equal length whose last
+# letter stands for nothing else.
+_MASK = {word: word[:-1] + chr(0x250 + i) for i, word in enumerate(keyword.kwlist)}
+_UNMASK = {mask: word for word, mask in _MASK.items()}
 _KEYWORD = re.compile(r"\b(" + "|".join(keyword.kwlist) + r")\b")
 
 
@@ -92,38 +95,31 @@ def finite(expr: sympy.Expr) -> sympy.Expr:
     return expr
 
 
-def suggest(name: str, known: Collection[str]) -> str:
-    """Return "; did you mean 'x'?" for the known name closest to ``name``, or an empty text."""
-    close = difflib.get_close_matches(name, list(known), n=1)
-    return f"; did you mean '{close[0]}'?" if close else ""
-
-
 def _syntax_tree(text: str) -> ast.expr:
-    masked = _KEYWORD.sub(lambda m: m.group()[:-1] + _MASK, text.replace("\n", " ").replace("\t", " "))
+    masked = _KEYWORD.sub(lambda m: _MASK[m.group()], text.replace("\n", " ").replace("\t", " "))
     stripped = masked.lstrip()
     shift = len(masked) - len(stripped)
+    if not stripped:
+        raise ExpressionError("the expression is empty; expected a number or a formula")
     try:
         # Parentheses let an expression span lines; they move columns by one.
         tree = ast.parse(f"({stripped}\n)", mode="eval").body
     except SyntaxError as exc:
         offset = max(0, min((exc.offset or 2) - 2, len(stripped) - 1)) if (exc.lineno or 1) == 1 else len(stripped)
-        if not stripped.strip():
-            raise ExpressionError("the expression is empty; expected a number or a formula") from exc
-        raise ExpressionError(f"not an expression: {exc.msg.replace(_MASK, '')}", offset + shift) from exc
+        reason = exc.msg if exc.msg.isascii() else "invalid syntax"
+        raise ExpressionError(f"not an expression: {reason}", offset + shift) from exc
     except (RecursionError, MemoryError, ValueError) as exc:
         raise ExpressionError("the expression is nested too deeply; use definitions for its parts") from exc
     for node in ast.walk(tree):
         if hasattr(node, "col_offset"):
             # Python counts columns in bytes, and the mask is two bytes long.
             before = f"({stripped}".encode()[: node.col_offset].decode(errors="ignore")
-            node.col_offset = len(before) - 1 + shift
+            node.col_offset = max(0, len(before) - 1 + shift)
     return tree
 
 
 def _unmask(name: str) -> str:
-    if not name.endswith(_MASK):
-        return name
-    return next(word for word in keyword.kwlist if word[:-1] == name[:-1] and len(word) == len(name))
+    return _UNMASK.get(name, name)
 
 
 def _number(value: float) -> sympy.Expr:

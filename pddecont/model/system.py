@@ -9,9 +9,9 @@ from typing import Any
 
 import sympy
 
-from pddecont.errors import ModelError, Problem, SignatureError
+from pddecont.errors import ModelError, Problem, SignatureError, suggest
 from pddecont.model.document import Document, KeyPath, parse_document, read_text
-from pddecont.model.expression import TIME, ExpressionError, Scope, parse, suggest
+from pddecont.model.expression import TIME, ExpressionError, Scope, parse
 from pddecont.model.schema import DelayedEvent, ModelFile
 from pddecont.model.validation import validate
 

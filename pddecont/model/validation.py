@@ -9,9 +9,9 @@ from typing import Annotated, Any, Union, get_args, get_origin
 from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
-from pddecont.errors import Problem
+from pddecont.errors import Problem, suggest
 from pddecont.model.document import Document, KeyPath, kind_of
-from pddecont.model.expression import FUNCTIONS, IDENTIFIER, PI_NAME, suggest
+from pddecont.model.expression import FUNCTIONS, IDENTIFIER, PI_NAME
 
 RESERVED = {"t", PI_NAME, "mode", *FUNCTIONS}
 

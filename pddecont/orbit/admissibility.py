@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.orbit.extrema import Profile, profile
+from pddecont.orbit.extrema import Extremum, Profile, profile
 from pddecont.orbit.problem import OrbitProblem
 
 Array = NDArray[np.float64]
@@ -61,7 +62,35 @@ def _crossings(profile: Profile, s: int, event: str, direction: str, terminal: b
         if came_from and came_from == wrong:
             yield f"event '{event}' is crossed {'falling' if wrong == 1 else 'rising'} at its end, not {direction}"
     known = [int(sign) for sign in signs if sign]
-    for before, after in zip(known, known[1:], strict=False):
+    for before, after in pairwise(known):
         rises = after > before
         if before != after and (direction == "any" or rises == (direction == "rising")):
             yield f"event '{event}' is also crossed {'rising' if rises else 'falling'} inside"
+
+
+def closest_approach(problem: OrbitProblem, profiles: dict[str, Profile], only: str | None = None) -> tuple[str, Extremum] | None:
+    """Return the event and the interior extremum of its function that is nearest to a new crossing (None: no extremum).
+
+    In a segment that meets its event from h < 0 that is the largest interior maximum, from h > 0 the smallest interior
+    minimum. ``only`` restricts it to one event.
+    """
+    extrema = {name: p.extrema() for name, p in profiles.items()}
+    best: tuple[float, str, Extremum] | None = None
+    for s in range(len(problem.segments)):
+        for name, direction, _ in watched_events(problem, s):
+            if only not in (None, name):
+                continue
+            from_below = _from_below(profiles[name], s, direction)
+            for extremum in extrema[name]:
+                if extremum.segment == s and extremum.is_max == from_below:
+                    height = extremum.value if from_below else -extremum.value
+                    if best is None or height > best[0]:
+                        best = (height, name, extremum)
+    return None if best is None else best[1:]
+
+
+def _from_below(profile: Profile, s: int, direction: str) -> bool:
+    """Whether the event would be met from h < 0 in segment ``s``."""
+    if direction == "any":
+        return bool(np.median(profile.values[profile.segment == s]) < 0.0)
+    return direction == "rising"

@@ -40,7 +40,7 @@ class Basis:
 def make_basis(degree: int) -> Basis:
     """Return the basis of polynomials of ``degree`` >= 1."""
     base = 0.5 - 0.5 * np.cos(np.pi * np.arange(degree + 1) / degree)
-    barycentric = (-1.0) ** np.arange(degree + 1)
+    barycentric = np.array([(-1.0) ** i for i in range(degree + 1)])
     barycentric[[0, -1]] *= 0.5
     difference = base[:, None] - base
     np.fill_diagonal(difference, 1.0)
@@ -48,7 +48,7 @@ def make_basis(degree: int) -> Basis:
     np.fill_diagonal(differentiate, 0.0)
     np.fill_diagonal(differentiate, -differentiate.sum(axis=1))
     nodes, weights = np.polynomial.legendre.leggauss(degree)
-    nodes, weights = 0.5 + 0.5 * nodes, 0.5 * weights
+    nodes, weights = np.asarray(0.5 + 0.5 * nodes, dtype=np.float64), np.asarray(0.5 * weights, dtype=np.float64)
     values = _lagrange(nodes, base, barycentric)
     return Basis(degree, base, barycentric, nodes, weights, values, values @ differentiate, differentiate)
 
@@ -56,6 +56,6 @@ def make_basis(degree: int) -> Basis:
 def _lagrange(sigma: Array, base: Array, barycentric: Array) -> Array:
     gap = sigma[..., None] - base
     hit = gap == 0.0
-    terms = barycentric / np.where(hit, 1.0, gap)
-    result = terms / terms.sum(axis=-1, keepdims=True)
-    return np.where(hit.any(axis=-1, keepdims=True), hit.astype(float), result)
+    exact = hit.any(axis=-1, keepdims=True)
+    terms = np.where(exact, hit, barycentric / np.where(hit, 1.0, gap))
+    return terms / terms.sum(axis=-1, keepdims=True)

@@ -14,6 +14,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from pddecont.delay.operator import FullWeights
 from pddecont.orbit.basis import make_basis
 from pddecont.orbit.mesh import Places
 from pddecont.orbit.problem import OrbitProblem, read
@@ -42,8 +43,18 @@ def interval_errors(problem: OrbitProblem, x: Array) -> Array:
 
 
 def error_estimate(problem: OrbitProblem, x: Array) -> float:
-    """Return the largest of :func:`interval_errors`."""
-    return float(np.max(interval_errors(problem, x)))
+    """Return the largest of :func:`interval_errors`, or what rounding makes of the delay's operator if that is more.
+
+    A chain of order 3 or more magnifies frequencies near its own by |sum (i w delta)^k / k!|^(-n), at order 4 by up to 2^n.
+    """
+    return max(float(np.max(interval_errors(problem, x))), rounding_error(problem, x))
+
+
+def rounding_error(problem: OrbitProblem, x: Array) -> float:
+    """Return what rounding errors in the base values can become in the delayed values, relative to the orbit's size."""
+    operators = problem.operators(problem.theta(x), problem.mesh.sites)
+    full = [op.weights.amplification for op in operators if isinstance(op.weights, FullWeights)]
+    return float(np.finfo(float).eps * max(full, default=0.0))
 
 
 def state_sizes(values: Array) -> Array:

@@ -21,6 +21,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from pddecont.continuation.linear import Matrix
 from pddecont.delay.operator import FullWeights, LocalWeights
 from pddecont.model.codegen import Derivatives
 from pddecont.orbit.problem import OrbitProblem, Reads, read
@@ -28,7 +29,6 @@ from pddecont.orbit.residual import Rows, end_point, mode_sites, phase_weights
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
-Matrix = Array | sp.csc_matrix
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +85,9 @@ class Assembler:
             matrix = np.bincount(triplets.rows * shape[1] + triplets.columns, weights=triplets.values,
                                  minlength=shape[0] * shape[1]).reshape(shape)  # fmt: skip
             for rows, state, values in blocks.dense:
-                matrix[rows, state : problem.layout.values.stop : problem.layout.n_states] += values
+                columns = problem.layout.value_index[:, state]
+                place = np.ix_(rows, columns)
+                matrix[place] = matrix[place] + values
             return matrix
         if self.pattern is None or not self.pattern.fits(triplets.rows, triplets.columns):
             self.pattern = Pattern(shape, triplets.rows, triplets.columns)
@@ -113,9 +115,9 @@ class _Blocks:
             states = [delayed[i][0] for i in reads]
             self.xd_theta[reads] = np.moveaxis(operator.theta_derivative(sites.values[:, states], self.which), 1, 0)
 
-    def add(self, rows: Array | Ints, columns: Array | Ints, values: Array) -> None:
-        rows, columns, values = np.broadcast_arrays(rows, columns, values)
-        self.parts.append(Triplets(rows.ravel(), columns.ravel(), values.ravel()))
+    def add(self, rows: Ints | int, columns: Ints | int, values: Array) -> None:
+        r, c, v = np.broadcast_arrays(np.asarray(rows), np.asarray(columns), values)
+        self.parts.append(Triplets(r.ravel(), c.ravel(), v.ravel()))
 
     def assemble(self) -> Triplets:
         self.collocation()

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 
 import numpy as np
 import sympy
 from numpy.typing import NDArray
 
+from pddecont.errors import suggest
 from pddecont.model.codegen import ArrayFunction, NumericModel, ParameterFunction
-from pddecont.model.expression import ExpressionError, Scope, build, parse, suggest
+from pddecont.model.expression import ExpressionError, Scope, build, parse
 from pddecont.model.system import Model, delayed_symbol, symbol
-from pddecont.orbit.extrema import Extremum, profile
+from pddecont.orbit.admissibility import closest_approach
+from pddecont.orbit.extrema import profile
 from pddecont.orbit.mesh import Places
 from pddecont.orbit.problem import OrbitProblem, read
 
@@ -113,7 +115,7 @@ def _only(node: ast.Call) -> ast.expr:
     return node.args[0]
 
 
-def _name(node: ast.expr, known: Sequence[str] | dict[str, object], what: str) -> str:
+def _name(node: ast.expr, known: Collection[str], what: str) -> str:
     name = ast.unparse(node)
     if name not in known:
         raise ExpressionError(f"'{name}' is not a {what}{suggest(name, list(known))} ({what}s: {', '.join(known) or 'none'})",
@@ -142,7 +144,8 @@ def _amplitude(problem: OrbitProblem, x: Array, function: ArrayFunction) -> floa
 
 def _mean(problem: OrbitProblem, x: Array, function: ArrayFunction) -> float:
     mesh = problem.mesh
-    reads = read(problem, x, Places(mesh.sites.interval[: mesh.n_collocation], mesh.sites.sigma[: mesh.n_collocation]), delays=function.uses_delayed())
+    nodes = Places(mesh.sites.interval[: mesh.n_collocation], mesh.sites.sigma[: mesh.n_collocation])
+    reads = read(problem, x, nodes, delays=function.uses_delayed())
     values = function.value(reads.t, reads.x, reads.xd, reads.p)[0].reshape(mesh.n_intervals, -1)
     return float(np.sum(reads.h[:, None] * mesh.basis.weights * values) / np.sum(reads.h))
 
@@ -162,8 +165,6 @@ def _at(problem: OrbitProblem, x: Array, segment: str, function: ArrayFunction) 
 
 
 def _extremum(problem: OrbitProblem, x: Array, event: str) -> float:
-    """Return the interior extremum of the event function that lies nearest to zero."""
-    extrema: list[Extremum] = profile(problem, x, problem.numeric.event(event)).extrema()
-    watching = {s.mode for s in problem.numeric.model.segments.values() if s.event == event}
-    values = [e.value for e in extrema if problem.segments[e.segment].mode in watching]
-    return min(values, key=abs, default=float("nan"))
+    """Return the event function where it comes nearest to grazing."""
+    found = closest_approach(problem, {event: profile(problem, x, problem.numeric.event(event))}, event)
+    return float("nan") if found is None else found[1].value

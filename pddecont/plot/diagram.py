@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.errors import ResultsError
-from pddecont.model.expression import suggest
+from pddecont.errors import ResultsError, suggest
 from pddecont.plot.style import COLOURS, MARKERS, label
 from pddecont.results.reader import Step
 

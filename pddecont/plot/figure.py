@@ -40,8 +40,9 @@ def draw(results: Results, view: View, path: Path) -> None:
     import matplotlib.pyplot as plt
 
     step = _chosen(results, view)
-    with plt.rc_context(RC):
-        figure = {"diagram": _diagram, "orbit": _orbits, "profile": _profiles, "trajectory": _trajectory}[_kind(step, view)](plt, step, view)
+    with plt.rc_context(dict(RC)):
+        views = {"diagram": _diagram, "orbit": _orbits, "profile": _profiles, "trajectory": _trajectory}
+        figure = views[_kind(step, view)](plt, step, view)
         try:
             figure.savefig(path)
         except OSError as exc:

@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from pddecont.errors import ResultsError
-from pddecont.model.expression import suggest
+from pddecont.errors import ResultsError, suggest
 from pddecont.plot.curves import segments
 from pddecont.plot.style import COLOURS, label
 from pddecont.results.reader import Step

@@ -6,7 +6,7 @@ from typing import Any
 
 COLOURS = ("#1f5fa8", "#c2402f", "#2f8f5b", "#8a5fb0", "#b8860b", "#3b3b3b")
 MARKERS = {"GR": "o", "LP": "s", "BP": "x", "PD": "^", "TR": "*", "VS": "D", "EP": "|"}
-RC: dict[str, Any] = {
+RC: Any = {
     "figure.constrained_layout.use": True, "figure.dpi": 110, "savefig.dpi": 160, "font.size": 9.5, "axes.grid": True,
     "grid.alpha": 0.25, "grid.linewidth": 0.6, "axes.spines.top": False, "axes.spines.right": False, "lines.linewidth": 1.6,
     "legend.frameon": False, "mathtext.default": "regular", "svg.hashsalt": "pddecont",

@@ -13,8 +13,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.errors import ResultsError
-from pddecont.model.expression import suggest
+from pddecont.errors import ResultsError, suggest
 from pddecont.results.layout import FORMAT_VERSION
 
 LABELLED = ("EP", "GR", "VS", "LP", "BP", "PD", "TR")

@@ -64,7 +64,7 @@ class StepWriter:
         self.n = kept
         self.used = dict.fromkeys(spec.orbits, 0) | dict(kept_rows or {})
         capacity = max(capacity, kept, *self.used.values()) if self.used else max(capacity, kept)
-        self.capacity = {name: capacity for name in (*spec.points, *spec.orbits)}
+        self.capacity = dict.fromkeys((*spec.points, *spec.orbits), capacity)
         self._descriptor = -1
         self._offsets: dict[str, int] = {}
         self._arrange(keep=True)
@@ -158,7 +158,7 @@ class StepWriter:
         if not data.nbytes:
             return
         row_bytes = data.nbytes // len(data)
-        view, offset = memoryview(data).cast("B"), self._offsets[name] + first * row_bytes
+        view, offset = memoryview(data.tobytes()), self._offsets[name] + first * row_bytes
         try:
             while view:
                 done = os.pwrite(self._descriptor, view, offset)

@@ -5,8 +5,7 @@ from __future__ import annotations
 import importlib.util
 from pathlib import Path
 
-from pddecont.errors import RunError
-from pddecont.model.expression import suggest
+from pddecont.errors import RunError, suggest
 
 SUFFIX = ".yaml"
 

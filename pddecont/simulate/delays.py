@@ -6,7 +6,7 @@ import math
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,9 +61,11 @@ class Past:
         self.from_right = True
 
     def start(self, t: float) -> Array:
+        """Return the extra variables at the start."""
         return np.zeros(0)
 
     def values(self, t: float, y: Array) -> list[float]:
+        """Return the delayed values at ``t``."""
         result = []
         for state, k in self.pairs:
             result.append(float(y[state]) if self.tau[k] == 0.0 else self._read(t - self.tau[k], state))
@@ -79,9 +81,11 @@ class Past:
         return float(self.steps[max(i, 0)](t)[state])
 
     def slopes(self, y: Array) -> Array:
+        """Return the derivatives of the extra variables."""
         return np.zeros(0)
 
     def record(self, step: Step) -> None:
+        """Take note of a finished step."""
         self.steps.append(step)
 
 
@@ -106,6 +110,7 @@ class ChainStates:
         self.top = math.factorial(self.chain.order)
 
     def start(self, t: float) -> Array:
+        """Return the extra variables at the start."""
         w = np.empty(self.shape)
         for row, (state, delta) in enumerate(zip(self.states, self.delta, strict=True)):
             for i in range(self.chain.n):
@@ -114,6 +119,7 @@ class ChainStates:
         return w.ravel()
 
     def values(self, t: float, y: Array) -> list[float]:
+        """Return the delayed values at ``t``."""
         result = [float(y[state]) for state, _ in self.pairs]
         last = y[len(y) - self.n_extra :].reshape(self.shape)[:, -1, 0]
         for row, i in enumerate(self.active):
@@ -121,6 +127,7 @@ class ChainStates:
         return result
 
     def slopes(self, y: Array) -> Array:
+        """Return the derivatives of the extra variables."""
         w = y[len(y) - self.n_extra :].reshape(self.shape)
         slope = np.empty_like(w)
         slope[:, :, :-1] = w[:, :, 1:]
@@ -129,7 +136,7 @@ class ChainStates:
         return (slope / self.delta[:, None, None]).ravel()
 
     def record(self, step: Step) -> None:
-        pass
+        """Take note of a finished step."""
 
 
 def history_functions(numeric: NumericModel, p: Array, n_derivatives: int) -> list[History]:
@@ -143,8 +150,8 @@ def history_functions(numeric: NumericModel, p: Array, n_derivatives: int) -> li
     return functions
 
 
-def _plain(numeric: NumericModel, exprs: Sequence[object], p: Array) -> History:
-    scalar = numeric.function(exprs).scalar  # type: ignore[arg-type]
+def _plain(numeric: NumericModel, exprs: Sequence[Any], p: Array) -> History:
+    scalar = numeric.function(exprs).scalar
     parameters = p.tolist()
 
     def history(t: float) -> Sequence[float]:

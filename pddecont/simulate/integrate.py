@@ -7,8 +7,10 @@ point; events located on the continuous extension by Brent's method.
 from __future__ import annotations
 
 import heapq
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import scipy.integrate
@@ -25,6 +27,7 @@ from pddecont.simulate.trajectory import Arc, Happening, Step, Trajectory
 
 Array = NDArray[np.float64]
 SAMPLES = 9
+TINY = 1e-300
 BREAKING_LEVELS = 6
 MAX_EVENTS_AT_ONCE = 1000
 
@@ -77,9 +80,10 @@ class _Integration:
             if segment is None:
                 break
             at_once = at_once + 1 if t - started <= 1e-12 * (1.0 + abs(t)) else 0
-            if at_once > MAX_EVENTS_AT_ONCE:
-                raise ConvergenceError(f"more than {MAX_EVENTS_AT_ONCE} events at t = {t:.10g}: events accumulate here (Zeno), or a "
-                                       "reset leads straight back to its own event; give the model a mode that sticks")  # fmt: skip
+            again = segment.event == fired and t <= started and self.model.events[segment.event].function is not None
+            if again or at_once > MAX_EVENTS_AT_ONCE:
+                raise ConvergenceError(f"events of '{segment.event}' accumulate at t = {t:.10g} (Zeno), or a reset leads straight back "
+                                       "to its own event; give the model a mode that sticks")  # fmt: skip
             y = self.happen(t, y, segment)
             mode, fired = segment.to, segment.event
         return self.trajectory
@@ -123,7 +127,8 @@ class _Integration:
         level = {s.name: self.event_value(s, t, y) for s in watched}
         for s in watched:
             if s.event == fired and abs(level[s.name]) <= 1e-9 * self.event_scale(s, t, y):
-                level[s.name] = 0.0
+                # On the surface just left: its side is where the flow goes, however short the flight may be.
+                level[s.name] = math.copysign(TINY, self.event_slope(s, t, y, rhs))
         previous_step = None
         while True:
             segment = self.due(t, mode)
@@ -138,6 +143,9 @@ class _Integration:
                     message = solver.step()
                     if solver.status == "failed":
                         raise ConvergenceError(f"integration failed at t = {solver.t:.10g} in mode '{mode}': {message}")
+                    if not np.all(np.isfinite(solver.y)):
+                        raise ConvergenceError(f"the solution is no longer finite near t = {solver.t_old:.10g} in mode '{mode}'; "
+                                               "it grows without bound there")  # fmt: skip
                     dense = solver.dense_output()
                     step = Step(solver.t_old, solver.t, dense.y_old[: self.n], dense.F[:, : self.n])
                     self.trajectory.n_steps += 1
@@ -183,6 +191,18 @@ class _Integration:
         self.numeric.event(segment.event).scalar(t, y[: self.n].tolist(), self.delays.values(t, y), self.plain_p, out)
         return out[0]
 
+    def event_slope(self, segment: Segment, t: float, y: Array, rhs: Callable[[float, Array], Array]) -> float:
+        """Return dh/dt along the flow; delayed values are held at their slope over a short step."""
+        d = self.numeric.event(segment.event).derivatives(
+            np.array([t]), y[: self.n, None], np.array(self.delays.values(t, y))[:, None], self.p)  # fmt: skip
+        f = rhs(t, y)
+        slope = float(d.dt[0, 0] + d.dx[0, :, 0] @ f[: self.n])
+        if np.any(d.dxd):
+            ahead = 1e-7 * (1.0 + abs(t))
+            later = np.array(self.delays.values(t + ahead, y + ahead * f)) - np.array(self.delays.values(t, y))
+            slope += float(d.dxd[0, :, 0] @ later) / ahead
+        return slope
+
     def event_scale(self, segment: Segment, t: float, y: Array) -> float:
         d = self.numeric.event(segment.event).derivatives(
             np.array([t]), y[: self.n, None], np.array(self.delays.values(t, y))[:, None], self.p)
@@ -195,11 +215,11 @@ class _Integration:
         hits: list[tuple[float, int, Segment]] = []
         for i, segment in enumerate(watched):
             before = level[segment.name]
-            for ta, tb in zip(times[:-1], times[1:], strict=True):
+            for ta, tb in pairwise(times):
                 after = self.event_value(segment, tb, dense(tb))
                 rises, falls = before < 0.0 <= after, before > 0.0 >= after
                 if (rises and segment.direction != "falling") or (falls and segment.direction != "rising"):
-                    at = self.root(segment, ta, tb, dense)
+                    at = self.root(segment, ta, tb, before, dense)
                     hits.append((at, i, segment))
                     break
                 before = after
@@ -209,11 +229,20 @@ class _Integration:
         time, _, segment = min(hits, key=lambda hit: hit[:2])
         return time, segment
 
-    def root(self, segment: Segment, ta: float, tb: float, dense: Callable[[float], Array]) -> float:
+    def root(self, segment: Segment, ta: float, tb: float, before: float, dense: Callable[[float], Array]) -> float:
+        """Return the zero of an event function in a step; ``before`` gives its side at ``ta``, where it may itself be zero."""
+
         def value(t: float) -> float:
             return self.event_value(segment, t, dense(t))
 
-        fa, fb = value(ta), value(tb)
-        if fb == 0.0 or fa * fb > 0.0:
+        if value(tb) == 0.0:
             return tb
+        # Just after an event the function is zero at ta to rounding: look for a moment at which it is on its side.
+        for k in range(61):
+            left = ta + (tb - ta) * 2.0**-k if k else ta
+            if np.sign(value(left)) == np.sign(before):
+                ta = left
+                break
+        else:
+            return ta
         return float(scipy.optimize.brentq(value, ta, tb, xtol=1e-15 * (1.0 + abs(tb)), rtol=8.9e-16))

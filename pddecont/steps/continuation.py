@@ -60,8 +60,8 @@ def run_continue(context: Context, step: Step, recorded: RecordedStep | None = N
     plan, body = context.plan, step.continue_
     assert body is not None
     monitors = [parse_monitor(plan.numeric, name, text) for name, text in plan.monitors.items()]
-    bounds = [tuple(plan.number(v) for v in body.range[name]) for name in body.free]
-    branch = _Branch(context, step, body, monitors, bounds)  # type: ignore[arg-type]
+    bounds = [(plan.number(body.range[name][0]), plan.number(body.range[name][1])) for name in body.free]
+    branch = _Branch(context, step, body, monitors, bounds)
     ways = WAYS[body.direction]
     start = _start(branch)
     meta = {"free": list(body.free), "directions": len(ways), "settings": settings_text(plan, step)}
@@ -80,7 +80,7 @@ def run_continue(context: Context, step: Step, recorded: RecordedStep | None = N
         curve = start.problem
         assert isinstance(curve, Curve)
         places = range(curve.problem.layout.free.start, curve.problem.layout.free.stop)
-        limits = [(place, *pair) for place, pair in zip(places, bounds, strict=True)]
+        limits = [(place, low, high) for place, (low, high) in zip(places, bounds, strict=True)]
         for i, way in enumerate(ways):
             if way in ended:
                 text = ended[way]

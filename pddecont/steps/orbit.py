@@ -21,6 +21,7 @@ from pddecont.steps.schema import Step
 from pddecont.steps.simulate import integrate
 
 Array = NDArray[np.float64]
+POOR = 1e-3
 
 
 def first_guess(context: Context, step: Step) -> tuple[OrbitProblem, Array]:
@@ -56,7 +57,11 @@ def run_orbit(context: Context, step: Step) -> None:
     monitors = [parse_monitor(plan.numeric, name, text) for name, text in plan.monitors.items()]
     spec = orbit_spec(step.name, "orbit", plan.numeric, monitors, {"settings": settings_text(plan, step)})
     points, rows = orbit_row(problem, solution.x, monitors, n_iterations=solution.n_iterations)
-    text = f"converged in {solution.n_iterations} Newton iterations to signature [{' '.join(names)}], period {problem.period(solution.x):.10g}"
+    text = (f"converged in {solution.n_iterations} Newton iterations to signature [{' '.join(names)}], "
+            f"period {problem.period(solution.x):.10g}")  # fmt: skip
+    if points["error_estimate"] > POOR:
+        text += (f"; WARNING: its estimated error is {points['error_estimate']:.1e}: refine 'mesh', and with a chain of order 3 or "
+                 "more lower 'n' (it magnifies rounding errors)")  # fmt: skip
     against = objections(problem, solution.x)
     if against:
         text += f"; not admissible: {against[0]}"

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from pddecont.delay.chain import Chain
 from pddecont.delay.operator import DelayMethod
-from pddecont.errors import ModelError, PddecontError, Problem, RunError, SignatureError
+from pddecont.errors import ModelError, PddecontError, Problem, RunError, SignatureError, suggest
 from pddecont.model.codegen import NumericModel
 from pddecont.model.document import Document, KeyPath, parse_document, read_text
 from pddecont.model.effects import LeftOut, without
-from pddecont.model.expression import ExpressionError, parse, suggest
+from pddecont.model.expression import ExpressionError, parse
 from pddecont.model.system import Model, check_signature, parse_model
 from pddecont.model.validation import validate
 from pddecont.shipped.find import find

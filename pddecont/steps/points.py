@@ -38,12 +38,14 @@ def orbit_spec(name: str, kind: str, numeric: NumericModel, monitors: Sequence[M
 
 
 def orbit_row(problem: OrbitProblem, x: Array, monitors: Sequence[Monitor], *, kind: str = "", arclength: float = 0.0,
-              n_iterations: int = 0, step: float = 0.0, tangent: Array | None = None) -> tuple[dict[str, Any], dict[str, Array]]:  # fmt: skip
+              n_iterations: int = 0, step: float = 0.0, tangent: Array | None = None
+              ) -> tuple[dict[str, Any], dict[str, Array]]:  # fmt: skip
     """Return the row of points and the rows of orbits that record the orbit ``x``."""
     profiles = event_profiles(problem, x)
     points = {
         "kind": kind.encode(), "arclength": arclength, "parameters": problem.all_parameters(x), "period": problem.period(x),
-        "stable": -1, "admissible": not objections(problem, x, profiles), "error_estimate": error_estimate(problem, x),
+        "stable": -1, "admissible": not objections(problem, x, profiles),
+        "error_estimate": error_estimate(problem, x),
         "monitors": np.array([m.value(problem, x) for m in monitors]), "clearance": clearance(problem, x, profiles),
         "n_iterations": n_iterations, "step": step, "n_periods": problem.n_periods, "phase": problem.phase,
         "n_unknowns": len(x), "surfaces": surfaces(problem, x),

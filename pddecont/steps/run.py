@@ -8,8 +8,7 @@ import platform
 from pathlib import Path
 
 import pddecont
-from pddecont.errors import ResultsError, RunError
-from pddecont.model.expression import suggest
+from pddecont.errors import ResultsError, RunError, suggest
 from pddecont.results.reader import read_results
 from pddecont.results.writer import create, drop_steps
 from pddecont.steps.context import Context, Reporter, Silent, settings_text

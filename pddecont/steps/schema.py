@@ -41,7 +41,7 @@ class Source(Strict):
 
 
 def _source(value: Any) -> Any:
-    return Source(step=value) if isinstance(value, str) else value
+    return Source.model_validate({"step": value}) if isinstance(value, str) else value
 
 
 From = Annotated[Source, BeforeValidator(_source)]
@@ -89,7 +89,7 @@ class Continue(Strict):
     from_: From = Field(alias="from", description="an orbit")
     free: list[Identifier] = Field(min_length=1, max_length=1, description="parameter to vary")
     range: dict[Identifier, Annotated[list[Formula], BeforeValidator(_range)]] = Field(description="lowest and highest value")
-    step: StepSize = Field(default_factory=StepSize)
+    step: StepSize = Field(default_factory=lambda: StepSize.model_validate({}))
     max_points: int = Field(500, ge=1, le=1_000_000, description="most points in each direction")
     direction: Literal["both", "up", "down"] = Field("both", description="which way the parameter goes at first")
 
@@ -135,9 +135,9 @@ class RunBlock(Strict):
     """A run without its model: what stands under ``run`` in a model file."""
 
     set: dict[Identifier, Formula] = Field(default_factory=dict, description="parameter values")
-    effects: Effects = Field(default_factory=Effects)
-    delay: Delay = Field(default_factory=Delay)
-    mesh: Mesh = Field(default_factory=Mesh)
+    effects: Effects = Field(default_factory=lambda: Effects.model_validate({}))
+    delay: Delay = Field(default_factory=lambda: Delay.model_validate({}))
+    mesh: Mesh = Field(default_factory=lambda: Mesh.model_validate({}))
     monitors: dict[Identifier, Formula] = Field(default_factory=dict, description="numbers recorded at every point")
     steps: list[Step] = Field(min_length=1, description="what to do, in order")
 

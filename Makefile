@@ -1,0 +1,36 @@
+# Everything a newcomer needs; .ci/run calls the same targets.
+PYTHON ?= python3
+ENV := .venv
+BIN := $(ENV)/bin
+OUT := out
+
+.PHONY: setup demo test check bench schema clean
+setup: $(ENV)/ready
+
+$(ENV)/ready: pyproject.toml
+	$(PYTHON) -m venv $(ENV)
+	$(BIN)/python -m pip install --quiet --upgrade pip
+	$(BIN)/python -m pip install --quiet -e ".[dev]"
+	touch $@
+
+demo: setup          ## figure 4.6 of the paper, from its YAML file to a picture
+	mkdir -p $(OUT)
+	$(BIN)/pddecont run configs/fig4_6.yaml -o $(OUT)/fig4_6.h5 --overwrite
+	$(BIN)/pddecont export $(OUT)/fig4_6.h5 --table special
+	$(BIN)/pddecont plot $(OUT)/fig4_6.h5 -o $(OUT)/fig4_6.png
+
+test: setup
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2
+
+check: setup
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+
+bench: setup         ## ratios, each measured in one process
+	$(BIN)/python benchmarks/run.py
+
+schema: setup        ## JSON Schemas of both file formats, for editors
+	$(BIN)/python -m pddecont.shipped.schemas
+
+clean:
+	rm -rf $(ENV) $(OUT)

@@ -1,0 +1,266 @@
+"""The commands as a user types them: exit codes, output, what is left alone."""
+
+import csv
+import io
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from pddecont.cli import COMMANDS, group, main
+from pddecont.results.reader import read_results
+
+QUICK = """\
+name: quick
+states: [x, v]
+parameters: {omega: 2, c: 0.1, wall: 0.2, r: 0.8}
+forcing: {period: 2*pi/omega}
+modes: {free: {x': v, v': cos(omega*t) - c*v - x}}
+events: {hit: x - wall}
+resets: {bounce: {v: -r*v}}
+segments: {flight: {mode: free, event: hit, direction: rising, reset: bounce, to: free}}
+effects: {damping: {set: {c: 0}}, wall: {drop: [hit]}}
+run:
+  mesh: {degree: 5, intervals: 14}
+  monitors: {top: max(x), speed: "at(flight, v)"}
+  steps:
+    - {name: transient, simulate: {t_end: 60*pi}}
+    - {name: orbit, orbit: {from: transient, signature: [flight]}}
+    - {name: branch, continue: {from: orbit, free: [wall], range: {wall: [0.15, 0.3]}, step: {max: 0.05}}}
+"""
+
+
+def call(*args):
+    """Return (exit code, standard output, standard error) of a command."""
+    import contextlib
+
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), pytest.raises(SystemExit) as info:
+        main([str(a) for a in args])
+    code = info.value.code
+    return int(code or 0), out.getvalue(), err.getvalue()
+
+
+@pytest.fixture(scope="module")
+def done(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("done")
+    (folder / "quick.yaml").write_text(QUICK)
+    code, out, err = call("run", folder / "quick.yaml", "-o", folder / "quick.h5", "--json")
+    assert code == 0, err
+    return folder, json.loads(out)
+
+
+def test_every_command_is_there_and_has_help():
+    runner = CliRunner()
+    listing = runner.invoke(group, ["--help"]).output
+    for name in COMMANDS:
+        assert name in listing
+        assert "Usage" in runner.invoke(group, [name, "--help"]).output
+
+
+def test_help_and_check_load_no_heavy_library():
+    code = ("import sys, pddecont.cli as c\ntry: c.main({args})\nexcept SystemExit: pass\n"
+            "print(sorted(m for m in sys.modules if m in {heavy}))")
+    heavy = {"matplotlib", "h5py", "scipy.integrate", "sympy", "numpy"}
+    text = code.format(args=["--help"], heavy=heavy)
+    assert subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=True).stdout.strip().endswith("[]")
+    text = code.format(args=["check", "impact_oscillator"], heavy={"matplotlib", "h5py"})
+    assert subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=True).stdout.strip().endswith("[]")
+
+
+def test_run_json_says_what_was_computed(done):
+    folder, data = done
+    assert [s["name"] for s in data["steps"]] == ["transient", "orbit", "branch"]
+    assert data["steps"][2]["special"] == ["EP1", "EP2"]
+    assert data["output"] == str(folder / "quick.h5")
+
+
+def test_an_output_that_exists_is_not_touched(done):
+    folder, _ = done
+    before = (folder / "quick.h5").read_bytes()
+    code, _, err = call("run", folder / "quick.yaml", "-o", folder / "quick.h5")
+    assert code == 1
+    assert "exists already; give --resume" in err
+    assert (folder / "quick.h5").read_bytes() == before
+
+
+def test_resume_of_a_finished_run_changes_nothing(done):
+    folder, _ = done
+    before = read_results(folder / "quick.h5").step("branch").points["parameters"]
+    assert call("run", folder / "quick.yaml", "-o", folder / "quick.h5", "--resume", "-q")[0] == 0
+    assert np.array_equal(read_results(folder / "quick.h5").step("branch").points["parameters"], before)
+
+
+def test_resume_refuses_another_model(done, tmp_path):
+    folder, _ = done
+    (tmp_path / "quick.yaml").write_text(QUICK.replace("0.15", "0.16"))
+    code, _, err = call("run", tmp_path / "quick.yaml", "-o", folder / "quick.h5", "--resume")
+    assert code == 1
+    assert "was made from another" in err
+
+
+@pytest.mark.parametrize("keep", [1, 2, 5, 9, 14])
+def test_resume_gives_the_same_numbers_as_an_uninterrupted_run(done, tmp_path, keep, monkeypatch):
+    from pddecont.steps import continuation
+
+    folder, _ = done
+    (tmp_path / "quick.yaml").write_text(QUICK)
+    count = {"n": 0}
+    record = continuation._Branch.record
+
+    def stop(self, writer, point):
+        record(self, writer, point)
+        count["n"] += 1
+        if count["n"] == keep:
+            raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(continuation._Branch, "record", stop)
+        assert call("run", tmp_path / "quick.yaml", "-o", tmp_path / "quick.h5", "-q")[0] == 130
+    assert len(read_results(tmp_path / "quick.h5").step("branch")) == keep
+    assert call("run", tmp_path / "quick.yaml", "-o", tmp_path / "quick.h5", "--resume", "-q")[0] == 0
+    whole, resumed = (read_results(f / "quick.h5").step("branch") for f in (folder, tmp_path))
+    for name in whole.points:
+        assert np.array_equal(whole.points[name], resumed.points[name], equal_nan=whole.points[name].dtype.kind == "f"), name
+    assert np.array_equal(whole.orbits["states"], resumed.orbits["states"])
+    assert whole.termination == resumed.termination
+
+
+def test_export_tables(done):
+    folder, _ = done
+    code, out, _ = call("export", folder / "quick.h5", "--step", "branch")
+    rows = list(csv.DictReader(io.StringIO(out)))
+    assert code == 0
+    assert {"label", "kind", "wall", "period", "stable", "admissible", "top", "speed", "error_estimate"} <= set(rows[0])
+    walls = [float(r["wall"]) for r in rows]
+    assert walls == sorted(walls)
+    assert rows[0]["label"] == "EP1"
+    assert float(rows[0]["top"]) == pytest.approx(0.15, abs=1e-9)
+    special = json.loads(call("export", folder / "quick.h5", "--table", "special", "--format", "json")[1])
+    assert [r["label"] for r in special] == ["EP1", "EP2"]
+    assert special[0]["stable"] is None
+    orbit = list(csv.DictReader(io.StringIO(call("export", folder / "quick.h5", "--table", "orbit", "--label", "EP1")[1])))
+    assert float(orbit[-1]["x"]) == pytest.approx(0.15, abs=1e-12)
+    events = list(csv.DictReader(io.StringIO(call("export", folder / "quick.h5", "--table", "events")[1])))
+    assert float(events[-1]["v_after"]) == pytest.approx(-0.8 * float(events[-1]["v"]), rel=1e-12)
+    assert {"t", "segment", "x", "v", "x_after", "v_after"} == set(events[0])
+    trajectory = list(csv.DictReader(io.StringIO(call("export", folder / "quick.h5", "--table", "trajectory")[1])))
+    assert {"t", "mode", "x", "v"} == set(trajectory[0])
+    assert call("export", folder / "quick.h5", "--table", "orbit", "--step", "transient")[0] == 1
+
+
+@pytest.mark.parametrize("suffix", ["png", "svg", "pdf"])
+def test_plot_writes_each_format(done, tmp_path, suffix):
+    folder, _ = done
+    assert call("plot", folder / "quick.h5", "-o", tmp_path / f"p.{suffix}")[0] == 0
+    magic = {"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}[suffix]
+    assert (tmp_path / f"p.{suffix}").read_bytes().startswith(magic)
+
+
+@pytest.mark.parametrize("options", [
+    ["--view", "orbit"], ["--view", "orbit", "--label", "EP1", "--index", "3"], ["--view", "profile"], ["--step", "transient"],
+    ["--step", "orbit"], ["-x", "wall", "-y", "period"], ["--view", "orbit", "-x", "v", "-y", "x"],
+])  # fmt: skip
+def test_plot_views(done, tmp_path, options):
+    folder, _ = done
+    code, _, err = call("plot", folder / "quick.h5", "-o", tmp_path / "p.png", *options)
+    assert code == 0, err
+    assert (tmp_path / "p.png").stat().st_size > 5000
+
+
+@pytest.mark.parametrize(("options", "words"), [
+    (["-o", "p.bmp"], "pictures are"), (["-y", "tp"], "no column 'tp'; did you mean 'top'"),
+    (["--step", "branhc"], "did you mean 'branch'"),
+    (["--view", "orbit", "--label", "GR1"], "no point 'GR1'"), (["--view", "diagram", "--step", "orbit"], "not as diagram"),
+])  # fmt: skip
+def test_plot_errors(done, in_folder, options, words):
+    folder, _ = done
+    code, _, err = call("plot", folder / "quick.h5", *options)
+    assert code == 1
+    assert words in err
+
+
+def test_info(done):
+    folder, _ = done
+    data = json.loads(call("info", folder / "quick.h5", "--json")[1])
+    assert set(data["steps"][2]) >= {"name", "kind", "n_points", "special", "termination"}
+    assert "branch" in call("info", folder / "quick.h5")[1]
+    text = call("info", "impact_oscillator", "--without", "feedback")[1]
+    assert "delays: tau_d" in text
+    assert call("info", folder / "none.h5")[0] == 1
+
+
+@pytest.mark.parametrize(("old", "new", "place", "words"), [
+    ("free: [wall]", "free: [wal]", "16:53", "did you mean 'wall'"),
+    ("from: transient,", "from: transent,", "15:35", "did you mean 'transient'"),
+    ("{from: orbit, free", "{from: transient, free", "16:39", "put an orbit step between"),
+    ("range: {wall: [0.15, 0.3]}", "range: {c: [0, 1]}", "16:67", "has no range"),
+    ("[0.15, 0.3]", "[0.3, 0.15]", "16:74", "the range is empty"),
+    ("max(x)", "max(y)", "12:23", "'y' is not defined"),
+    ("max(x)", "x", "12:19", "state 'x' varies along the orbit"),
+    ("signature: [flight]", "signature: [fligt]", "15:57", "did you mean 'flight'"),
+    ("degree: 5", "degree: 0", "11:18", "greater than or equal to 1"),
+    ("intervals: 14", "intervals: many", "11:32", "expected a whole number, found text"),
+    ("simulate:", "simulat:", "14:25", "did you mean 'simulate'"),
+    ("t_end: 60*pi", "t_end: -1", "14:43", "expected a positive time"),
+    ("t_end: 60*pi", "t_end: 60*tau", "14:46", "'tau' is not defined"),
+])  # fmt: skip
+def test_check_reports_run_errors_with_their_place(in_folder, old, new, place, words):
+    assert old in QUICK
+    (in_folder / "m.yaml").write_text(QUICK.replace(old, new, 1))
+    code, _, err = call("check", "m.yaml")
+    assert code == 1
+    assert words in err
+    assert any(line.startswith(f"m.yaml:{place}:") and words in line for line in err.splitlines()), err
+
+
+def test_check_accepts_good_files_and_finds_shipped_ones(in_folder):
+    code, out, _ = call("check", "impact_oscillator", "fig4_6")
+    assert code == 0
+    assert out.count("no errors") == 2
+
+
+@pytest.mark.parametrize(("args", "code"), [
+    (["run"], 2), (["run", "nothing.yaml"], 1), (["frobnicate"], 2), (["run", "m.yaml", "--set", "wall"], 2),
+    (["run", "m.yaml", "--set", "wal=1"], 1), (["run", "m.yaml", "--set", "wall=__import__('os')"], 1),
+    (["run", "m.yaml", "--without", "air"], 1), (["run", "m.yaml", "--only", "brnch"], 1), (["info", "none.h5"], 1), (["--help"], 0),
+])  # fmt: skip
+def test_exit_codes(in_folder, args, code):
+    (in_folder / "m.yaml").write_text(QUICK)
+    assert call(*args)[0] == code
+    assert not list(in_folder.glob("*.h5"))
+
+
+def test_a_run_that_does_not_converge_keeps_what_came_before(in_folder):
+    # Without damping the free oscillation never dies out: no period is found.
+    (in_folder / "m.yaml").write_text(QUICK)
+    code, _, err = call("run", "m.yaml", "--without", "damping", "--without", "wall", "--set", "omega=2.2")
+    assert code in (1, 3)
+    (in_folder / "n.yaml").write_text(QUICK.replace("signature: [flight]", "from: transient").replace("{from: transient, from", "{from"))
+    code, _, err = call("run", "n.yaml", "--set", "c=0", "--set", "r=1", "--set", "omega=2.2")
+    assert code == 3, err
+    assert "has not settled" in err
+    assert "raise 't_end'" in err
+    assert list(read_results("n.h5").steps) == ["transient"]
+
+
+def test_standard_input_and_overrides(in_folder, monkeypatch):
+    monkeypatch.setattr("sys.stdin", io.StringIO(QUICK))
+    code, out, err = call("run", "-", "--set", "wall=0.1 + 0.15", "--until", "orbit", "--json", "-o", "a.h5")
+    assert code == 0, err
+    step = read_results("a.h5").step("orbit")
+    assert step.points["parameters"][0][step.meta["parameters"].index("wall")] == 0.25
+    assert [s["name"] for s in json.loads(out)["steps"]] == ["transient", "orbit"]
+
+
+def test_code_in_a_model_never_runs(in_folder):
+    target = in_folder / "touched"
+    text = QUICK.replace("{hit: x - wall}", f"{{hit: __import__('pathlib').Path('{target}').touch()}}")
+    (in_folder / "m.yaml").write_text(text)
+    code, _, err = call("run", "m.yaml")
+    assert code == 1
+    assert "m.yaml:6:15: " in err
+    assert not target.exists()

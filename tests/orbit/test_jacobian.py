@@ -1,0 +1,79 @@
+"""The Jacobian against differences of the residual, and its pattern."""
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+from pddecont.delay.chain import Chain
+from pddecont.model.codegen import NumericModel
+from pddecont.model.system import load_model
+from pddecont.orbit.jacobian import Assembler
+from pddecont.orbit.mesh import Mesh, equal_cuts, segment_pieces
+from pddecont.orbit.problem import OrbitProblem, eventless
+from pddecont.orbit.residual import residual
+from tests.conftest import MODELS, numeric_from
+
+FREE = {"impact_oscillator": ("tau_d", "omega"), "impact_oscillator_autonomous": ("tau_d", "K")}
+
+
+def difference(problem, x):
+    return np.array([(residual(problem, x + 1e-6 * e) - residual(problem, x - 1e-6 * e)) / 2e-6 for e in np.eye(len(x))]).T
+
+
+def check(problem, x):
+    exact = Assembler(problem)(x)
+    exact = exact.toarray() if sp.issparse(exact) else exact
+    expected = difference(problem, x)
+    assert exact.shape == expected.shape
+    assert np.max(np.abs(exact - expected)) < 1e-7 * (1 + np.max(np.abs(expected)))
+
+
+def start(problem, seed=1):
+    x = np.random.default_rng(seed).normal(size=problem.layout.size)
+    x[problem.layout.durations] = np.linspace(2.0, 3.0, problem.mesh.n_segments)
+    x[problem.layout.free] = problem.parameters[list(problem.free_index)]
+    return x
+
+
+@pytest.mark.parametrize("path", MODELS, ids=lambda p: p.stem)
+def test_shipped_models(path):
+    numeric = NumericModel(load_model(str(path))[0])
+    model = numeric.model
+    free = FREE.get(path.stem) or tuple(list(model.parameters)[:2])
+    segments = tuple(model.segments.values()) or (eventless(model.initial_mode),)
+    n = len(segments)
+    mesh = Mesh(3, n, segment_pieces(n, n + len(model.delays), equal_cuts([3, 2, 2, 2][:n])))
+    reference = None if segments[0].event or model.forced else np.random.default_rng(0).normal(size=(mesh.n_base, numeric.n_states))
+    problem = OrbitProblem(numeric, segments, mesh, Chain(2, 5), numeric.parameter_values, free, 1, reference)
+    check(problem, start(problem))
+
+
+def test_delays_in_events_and_resets():
+    numeric = numeric_from("""
+name: m
+states: [x, y]
+parameters: {a: 1.5, tau: 0.7, sigma: 1.1, w: 2}
+forcing: {period: 2*pi/w}
+modes: {m: {x': y(t - tau)*x - a*sin(w*t), y': x(t - sigma) - y + x(t - tau)}}
+events: {e: x(t - tau) - a*y + 0.1*sin(t)}
+resets: {g: {x: x + y(t - sigma)*a, y: -a*y*cos(w*t)}}
+segments: {s: {mode: m, event: e, reset: g, to: m}}
+""")
+    segments = (numeric.model.segments["s"],) * 2
+    mesh = Mesh(3, 2, segment_pieces(2, 4, equal_cuts([2, 2])))
+    problem = OrbitProblem(numeric, segments, mesh, Chain(1, 3), numeric.parameter_values, ("tau", "sigma", "w", "a"), 2)
+    check(problem, start(problem))
+
+
+def test_without_delays_the_matrix_is_sparse_and_its_pattern_is_kept():
+    numeric = NumericModel(load_model(str(next(p for p in MODELS if p.stem == "wall_oscillator")))[0])
+    mesh = Mesh(4, 1, segment_pieces(1, 1, equal_cuts([50])))
+    problem = OrbitProblem(numeric, (numeric.model.segments["flight"],), mesh, Chain(2, 5), numeric.parameter_values, ("a",))
+    assembler = Assembler(problem)
+    x = start(problem)
+    first = assembler(x)
+    pattern = assembler.pattern
+    assert sp.issparse(first)
+    assert first.nnz < 0.08 * np.prod(first.shape)
+    assembler(x + 0.1)
+    assert assembler.pattern is pattern
