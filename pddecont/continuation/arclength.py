@@ -6,7 +6,6 @@ Numerical Continuation Methods (2003), chapters 2 and 6.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -61,20 +60,21 @@ def tangent(problem: Problem, x: Array, metric: Metric, towards: Array) -> Array
     return metric.unit(metric.scale * factor(scale_matrix(matrix, rows, np.ones(len(x)))).solve(rhs))
 
 
-def correct(problem: Problem, predicted: Array, direction: Array, metric: Metric, settings: NewtonSettings) -> Solution:
-    """Return the branch's point in the hyperplane through ``predicted`` across ``direction``."""
+def correct(problem: Problem, predicted: Array, direction: Array, metric: Metric, settings: NewtonSettings,
+            guess: Array | None = None) -> Solution:  # fmt: skip
+    """Return the branch's point in the hyperplane through ``predicted`` across ``direction``; Newton starts from ``guess``."""
     row = metric.covector(direction)
-    return _bordered(problem, row, lambda x: float(row @ (x - predicted)), predicted, metric, settings)
+    return bordered(problem, row, float(row @ predicted), predicted if guess is None else guess, metric, settings)
 
 
 def correct_at(problem: Problem, guess: Array, index: int, value: float, metric: Metric, settings: NewtonSettings) -> Solution:
     """Return the branch's point near ``guess`` at which unknown ``index`` equals ``value``."""
     row = np.zeros(len(guess))
     row[index] = 1.0
-    return _bordered(problem, row, lambda x: float(x[index] - value), guess, metric, settings)
+    return bordered(problem, row, value, guess, metric, settings)
 
 
-def _bordered(problem: Problem, row: Array, condition: Callable[[Array], float], guess: Array, metric: Metric,
-              settings: NewtonSettings) -> Solution:  # fmt: skip
-    return newton(lambda x: np.append(problem.residual(x), condition(x)), lambda x: add_row(problem.jacobian(x), row),
+def bordered(problem: Problem, row: Array, level: float, guess: Array, metric: Metric, settings: NewtonSettings) -> Solution:
+    """Return the branch's point near ``guess`` with ``row @ x = level``."""
+    return newton(lambda x: np.append(problem.residual(x), float(row @ x) - level), lambda x: add_row(problem.jacobian(x), row),
                   guess, metric.scale, settings)  # fmt: skip

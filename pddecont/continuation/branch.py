@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from enum import Enum
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.continuation.arclength import Metric, Problem, correct, correct_at, tangent
-from pddecont.continuation.locate import locate
-from pddecont.continuation.newton import NewtonSettings, Solution
+from pddecont.continuation.locate import MAX_MESHES, Located, locate
+from pddecont.continuation.newton import NewtonSettings
 from pddecont.errors import ConvergenceError
 
 Array = NDArray[np.float64]
@@ -41,14 +41,38 @@ class Termination:
 
 
 class Followed(Problem, Protocol):
-    """A problem that a branch can be followed in."""
+    """A problem that a branch can be followed in, on a mesh that may have to change on the way."""
 
     def metric(self) -> Metric:
         """Return the sizes and weights that lengths are measured with."""
         ...
 
-    def renew(self, x: Array, tangent: Array) -> tuple[Followed, Array, Array]:
-        """Return the problem for the next step, with ``x`` and ``tangent`` in its unknowns (a new mesh, say)."""
+    def outline(self, x: Array) -> Array:
+        """Return the unknowns that no mesh changes."""
+        ...
+
+    def outline_index(self) -> NDArray[np.intp]:
+        """Return the places of the outline among the unknowns."""
+        ...
+
+    def holds(self, x: Array) -> bool:
+        """Whether equations on this mesh make sense at ``x``."""
+        ...
+
+    def suits(self, x: Array) -> bool:
+        """Whether the mesh holds at the solution ``x`` and is fine enough."""
+        ...
+
+    def refit(self, x: Array, others: Sequence[Array], *, solved: bool) -> tuple[Any, Array, list[Array]]:
+        """Return the problem on a mesh made for ``x`` (a solution, or a guess), with ``x`` and ``others`` in its unknowns."""
+        ...
+
+    def carry(self, other: Any, x: Array) -> Array:
+        """Return the unknowns ``x`` of another mesh in this one's."""
+        ...
+
+    def rephased(self, x: Array) -> Any:
+        """Return the problem with ``x``, a solution, as the reference of its phase and of its next meshes."""
         ...
 
 
@@ -58,7 +82,7 @@ class TestFunction:
 
     __test__ = False
     kind: str
-    value: Callable[[Followed, Array], float]
+    value: Callable[[Any, Array], float]
     stops: bool = False
 
 
@@ -81,7 +105,7 @@ class StepSettings:
 class State:
     """Where a branch stands: all that is needed to go on from here, or to resume."""
 
-    problem: Followed
+    problem: Any
     x: Array
     tangent: Array
     arclength: float
@@ -107,69 +131,98 @@ def follow(state: State, bounds: Sequence[tuple[int, float, float]], tests: Sequ
     state
         A point on the branch and the direction to go.
     bounds
-        For each bounded unknown its place and its lower and upper bound.
+        For each bounded unknown its place in the outline and its lower and upper bound.
     tests
         Test functions; a change of sign is located and emitted as a special point.
     sign
         Sign given to the arclengths of this direction.
     """
-    tested, before = None, []
+    before: list[float] | None = None
     while state.n_points < settings.max_points:
-        problem, x, direction = state.problem.renew(state.x, state.tangent)
-        state = replace(state, problem=problem, x=x, tangent=direction)
-        if tested is not problem:
-            tested, before = problem, [test.value(problem, x) for test in tests]
-        metric = problem.metric()
+        state = replace(state, problem=state.problem.rephased(state.x))
+        if before is None:
+            before = [test.value(state.problem, state.x) for test in tests]
         try:
-            solution, step = _advance(state, metric, settings)
+            reached, step = _advance(state, settings)
         except ConvergenceError as exc:
             return Termination(End.STEP_TOO_SMALL, str(exc))
-        crossed = _first_crossing(state.x, solution.x, bounds)
+        crossed = _first_crossing(state.problem.outline(state.x), reached.problem.outline(reached.x), bounds)
         if crossed is not None:
             index, value, fraction = crossed
-            guess = state.x + fraction * (solution.x - state.x)
             try:
-                solution = correct_at(state.problem, guess, index, value, metric, settings.newton)
+                reached = _land(state, reached, index, value, fraction, settings)
             except ConvergenceError:
                 # A fold next to the bound: come closer with smaller steps.
                 state = replace(state, step=step / 2)
                 if state.step < settings.min:
                     return Termination(End.STEP_TOO_SMALL)
                 continue
-        after = [test.value(state.problem, solution.x) for test in tests]
-        special = _specials(state, solution, tests, before, after, settings)
-        length = np.sqrt(metric.dot(solution.x - state.x, solution.x - state.x))
-        for test, point, fraction in special:
-            at = replace(state, x=point.x, arclength=state.arclength + sign * fraction * length)
+        metric = reached.problem.metric()
+        base = reached.problem.carry(state.problem, state.x)
+        chord = reached.x - base
+        length = np.sqrt(metric.dot(chord, chord))
+        after = [test.value(reached.problem, reached.x) for test in tests]
+        for test, point, fraction in _specials(state, reached, tests, before, after, settings):
+            at = replace(state, problem=point.problem, x=point.x, tangent=np.zeros(0),
+                         arclength=state.arclength + sign * fraction * length)  # fmt: skip
             emit(Point(at, test.kind, point.n_iterations))
             if test.stops:
                 return Termination(End.SPECIAL, test.kind)
-        direction = tangent(state.problem, solution.x, metric, state.tangent)
-        reached = replace(state, x=solution.x, tangent=direction, arclength=state.arclength + sign * length,
-                          step=_next_step(step, solution.n_iterations, metric.dot(direction, state.tangent), settings),
-                          n_points=state.n_points + 1)  # fmt: skip
-        emit(Point(reached, "" if crossed is None else "EP", solution.n_iterations))
+        direction = tangent(reached.problem, reached.x, metric, chord)
+        cosine = metric.dot(direction, chord) / length
+        state = State(reached.problem, reached.x, direction, state.arclength + sign * length,
+                      _next_step(step, reached.n_iterations, cosine, settings), state.n_points + 1)  # fmt: skip
+        emit(Point(state, "" if crossed is None else "EP", reached.n_iterations))
         if crossed is not None:
             return Termination(End.RANGE)
-        state, before = reached, after
+        before = after
     return Termination(End.MAX_POINTS)
 
 
-def _advance(state: State, metric: Metric, settings: StepSettings) -> tuple[Solution, float]:
+def _advance(state: State, settings: StepSettings) -> tuple[Located, float]:
     """Return the next point and the step that reached it; halve the step until the corrector converges."""
     step = state.step
     while True:
         try:
-            predicted = state.x + step * state.tangent
-            solution = correct(state.problem, predicted, state.tangent, metric, settings.newton)
-            moved = solution.x - predicted
-            if np.sqrt(metric.dot(moved, moved)) > settings.max_turn * step:
-                raise ConvergenceError("the branch turns too sharply for this step", solution.history)
-            return solution, step
+            return _step(state, step, settings), step
         except ConvergenceError:
             if step <= settings.min:
                 raise
             step = max(0.5 * step, settings.min)
+
+
+def _step(state: State, step: float, settings: StepSettings) -> Located:
+    """Return the point one step on: predict, make the mesh hold, correct, until the mesh suits what is found."""
+    problem, base = state.problem, state.x
+    predicted = base + step * state.tangent
+    if not problem.holds(predicted):
+        problem, predicted, (base,) = problem.refit(predicted, [base], solved=False)
+    guess = predicted
+    for _ in range(MAX_MESHES):
+        metric = problem.metric()
+        solution = correct(problem, predicted, metric.unit(predicted - base), metric, settings.newton, guess)
+        moved = solution.x - predicted
+        if np.sqrt(metric.dot(moved, moved)) > settings.max_turn * step:
+            raise ConvergenceError("the branch turns too sharply for this step", solution.history)
+        if problem.suits(solution.x):
+            return Located(problem, solution.x, solution.n_iterations)
+        problem, guess, (predicted, base) = problem.refit(solution.x, [predicted, base], solved=True)
+    raise ConvergenceError("the mesh does not settle; raise 'mesh: {tol}' or the degree")
+
+
+def _land(state: State, reached: Located, index: int, value: float, fraction: float, settings: StepSettings) -> Located:
+    """Return the point between two at which outline unknown ``index`` has ``value``."""
+    problem = reached.problem
+    guess = (1.0 - fraction) * problem.carry(state.problem, state.x) + fraction * reached.x
+    if not problem.holds(guess):
+        problem, guess, _ = problem.refit(guess, [], solved=False)
+    for _ in range(MAX_MESHES):
+        place = int(problem.outline_index()[index])
+        solution = correct_at(problem, guess, place, value, problem.metric(), settings.newton)
+        if problem.suits(solution.x):
+            return Located(problem, solution.x, solution.n_iterations)
+        problem, guess, _ = problem.refit(solution.x, [], solved=True)
+    raise ConvergenceError("the mesh does not settle; raise 'mesh: {tol}' or the degree")
 
 
 def _next_step(step: float, n_iterations: int, cosine: float, settings: StepSettings) -> float:
@@ -192,13 +245,14 @@ def _first_crossing(x0: Array, x1: Array, bounds: Sequence[tuple[int, float, flo
     return index, bound, fraction
 
 
-def _specials(state: State, end: Solution, tests: Sequence[TestFunction], before: Sequence[float], after: Sequence[float],
-              settings: StepSettings) -> list[tuple[TestFunction, Solution, float]]:  # fmt: skip
-    """Return the special points between ``state`` and ``end`` with their fraction of the step, in order."""
+def _specials(state: State, reached: Located, tests: Sequence[TestFunction], before: Sequence[float], after: Sequence[float],
+              settings: StepSettings) -> list[tuple[TestFunction, Located, float]]:  # fmt: skip
+    """Return the special points between ``state`` and ``reached`` with their fraction of the step, in order."""
     found = []
+    start = Located(state.problem, state.x, 0)
     for test, f0, f1 in zip(tests, before, after, strict=True):
         if f0 * f1 < 0.0 or (f1 == 0.0 and f0 != 0.0):
-            point = locate(state.problem, test.value, state.x, end.x, f0, f1, state.problem.metric(), settings.newton)
+            point = locate(test.value, start, reached, f0, f1, settings.newton)
             if point is not None:
                 found.append((test, *point))
     return sorted(found, key=lambda item: item[2])

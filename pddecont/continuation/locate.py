@@ -3,53 +3,79 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import scipy.optimize
 from numpy.typing import NDArray
 
-from pddecont.continuation.arclength import Metric, correct
-from pddecont.continuation.newton import NewtonSettings, Solution
+from pddecont.continuation.arclength import bordered
+from pddecont.continuation.newton import NewtonSettings
 from pddecont.errors import ConvergenceError
 
 Array = NDArray[np.float64]
-FRACTION_TOL = 1e-12
+FRACTION_TOL = 1e-13
 JUMP_TOL = 1e-5
+MAX_MESHES = 4
 
 
-def locate(problem: Any, test: Callable[[Any, Array], float], x0: Array, x1: Array, f0: float, f1: float, metric: Metric,
-           settings: NewtonSettings) -> tuple[Solution, float] | None:  # fmt: skip
-    """Return the point of the branch between ``x0`` and ``x1`` where ``test`` is zero and its fraction of the chord.
+@dataclass(frozen=True, eq=False)
+class Located:
+    """A point of a branch with the problem that it solves."""
 
-    Points are corrected onto the branch in hyperplanes across the chord, and the zero is found by Brent's method. Returns
-    None where the test function jumps through zero or cannot be followed: there is no special point then.
+    problem: Any
+    x: Array
+    n_iterations: int
+
+
+def locate(test: Callable[[Any, Array], float], a: Located, b: Located, fa: float, fb: float,
+           settings: NewtonSettings) -> tuple[Located, float] | None:  # fmt: skip
+    """Return the point of the branch between ``a`` and ``b`` where ``test`` is zero, and its fraction of the way.
+
+    Each trial is corrected onto the branch in a hyperplane across the chord of the unknowns that no mesh changes, on a mesh of its
+    own where it needs one; the zero is found by Brent's method. Returns None where the test function jumps through zero or
+    cannot be followed: there is no special point then.
     """
-    chord = x1 - x0
-    # A tangent direction of the chord keeps each correction in a plane of constant fraction.
-    direction = metric.unit(chord)
-    solutions: dict[float, Solution] = {0.0: Solution(x0, (0.0,)), 1.0: Solution(x1, (0.0,))}
+    ya, yb = a.problem.outline(a.x), b.problem.outline(b.x)
+    scale = a.problem.metric().scale[a.problem.outline_index()]
+    row = (yb - ya) / scale**2
+    row /= np.linalg.norm(row * scale)
+    known: dict[float, Located] = {0.0: a, 1.0: b}
 
     def value(fraction: float) -> float:
-        if fraction == 0.0:
-            return f0
-        if fraction == 1.0:
-            return f1
-        known = np.array(sorted(solutions))
-        below, above = known[known <= fraction].max(), known[known >= fraction].min()
+        if fraction in (0.0, 1.0):
+            return fa if fraction == 0.0 else fb
+        places = np.array(sorted(known))
+        below, above = float(places[places <= fraction].max()), float(places[places >= fraction].min())
         part = 0.0 if above == below else (fraction - below) / (above - below)
-        base = (1 - part) * (solutions[below].x - below * chord) + part * (solutions[above].x - above * chord)
-        solutions[fraction] = correct(problem, base + fraction * chord, direction, metric, settings)
-        result = test(problem, solutions[fraction].x)
+        near, far, part = (below, above, part) if part < 0.5 else (above, below, 1.0 - part)
+        problem = known[near].problem
+        guess = (1.0 - part) * known[near].x + part * problem.carry(known[far].problem, known[far].x)
+        known[fraction] = _correct(problem, guess, row, float(row @ (ya + fraction * (yb - ya))), settings)
+        result = test(known[fraction].problem, known[fraction].x)
         if not np.isfinite(result):
             raise ConvergenceError("the test function is not defined between two points")
         return result
 
     try:
-        fraction = scipy.optimize.brentq(value, 0.0, 1.0, xtol=FRACTION_TOL, rtol=1e-14)
+        fraction = float(scipy.optimize.brentq(value, 0.0, 1.0, xtol=FRACTION_TOL, rtol=1e-14))
         at_zero = value(fraction)
     except ConvergenceError:
         return None
-    if abs(at_zero) > JUMP_TOL * max(abs(f0), abs(f1)):
+    if abs(at_zero) > JUMP_TOL * max(abs(fa), abs(fb)):
         return None
-    return solutions[fraction], fraction
+    return known[fraction], fraction
+
+
+def _correct(problem: Any, guess: Array, outline_row: Array, level: float, settings: NewtonSettings) -> Located:
+    if not problem.holds(guess):
+        problem, guess, _ = problem.refit(guess, [], solved=False)
+    for _ in range(MAX_MESHES):
+        row = np.zeros(len(guess))
+        row[problem.outline_index()] = outline_row
+        solution = bordered(problem, row, level, guess, problem.metric(), settings)
+        if problem.suits(solution.x):
+            return Located(problem, solution.x, solution.n_iterations)
+        problem, guess, _ = problem.refit(solution.x, [], solved=True)
+    raise ConvergenceError("the mesh does not settle")

@@ -68,8 +68,11 @@ def newton(residual: Callable[[Array], Array], jacobian: Callable[[Array], Matri
         damping = 1.0
         while True:
             trial = x + damping * scale * step
-            r_trial = residual(trial)
-            trial_size = _norm(rows * r_trial)
+            try:
+                r_trial = residual(trial)
+                trial_size = _norm(rows * r_trial)
+            except ConvergenceError:
+                trial_size = np.inf
             if trial_size < size or trial_size < settings.residual_tol:
                 break
             damping *= 0.5

@@ -47,7 +47,7 @@ class Derivatives:
     dt: Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ArrayFunction:
     """A list of expressions compiled to functions over arrays of points; derivatives are made when first asked for."""
 
@@ -80,9 +80,17 @@ class ArrayFunction:
         """The function ``f(t, x, xd, p, out)`` of plain floats and lists, for one point."""
         return compile_source(self._source("value"), _MATH)
 
+    @cached_property
     def uses_delayed(self) -> bool:
         """Whether any expression reads a delayed value."""
         return any(set(self.delayed) & e.free_symbols for e in self.exprs)
+
+    @cached_property
+    def linear(self) -> tuple[bool, ...]:
+        """Whether each expression is linear in the states with coefficients that are parameters."""
+        known = {*self.states, *self.parameters}
+        return tuple(e.free_symbols <= known and all(e.diff(s).free_symbols <= set(self.parameters) for s in self.states)
+                     for e in self.exprs)  # fmt: skip
 
     def _function(self, key: Any) -> Callable[..., None]:
         if key not in self._compiled:
@@ -162,7 +170,7 @@ class ParameterFunction:
         return self.function.derivatives(np.zeros(1), empty, empty, p, free).dp[:, :, 0]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class NumericModel:
     """A model's functions over arrays; each is generated and compiled when first used, once a process."""
 
@@ -211,6 +219,12 @@ class NumericModel:
     def delays(self) -> ParameterFunction:
         """The delays as functions of the parameters."""
         return ParameterFunction(_array_function(self.model.delays, (), (), self.model.parameter_symbols))
+
+    def event_delay(self, name: str) -> ParameterFunction:
+        """Return the delay of a delayed event as a function of the parameters, n_out = 1."""
+        delay = self.model.events[name].delay
+        assert delay is not None, f"event {name} is not a delayed event"
+        return ParameterFunction(_array_function((delay,), (), (), self.model.parameter_symbols))
 
     @cached_property
     def period(self) -> ParameterFunction:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -12,13 +12,14 @@ from numpy.typing import NDArray
 from pddecont.continuation.arclength import Metric
 from pddecont.continuation.linear import Matrix
 from pddecont.continuation.newton import NewtonSettings, Solution, newton
-from pddecont.orbit.error import state_sizes
+from pddecont.errors import ConvergenceError
+from pddecont.orbit.error import interval_errors, state_sizes
 from pddecont.orbit.jacobian import Assembler
+from pddecont.orbit.meshing import Density, MeshRule, density_of, fits, good_enough, new_mesh, on_mesh
 from pddecont.orbit.problem import OrbitProblem, Reads, read
 from pddecont.orbit.residual import residual
 
 Array = NDArray[np.float64]
-Renew = Callable[[OrbitProblem, Array, Array], tuple[OrbitProblem, Array, Array]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +43,8 @@ class Curve:
 
     problem: OrbitProblem
     sizes: Sizes
-    renewal: Renew | None = None
+    rule: MeshRule | None = None
+    density: Density | None = None
 
     def __post_init__(self) -> None:
         self._assembler = Assembler(self.problem)
@@ -76,14 +78,72 @@ class Curve:
         """Return sizes and weights of the unknowns."""
         return self._metric
 
-    def renew(self, x: Array, tangent: Array) -> tuple[Curve, Array, Array]:
-        """Return the curve for the next step: the same, or one on a new mesh."""
-        if self.renewal is None:
-            return self, x, tangent
-        problem, new_x, new_tangent = self.renewal(self.problem, x, tangent)
-        if problem is self.problem:
-            return self, x, tangent
-        return Curve(problem, self.sizes, self.renewal), new_x, new_tangent
+    def outline(self, x: Array) -> Array:
+        """Return the unknowns that no mesh changes: states at the segments' starts, durations, start, free parameters."""
+        return x[self.outline_index()]
+
+    def outline_index(self) -> NDArray[np.intp]:
+        """Return the places of :meth:`outline` among the unknowns."""
+        layout = self.problem.layout
+        return np.concatenate([layout.value_index[self.problem.mesh.first_base].ravel(), np.arange(layout.durations.start, layout.size)])
+
+    def holds(self, x: Array) -> bool:
+        """Whether the mesh's breaking points are in their order at ``x``."""
+        return self.rule is None or fits(self.problem, x)
+
+    def suits(self, x: Array) -> bool:
+        """Whether the mesh holds at the orbit ``x`` and keeps its tolerance."""
+        return self.rule is None or (fits(self.problem, x) and good_enough(self.problem, x, self.rule))
+
+    def refit(self, x: Array, others: Sequence[Array], *, solved: bool) -> tuple[Curve, Array, list[Array]]:
+        """Return the curve on a mesh made for ``x``, with ``x`` and ``others`` in its unknowns.
+
+        A solution (``solved``) tells where intervals are wanted; a guess gets them where the last solution wanted them.
+        """
+        assert self.rule is not None
+        density = self.density
+        if self.rule.tol is not None and (density is None or (solved and fits(self.problem, x))):
+            density = density_of(self.problem, x, self.rule)
+        mesh = new_mesh(self.problem, self.problem.theta(x), self.rule, density)
+        problem, moved = on_mesh(self.problem, x, mesh)
+        curve = Curve(problem, self.sizes, self.rule, density)
+        return curve, moved, [on_mesh(self.problem, other, mesh)[1] for other in others]
+
+    def carry(self, other: Curve, x: Array) -> Array:
+        """Return the orbit ``x`` of another curve with the same signature in this one's unknowns."""
+        return x if other.problem.mesh is self.problem.mesh else on_mesh(other.problem, x, self.problem.mesh)[1]
+
+    def rephased(self, x: Array) -> Curve:
+        """Return the curve with the orbit ``x`` as the reference of its phase and of where its mesh is fine."""
+        problem, density = self.problem, self.density
+        if problem.reference is not None:
+            problem = replace(problem, reference=problem.layout.split(x)[0])
+        if self.rule is not None and self.rule.tol is not None:
+            density = density_of(problem, x, self.rule)
+        return Curve(problem, self.sizes, self.rule, density)
+
+
+MAX_MESHES = 8
+
+
+def settle(problem: OrbitProblem, guess: Array, rule: MeshRule, settings: NewtonSettings | None = None) -> tuple[OrbitProblem, Solution]:
+    """Return the periodic orbit near ``guess``, all parameters fixed, on a mesh that suits it.
+
+    Raises
+    ------
+    ConvergenceError
+        If Newton's method fails, or no mesh reaches the rule's tolerance.
+    """
+    for _ in range(MAX_MESHES):
+        solution = solve_orbit(problem, guess, settings)
+        curve = Curve(problem, sizes_of(problem, solution.x), rule)
+        if curve.suits(solution.x):
+            return problem, solution
+        curve, guess, _ = curve.refit(solution.x, [], solved=True)
+        problem = curve.problem
+    worst = float(np.max(interval_errors(problem, solution.x)))
+    raise ConvergenceError(f"no mesh reaches the tolerance: {problem.mesh.n_intervals} intervals leave an estimated error of {worst:.1e}; "
+                           "raise 'mesh: {tol}' or the degree")  # fmt: skip
 
 
 def solve_orbit(problem: OrbitProblem, guess: Array, settings: NewtonSettings | None = None) -> Solution:

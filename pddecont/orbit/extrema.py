@@ -58,19 +58,12 @@ def profile(problem: OrbitProblem, x: Array, function: ArrayFunction, row: int =
     that degree.
     """
     mesh = problem.mesh
-    degree = mesh.degree if _is_linear(function, row) else 2 * mesh.degree
+    degree = mesh.degree if function.linear[row] else 2 * mesh.degree
     base = make_basis(degree).base
     places = Places(np.repeat(np.arange(mesh.n_intervals), len(base)), np.tile(base, mesh.n_intervals))
-    reads = read(problem, x, places, delays=function.uses_delayed())
+    reads = read(problem, x, places, delays=function.uses_delayed)
     values = function.value(reads.t, reads.x, reads.xd, reads.p)[row].reshape(mesh.n_intervals, -1)
     return Profile(degree, values, mesh.segment, mesh.start @ reads.theta, reads.h)
-
-
-def _is_linear(function: ArrayFunction, row: int) -> bool:
-    expr = function.exprs[row]
-    slopes = [expr.diff(s) for s in function.states]
-    return not (set().union(*(s.free_symbols for s in slopes)) - set(function.parameters)) and (
-        expr.free_symbols <= {*function.states, *function.parameters})
 
 
 def _extrema(profile: Profile) -> Iterator[Extremum]:

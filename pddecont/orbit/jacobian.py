@@ -25,7 +25,7 @@ from pddecont.continuation.linear import Matrix
 from pddecont.delay.operator import FullWeights, LocalWeights
 from pddecont.model.codegen import Derivatives
 from pddecont.orbit.problem import OrbitProblem, Reads, read
-from pddecont.orbit.residual import Rows, end_point, mode_sites, phase_weights
+from pddecont.orbit.residual import Rows, end_point, mode_sites, phase_weights, timer_weights
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
@@ -179,6 +179,7 @@ class _Blocks:
 
     def ends(self) -> None:
         mesh, n = self.mesh, self.n
+        timed = {s: (source, wraps) for s, source, wraps in self.problem.timers}
         for s, segment in enumerate(self.problem.segments):
             at_end = end_point(self.problem, self.sites, s)
             point = np.array([mesh.n_collocation + s])
@@ -189,7 +190,13 @@ class _Blocks:
             d = self.numeric.reset(segment.reset).derivatives(*at_end, self.problem.free_index)
             self.condition(rows, point, end, d, -1.0)
             row = np.array([[self.equations.events + s]])
-            if segment.event:
+            if s in timed:
+                durations = np.arange(self.layout.durations.start, self.layout.durations.stop)
+                self.add(row, durations, timer_weights(self.problem, s, *timed[s]))
+                if self.layout.n_free:
+                    slope = self.numeric.event_delay(segment.event).derivatives(self.sites.p, self.problem.free_index)[0]
+                    self.add(row, np.arange(self.layout.free.start, self.layout.free.stop), -slope)
+            elif segment.event:
                 self.condition(row, point, end, self.numeric.event(segment.event).derivatives(*at_end, self.problem.free_index), 1.0)
             elif self.layout.forced:
                 self.add(row, self.layout.start.start, np.ones(1))

@@ -50,12 +50,14 @@ class Mesh:
     """The mesh intervals of one orbit, in order of time; ``n_theta`` = S + K.
 
     Base points are numbered through the orbit: ``degree`` a mesh interval and one more at the end of each segment, since
-    neighbours inside a segment share the point between them and segments do not.
+    neighbours inside a segment share the point between them and segments do not. ``anchor`` is the theta that the mesh was made
+    for, where it matters which interval a delayed value is read from.
     """
 
     degree: int
     n_segments: int
     pieces: tuple[Piece, ...]
+    anchor: Array | None = None
 
     @cached_property
     def basis(self) -> Basis:

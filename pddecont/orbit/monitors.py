@@ -145,7 +145,7 @@ def _amplitude(problem: OrbitProblem, x: Array, function: ArrayFunction) -> floa
 def _mean(problem: OrbitProblem, x: Array, function: ArrayFunction) -> float:
     mesh = problem.mesh
     nodes = Places(mesh.sites.interval[: mesh.n_collocation], mesh.sites.sigma[: mesh.n_collocation])
-    reads = read(problem, x, nodes, delays=function.uses_delayed())
+    reads = read(problem, x, nodes, delays=function.uses_delayed)
     values = function.value(reads.t, reads.x, reads.xd, reads.p)[0].reshape(mesh.n_intervals, -1)
     return float(np.sum(reads.h[:, None] * mesh.basis.weights * values) / np.sum(reads.h))
 
@@ -160,7 +160,7 @@ def _at(problem: OrbitProblem, x: Array, segment: str, function: ArrayFunction) 
     if segment not in names:
         return float("nan")
     interval = problem.mesh.last_interval[[names.index(segment)]]
-    reads = read(problem, x, Places(interval, np.ones(1)), delays=function.uses_delayed())
+    reads = read(problem, x, Places(interval, np.ones(1)), delays=function.uses_delayed)
     return float(function.value(reads.t, reads.x, reads.xd, reads.p)[0, 0])
 
 

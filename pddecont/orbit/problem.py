@@ -32,6 +32,7 @@ class OrbitProblem:
     ``parameters`` holds all parameter values, of which those named in ``free`` are replaced by unknowns. ``n_periods`` is k
     in sum T_s = k * forcing period. ``reference`` fixes the phase of an orbit without events: base values z_ref (n_base,
     n_states) with integral z . z_ref' = 0 for an autonomous model; a forced one starts at t_0 = ``phase``.
+    ``timers`` says for each segment that ends by a delayed event which segment's end started it and how many periods before.
     """
 
     numeric: NumericModel
@@ -43,6 +44,7 @@ class OrbitProblem:
     n_periods: int = 1
     reference: Array | None = None
     phase: float = 0.0
+    timers: tuple[tuple[int, int, int], ...] = ()
 
     @cached_property
     def layout(self) -> Layout:

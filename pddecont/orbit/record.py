@@ -49,7 +49,7 @@ def mesh_to_row(mesh: Mesh) -> Array:
     parts = [np.array([mesh.degree, mesh.n_segments, n_theta, len(mesh.pieces)], dtype=float)]
     for piece in mesh.pieces:
         parts += [np.array([piece.segment, len(piece.cuts)], dtype=float), piece.start, piece.end, piece.cuts]
-    return np.concatenate(parts)
+    return np.concatenate([*parts, np.zeros(0) if mesh.anchor is None else mesh.anchor])
 
 
 def mesh_from_row(row: Array) -> Mesh:
@@ -63,4 +63,4 @@ def mesh_from_row(row: Array) -> Mesh:
         at += 2 * n_theta
         pieces.append(Piece(segment, start.copy(), end.copy(), row[at : at + n_cuts].copy()))
         at += n_cuts
-    return Mesh(degree, n_segments, tuple(pieces))
+    return Mesh(degree, n_segments, tuple(pieces), row[at:].copy() if len(row) > at else None)

@@ -4,7 +4,7 @@ Rows, in this order (c runs over collocation points, s over segments):
 
     collocation   z'(c) - h f_m(t_c, z, z(t - tau), p)          n_collocation * n_states   (slope on the reference interval)
     resets        z_{s+1}(start) - g_s(z_s(end))                S * n_states
-    events        h_s(z_s(end))                                 S   (an orbit without events: its phase condition)
+    events        h_s(z_s(end)), or time since its source - tau   S   (an orbit without events: its phase condition)
     period        sum T_s - k * forcing period                  1 if forced
 """
 
@@ -79,12 +79,16 @@ def residual(problem: OrbitProblem, x: Array, sites: Reads | None = None) -> Arr
     for mode, points in mode_sites(problem):
         f = problem.numeric.mode(mode).value(sites.t[points], sites.x[:, points], sites.xd[:, points], sites.p)
         collocation[points] = slope[points] - h[points, None] * f.T
+    timed = {s: (source, wraps) for s, source, wraps in problem.timers}
     for s, segment in enumerate(problem.segments):
         at_end = end_point(problem, sites, s)
         after = problem.numeric.reset(segment.reset).value(*at_end)[:, 0]
         start = sites.values[mesh.first_base[(s + 1) % mesh.n_segments]]
         result[rows.resets + s * n : rows.resets + (s + 1) * n] = start - after
-        if segment.event:
+        if s in timed:
+            elapsed = timer_weights(problem, s, *timed[s]) @ sites.theta[: mesh.n_segments]
+            result[rows.events + s] = elapsed - event_delay(problem, s, sites.p)
+        elif segment.event:
             result[rows.events + s] = problem.numeric.event(segment.event).value(*at_end)[0, 0]
         elif problem.numeric.model.forced:
             result[rows.events + s] = sites.start - problem.phase
@@ -104,3 +108,16 @@ def phase_weights(problem: OrbitProblem) -> Array:
     weights = np.zeros((mesh.n_base, problem.numeric.n_states))
     np.add.at(weights, mesh.base_index, local)
     return np.ravel(weights)
+
+
+def timer_weights(problem: OrbitProblem, s: int, source: int, wraps: int) -> Array:
+    """Return the weights of the durations in the time from the end of segment ``source``, ``wraps`` periods back, to that of ``s``."""
+    weights = np.full(problem.mesh.n_segments, float(wraps))
+    weights[: s + 1] += 1.0
+    weights[: source + 1] -= 1.0
+    return weights
+
+
+def event_delay(problem: OrbitProblem, s: int, p: Array) -> float:
+    """Return the delay of the delayed event that ends segment ``s``."""
+    return float(problem.numeric.event_delay(problem.segments[s].event).value(p)[0])

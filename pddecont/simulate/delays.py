@@ -43,10 +43,21 @@ class Delays(Protocol):
         """Take note of a finished step."""
         ...
 
+    def new_arc(self, t: float) -> None:
+        """Hear that an arc begins."""
+        ...
+
+    def begin(self, t: float) -> None:
+        """Hear that steps begin at ``t``."""
+        ...
+
 
 @dataclass(eq=False)
 class Past:
-    """Delayed values from the trajectory's own steps; at a jump the side that the reading step comes from."""
+    """Delayed values from the trajectory's own arcs.
+
+    Steps between two stops read each delay from one arc, chosen when they begin: at a jump that is the side which the steps come from.
+    """
 
     pairs: tuple[tuple[int, int], ...]
     tau: Array
@@ -54,31 +65,40 @@ class Past:
     t0: float
 
     def __post_init__(self) -> None:
-        self.steps: list[Step] = []
+        self.starts: list[float] = []
+        self.arcs: list[list[Step]] = []
         self.n_extra = 0
-        positive = [tau for tau in self.tau if tau > 0]
-        self.max_step = min(positive, default=math.inf)
-        self.from_right = True
+        self.max_step = min((tau for tau in self.tau if tau > 0), default=math.inf)
+        self.reading = [-1] * len(self.tau)
 
     def start(self, t: float) -> Array:
         """Return the extra variables at the start."""
         return np.zeros(0)
 
+    def new_arc(self, t: float) -> None:
+        """Hear that an arc begins."""
+        self.starts.append(t)
+        self.arcs.append([])
+
+    def begin(self, t: float) -> None:
+        """Choose the arcs that steps from ``t`` on read."""
+        self.reading = [bisect_right(self.starts, t - tau + 1e-11 * (1.0 + abs(t))) - 1 for tau in self.tau]
+
     def values(self, t: float, y: Array) -> list[float]:
         """Return the delayed values at ``t``."""
-        result = []
-        for state, k in self.pairs:
-            result.append(float(y[state]) if self.tau[k] == 0.0 else self._read(t - self.tau[k], state))
-        return result
+        return [float(y[state]) if self.tau[k] == 0.0 else self._read(t - self.tau[k], state, self.reading[k]) for state, k in self.pairs]
 
-    def _read(self, t: float, state: int) -> float:
-        if t < self.t0 or not self.steps:
+    def _read(self, t: float, state: int, arc: int) -> float:
+        if arc < 0:
             return float(self.history(t)[state])
-        i = bisect_right(self.steps, t, key=lambda s: s.t0) - 1
-        # A step starts at its breaking point: a read that lands there within rounding belongs to the step that begins.
-        if i + 1 < len(self.steps) and self.steps[i].t1 - t <= 1e-12 * (1.0 + abs(t)):
-            i += 1
-        return float(self.steps[max(i, 0)](t)[state])
+        steps = self.arcs[arc]
+        while not steps and arc > 0:
+            arc -= 1
+            steps = self.arcs[arc]
+        if not steps:
+            return float(self.history(t)[state])
+        i = bisect_right(steps, t, key=lambda s: s.t0) - 1
+        return steps[max(i, 0)].component(t, state)
 
     def slopes(self, y: Array) -> Array:
         """Return the derivatives of the extra variables."""
@@ -86,7 +106,7 @@ class Past:
 
     def record(self, step: Step) -> None:
         """Take note of a finished step."""
-        self.steps.append(step)
+        self.arcs[-1].append(step)
 
 
 @dataclass(eq=False)
@@ -137,6 +157,12 @@ class ChainStates:
 
     def record(self, step: Step) -> None:
         """Take note of a finished step."""
+
+    def new_arc(self, t: float) -> None:
+        """Hear that an arc begins."""
+
+    def begin(self, t: float) -> None:
+        """Hear that steps begin at ``t``."""
 
 
 def history_functions(numeric: NumericModel, p: Array, n_derivatives: int) -> list[History]:

@@ -47,6 +47,9 @@ def simulate(numeric: NumericModel, p: Array, delay: DelayMethod, t_end: float, 
 
     ``initial`` replaces the model's states at t = 0 (its history for t < 0 stays), ``mode`` its initial mode.
     """
+    if isinstance(delay, Chain) and delay.order > 4:
+        raise ConvergenceError(f"a chain of order {delay.order} has growing solutions and cannot be simulated (orders 1 to 4 can); give "
+                               "the simulate step 'delay: {method: direct}' and the orbit step the chain")  # fmt: skip
     integration = _Integration(numeric, p, delay, tolerances or Tolerances(), t_end)
     return integration.run(initial, mode or numeric.model.initial_mode, progress)
 
@@ -75,6 +78,8 @@ class _Integration:
         while t < self.t_end:
             arc = Arc(mode)
             self.trajectory.arcs.append(arc)
+            self.delays.new_arc(t)
+            self.delays.begin(t)
             started = t
             t, y, segment = self.arc(arc, t, y, mode, fired, progress)
             if segment is None:
@@ -139,6 +144,7 @@ class _Integration:
                 solver = scipy.integrate.DOP853(rhs, t, y, stop, rtol=self.tolerances.rtol, atol=self.tolerances.atol,
                                                 max_step=self.delays.max_step,
                                                 first_step=None if previous_step is None else min(previous_step, stop - t))  # fmt: skip
+                self.delays.begin(t)
                 while solver.status == "running":
                     message = solver.step()
                     if solver.status == "failed":

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +32,25 @@ class Step:
             y += f
             y *= s if i % 2 == 0 else 1.0 - s
         return y + self.y0
+
+
+    def component(self, t: float, i: int) -> float:
+        """Return state ``i`` at ``t``."""
+        s = (t - self.t0) / (self.t1 - self.t0)
+        y = 0.0
+        for k, f in enumerate(reversed(self.columns[i])):
+            y = (y + f) * (s if k % 2 == 0 else 1.0 - s)
+        return y + self.columns_y0[i]
+
+    @cached_property
+    def columns(self) -> list[list[float]]:
+        """The coefficients of each state as plain numbers."""
+        return self.coefficients.T.tolist()
+
+    @cached_property
+    def columns_y0(self) -> list[float]:
+        """The states at the step's start as plain numbers."""
+        return self.y0.tolist()
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,13 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.errors import PddecontError, ResultsError
-from pddecont.orbit.guess import interpolate_orbit
+from pddecont.orbit.guess import timers_of
+from pddecont.orbit.meshing import MeshRule, new_mesh, on_mesh
 from pddecont.orbit.problem import OrbitProblem, eventless
 from pddecont.orbit.record import from_rows, mesh_from_row
 from pddecont.results.reader import Results, read_results
 from pddecont.simulate.trajectory import Trajectory
-from pddecont.steps.plan import Plan
-from pddecont.steps.schema import Mesh, Source, Step
+from pddecont.steps.plan import Plan, mesh_rule
+from pddecont.steps.schema import Source, Step
 
 Array = NDArray[np.float64]
 
@@ -65,9 +66,9 @@ class Context:
         """Return what the results file holds now."""
         return read_results(self.path)
 
-    def mesh_of(self, step: Step) -> Mesh:
-        """Return the mesh settings of a step."""
-        return step.mesh or self.plan.run.mesh
+    def rule_of(self, step: Step) -> MeshRule:
+        """Return how a step makes its meshes."""
+        return mesh_rule(step.mesh or self.plan.run.mesh)
 
 
 def orbit_at(context: Context, step: Step, source: Source) -> tuple[OrbitProblem, Array]:
@@ -96,10 +97,16 @@ def orbit_at(context: Context, step: Step, source: Source) -> tuple[OrbitProblem
         plan.delay_method(step), p, (), int(recorded.points["n_periods"][row]), None,
         float(recorded.points["phase"][row]))  # fmt: skip
     x = from_rows(problem, rows)
-    wanted = step.mesh
-    if wanted is not None:
-        problem, x = interpolate_orbit(problem, x, wanted.degree, wanted.intervals)
-    return with_reference(problem, x), x
+    durations = problem.layout.split(x)[1]
+    problem = with_reference(replace(problem, timers=timers_of(plan.numeric, problem.segments, problem.parameters, durations)), x)
+    if recorded.meta["mesh_settings"] != mesh_settings(plan, step):
+        problem, x = on_mesh(problem, x, new_mesh(problem, problem.theta(x), context.rule_of(step)))
+    return problem, x
+
+
+def mesh_settings(plan: Plan, step: Step) -> str:
+    """Return what decides a step's meshes, to tell whether a recorded mesh can be used again."""
+    return repr((mesh_rule(step.mesh or plan.run.mesh), plan.delay_method(step)))
 
 
 def with_reference(problem: OrbitProblem, x: Array) -> OrbitProblem:

@@ -12,13 +12,13 @@ from pddecont.bifurcation import grazing
 from pddecont.continuation.arclength import tangent
 from pddecont.continuation.branch import Point, State, StepSettings, Termination, TestFunction, follow
 from pddecont.errors import ConvergenceError, RunError
-from pddecont.orbit.curve import Curve, Sizes, sizes_of, solve_orbit
+from pddecont.orbit.curve import Curve, Sizes, settle, sizes_of
 from pddecont.orbit.monitors import Monitor, parse_monitor
 from pddecont.orbit.problem import OrbitProblem
 from pddecont.orbit.record import from_rows, mesh_from_row
 from pddecont.results.reader import Step as RecordedStep
 from pddecont.results.writer import StepWriter
-from pddecont.steps.context import Context, orbit_at, segments_of, settings_text
+from pddecont.steps.context import Context, mesh_settings, orbit_at, segments_of, settings_text, with_reference
 from pddecont.steps.points import orbit_row, orbit_spec
 from pddecont.steps.schema import Continue, Step
 
@@ -42,7 +42,7 @@ class _Branch:
         return StepSettings(s.initial, s.min, s.max, self.body.max_points)
 
     def curve(self, problem: OrbitProblem, sizes: Sizes) -> Curve:
-        return Curve(problem, sizes)
+        return Curve(problem, sizes, self.context.rule_of(self.step))
 
     def record(self, writer: StepWriter, point: Point) -> None:
         state = point.state
@@ -64,7 +64,8 @@ def run_continue(context: Context, step: Step, recorded: RecordedStep | None = N
     branch = _Branch(context, step, body, monitors, bounds)
     ways = WAYS[body.direction]
     start = _start(branch)
-    meta = {"free": list(body.free), "directions": len(ways), "settings": settings_text(plan, step)}
+    meta = {"free": list(body.free), "directions": len(ways), "settings": settings_text(plan, step),
+            "mesh_settings": mesh_settings(plan, step)}  # fmt: skip
     spec = orbit_spec(step.name, "continue", plan.numeric, monitors, meta)
     if recorded is not None and len(recorded):
         states, ended, kept = _resume(branch, recorded, start)
@@ -79,7 +80,8 @@ def run_continue(context: Context, step: Step, recorded: RecordedStep | None = N
             branch.record(writer, Point(start, "", 0))
         curve = start.problem
         assert isinstance(curve, Curve)
-        places = range(curve.problem.layout.free.start, curve.problem.layout.free.stop)
+        n_outline = len(curve.outline_index())
+        places = range(n_outline - len(body.free), n_outline)
         limits = [(place, low, high) for place, (low, high) in zip(places, bounds, strict=True)]
         for i, way in enumerate(ways):
             if way in ended:
@@ -112,7 +114,7 @@ def _start(branch: _Branch) -> State:
     context, body, step = branch.context, branch.body, branch.step
     problem, guess = orbit_at(context, step, body.from_)
     try:
-        solution = solve_orbit(problem, guess)
+        problem, solution = settle(problem, guess, context.rule_of(step))
     except ConvergenceError as exc:
         raise ConvergenceError(f"step '{step.name}': the orbit it starts from does not converge with this step's parameters, "
                                f"delay and mesh: {exc}", exc.history) from exc  # fmt: skip
@@ -165,10 +167,9 @@ def _state(branch: _Branch, recorded: RecordedStep, row: int, start: State, n_po
     problem = curve.problem
     mesh = mesh_from_row(rows["mesh"])
     base = OrbitProblem(problem.numeric, segments_of(branch.context.plan, rows["signature"].tobytes().decode()), mesh, problem.delay,
-                        recorded.points["parameters"][row], problem.free, problem.n_periods, None, problem.phase)  # fmt: skip
+                        recorded.points["parameters"][row], problem.free, problem.n_periods, None, problem.phase,
+                        problem.timers)  # fmt: skip
     x = from_rows(base, rows)
-    if problem.reference is not None and len(problem.reference) == base.mesh.n_base:
-        base = OrbitProblem(base.numeric, base.segments, mesh, base.delay, problem.parameters, base.free, base.n_periods,
-                            problem.reference, base.phase)  # fmt: skip
+    base = with_reference(base, x)
     return State(branch.curve(base, curve.sizes), x, rows["tangent"], float(recorded.points["arclength"][row]),
                  float(recorded.points["step"][row]), n_points)  # fmt: skip

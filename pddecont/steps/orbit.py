@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 
 from pddecont.errors import ConvergenceError, SignatureError
 from pddecont.orbit.admissibility import objections
-from pddecont.orbit.curve import solve_orbit
+from pddecont.orbit.curve import settle
 from pddecont.orbit.guess import orbit_from_cycle
 from pddecont.orbit.monitors import parse_monitor
 from pddecont.orbit.problem import OrbitProblem
 from pddecont.results.writer import StepWriter
 from pddecont.simulate.recognise import recognise
-from pddecont.steps.context import Context, orbit_at, settings_text
+from pddecont.steps.context import Context, mesh_settings, orbit_at, settings_text
 from pddecont.steps.points import orbit_row, orbit_spec
 from pddecont.steps.schema import Step
 from pddecont.steps.simulate import integrate
@@ -34,8 +34,7 @@ def first_guess(context: Context, step: Step) -> tuple[OrbitProblem, Array]:
         trajectory = integrate(context, above[source.step])
         p = plan.step_parameters(step, context.trajectories[source.step][1])
         cycle = recognise(plan.numeric, p, trajectory)
-        mesh = context.mesh_of(step)
-        return orbit_from_cycle(plan.numeric, p, plan.delay_method(step), cycle, mesh.degree, mesh.intervals)
+        return orbit_from_cycle(plan.numeric, p, plan.delay_method(step), cycle, context.rule_of(step))
     return orbit_at(context, step, source)
 
 
@@ -49,13 +48,14 @@ def run_orbit(context: Context, step: Step) -> None:
         raise SignatureError(f"the orbit runs through [{', '.join(names)}], not through the signature "
                              f"[{', '.join(step.orbit.signature)}] that step '{step.name}' asks for")  # fmt: skip
     try:
-        solution = solve_orbit(problem, guess)
+        problem, solution = settle(problem, guess, context.rule_of(step))
     except ConvergenceError as exc:
         raise ConvergenceError(f"step '{step.name}': no periodic orbit near the guess with signature [{', '.join(names)}]: {exc}. "
-                               "What usually helps: a longer transient (raise 't_end'), a finer mesh (raise 'intervals'), "
+                               "What usually helps: a longer transient (raise 't_end'), a finer mesh, "
                                "parameters farther from a grazing", exc.history) from exc  # fmt: skip
     monitors = [parse_monitor(plan.numeric, name, text) for name, text in plan.monitors.items()]
-    spec = orbit_spec(step.name, "orbit", plan.numeric, monitors, {"settings": settings_text(plan, step)})
+    meta = {"settings": settings_text(plan, step), "mesh_settings": mesh_settings(plan, step)}
+    spec = orbit_spec(step.name, "orbit", plan.numeric, monitors, meta)
     points, rows = orbit_row(problem, solution.x, monitors, n_iterations=solution.n_iterations)
     text = (f"converged in {solution.n_iterations} Newton iterations to signature [{' '.join(names)}], "
             f"period {problem.period(solution.x):.10g}")  # fmt: skip

@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.delay.chain import Chain
+from pddecont.delay.chebyshev import Chebyshev
+from pddecont.delay.direct import Direct
 from pddecont.delay.operator import DelayMethod
 from pddecont.errors import ModelError, PddecontError, Problem, RunError, SignatureError, suggest
 from pddecont.model.codegen import NumericModel
@@ -19,8 +21,9 @@ from pddecont.model.effects import LeftOut, without
 from pddecont.model.expression import ExpressionError, parse
 from pddecont.model.system import Model, check_signature, parse_model
 from pddecont.model.validation import validate
+from pddecont.orbit.meshing import MeshRule
 from pddecont.shipped.find import find
-from pddecont.steps.schema import Delay, RunBlock, RunFile, Step
+from pddecont.steps.schema import Delay, Mesh, RunBlock, RunFile, Step
 
 Array = NDArray[np.float64]
 
@@ -68,7 +71,16 @@ class Plan:
 
 def delay_method(spec: Delay) -> DelayMethod:
     """Return the delay method that a file asks for."""
-    return Chain(spec.order, spec.n)
+    if spec.method == "chain":
+        return Chain(spec.order or 2, spec.n or 15)
+    if spec.method == "chebyshev":
+        return Chebyshev(spec.n or 16)
+    return Direct(spec.track_breaking_points is not False)
+
+
+def mesh_rule(spec: Mesh) -> MeshRule:
+    """Return the mesh rule that a file asks for."""
+    return MeshRule(spec.degree, spec.intervals, None if spec.intervals is not None else spec.tol or 1e-8)
 
 
 def load_document(path: str) -> Document:

@@ -19,16 +19,35 @@ class Effects(Strict):
 class Delay(Strict):
     """How delayed values are found."""
 
-    method: Literal["chain"] = Field("chain", description="chain: Taylor steps of the paper's section 2.2")
-    order: int = Field(2, ge=1, le=20, description="order M of each Taylor step")
-    n: int = Field(15, ge=1, le=1_000_000, description="number of steps the delay is divided into")
+    method: Literal["direct", "chain", "chebyshev"] = Field("direct", description=(
+        "direct: read from the orbit itself; chain: Taylor steps of the paper's section 2.2; chebyshev: pseudospectral delay line"))
+    track_breaking_points: bool | None = Field(None, description="direct: let the mesh follow the breaking points (default true)")
+    order: int | None = Field(None, ge=1, le=20, description="chain: order M of each Taylor step (default 2)")
+    n: int | None = Field(None, ge=1, le=1_000_000, description="chain: number of Taylor steps (15); chebyshev: number of points (16)")
+
+    @model_validator(mode="after")
+    def _fits_the_method(self) -> Delay:
+        own = {"direct": {"track_breaking_points"}, "chain": {"order", "n"}, "chebyshev": {"n"}}[self.method]
+        for key in ("track_breaking_points", "order", "n"):
+            if getattr(self, key) is not None and key not in own:
+                raise PydanticCustomError("delay", "'{key}' does not go with method '{method}'", {"key": key, "method": self.method})
+        if self.method == "chebyshev" and (self.n or 0) > 60:
+            raise PydanticCustomError("delay", "a Chebyshev delay line has at most 60 points, found {n}", {"n": self.n})
+        return self
 
 
 class Mesh(Strict):
     """Mesh of piecewise polynomials."""
 
     degree: int = Field(6, ge=1, le=20, description="degree of the polynomials")
-    intervals: int = Field(40, ge=1, le=100_000, description="mesh intervals a period of the orbit")
+    tol: float | None = Field(None, gt=0, lt=1, description="error allowed relative to the orbit's size (default 1e-8)")
+    intervals: int | None = Field(None, ge=1, le=100_000, description="fixed number of mesh intervals a period, instead of tol")
+
+    @model_validator(mode="after")
+    def _one_rule(self) -> Mesh:
+        if self.tol is not None and self.intervals is not None:
+            raise PydanticCustomError("mesh", "'tol' and 'intervals' exclude each other", {})
+        return self
 
 
 class Source(Strict):

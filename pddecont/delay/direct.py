@@ -1,0 +1,72 @@
+"""Delayed values read from the orbit's own polynomials, wrapped by whole periods (design section 5.1).
+
+A place at time b @ theta reads at (b - e_k) @ theta + w sum T_s. Which interval that lies in, and w, are decided once, at the
+mesh's anchor: while the unknowns move by less than a mesh interval the same polynomial is read, slightly beyond its ends if
+need be, so that the delayed values are smooth functions of all unknowns and their derivatives exact. A mesh whose breaking
+points change their order is renewed (``orbit.meshing``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pddecont.delay.operator import DelayOperator, LocalWeights
+from pddecont.errors import ConvergenceError
+from pddecont.orbit.mesh import Mesh, Places
+
+Array = NDArray[np.float64]
+NUDGE = 1e-11
+
+
+@dataclass(frozen=True)
+class Direct:
+    """Reads of the orbit itself; ``track`` says whether meshes follow the breaking points."""
+
+    track: bool = True
+
+    def operator(self, mesh: Mesh, theta: Array, tau_index: int, places: Places) -> DelayOperator:
+        """Return the operator of the delay ``theta[tau_index]`` for reads at ``places``."""
+        anchor = theta if mesh.anchor is None or places is not mesh.sites else mesh.anchor
+        reads = locate(mesh, anchor, tau_index, places)
+        j = reads.interval
+        lengths = (mesh.length @ theta)[j]
+        if not np.all(np.abs(lengths) > 0.0):
+            raise ConvergenceError("a mesh interval has vanished")
+        sigma = ((reads.times - mesh.start[j]) @ theta) / lengths
+        weights = mesh.basis.lagrange(sigma)
+        columns = mesh.base_index[j]
+
+        def theta_derivative(values: Array, which: Sequence[int]) -> Array:
+            slopes = np.einsum("pb,pbq->pq", weights @ mesh.basis.differentiate, values[columns])
+            moves = (reads.times - mesh.start[j] - sigma[:, None] * mesh.length[j])[:, which] / lengths[:, None]
+            return slopes[:, :, None] * moves[:, None, :]
+
+        return DelayOperator(LocalWeights(columns, weights, reads.wraps), theta_derivative)
+
+
+@dataclass(frozen=True, eq=False)
+class Where:
+    """Where reads fall: ``times`` their coefficients of theta, ``wraps`` periods back, ``interval`` the mesh interval."""
+
+    times: Array
+    wraps: NDArray[np.intp]
+    interval: NDArray[np.intp]
+
+
+def locate(mesh: Mesh, theta: Array, tau_index: int, places: Places) -> Where:
+    """Return where places read when delayed by ``theta[tau_index]``; at an edge, on the side that the place itself is on."""
+    n = mesh.n_segments
+    period = float(np.sum(theta[:n]))
+    times = mesh.times(places)
+    times[:, tau_index] -= 1.0
+    inward = np.where(places.sigma <= 0.0, NUDGE, np.where(places.sigma >= 1.0, -NUDGE, 0.0)) * period
+    at = times @ theta + inward
+    wraps = -np.floor(at / period).astype(np.intp)
+    times[:, :n] += wraps[:, None]
+    edges = mesh.start @ theta
+    interval = np.searchsorted(edges, at + wraps * period, side="right") - 1
+    return Where(times, wraps, np.clip(interval, 0, mesh.n_intervals - 1))

@@ -1,0 +1,147 @@
+"""A delay line: linear equations between a delayed quantity and its delayed value, eliminated from the orbit's unknowns.
+
+Every line is  mass_k y_k' = (A y + B q)_k / delta  with input q and output y_out. On an interval of length h, with rho = h/delta and
+D, L the slope and value matrices of the reference basis, collocation reads
+
+    mass_k D y_k = rho (L (A y)_k + B_k q)
+
+so a line on a mesh is a function of rho alone. Its states are continuous through every event and reset.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pddecont.delay.operator import DelayOperator, LocalWeights
+from pddecont.orbit.mesh import Mesh, Places
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """Coefficients of a delay line with n states: mass (n,), A (n, n), B (n,), and the state that is its output."""
+
+    mass: Array
+    A: Array
+    B: Array
+    out: int
+
+
+@dataclass(frozen=True, eq=False)
+class Slopes:
+    """Derivatives of a line in theta: to_nodes (n, n_collocation, n_collocation), to_places (n, n_places, n_collocation)."""
+
+    to_nodes: Array
+    to_places: Array
+
+
+class LineOnMesh:
+    """A line collocated on a mesh: matrices from input at the collocation points to output, and their derivatives.
+
+    Each interval is condensed to its first base point: all its base values are A_j y_j + B_j r_j for the line's states y_j at its
+    left edge and any right-hand side r_j; the left edges then obey a periodic system over the intervals.
+    """
+
+    def __init__(self, line: Line, mesh: Mesh, theta: Array, tau_index: int, n_steps: int, places: Places):
+        self.line, self.mesh, self.theta, self.tau_index, self.places = line, mesh, theta, tau_index, places
+        size, n = len(line.mass), mesh.n_intervals
+        self.size = size
+        self.rho = (mesh.length @ theta) * n_steps / theta[tau_index]
+        blocks = _blocks(line, mesh, self.rho)
+        self.from_rhs = np.linalg.inv(blocks[:, :, size:])
+        self.from_start = -self.from_rhs @ blocks[:, :, :size]
+        # Left edges: y_{j+1} - a_j y_j = b_j, round the period. Solved as one system: forward recursion would let growing
+        # solutions (a chain of order 5 or more has them) drown the answer.
+        ring = np.eye(n * size).reshape(n, size, n, size)
+        here = np.arange(n)
+        ring[(here + 1) % n, :, here, :] -= self.from_start[:, -size:]
+        self.ring = np.linalg.inv(ring.reshape(n * size, n * size))
+        inputs = np.zeros((n, mesh.degree, size, n, mesh.degree))
+        nodes = np.arange(mesh.degree)
+        for j in range(n):
+            inputs[j, nodes, :, j, nodes] = self.rho[j] * line.B
+        self.response = self.solve(inputs.reshape(n, mesh.degree * size, -1))
+        self.to_nodes = self.at_nodes(self.response)
+        self.to_places = self.at_places(self.response)
+
+    def solve(self, rhs: Array) -> Array:
+        """Return the line's states for right-hand sides (n_intervals, degree * size, columns).
+
+        The result has shape (n_intervals, degree + 1, size, columns): base points, states.
+        """
+        mesh, size = self.mesh, self.size
+        particular = self.from_rhs @ rhs
+        jump = np.roll(particular[:, -size:], 1, axis=0)
+        starts = (self.ring @ jump.reshape(-1, rhs.shape[-1])).reshape(jump.shape)
+        result = np.empty((mesh.n_intervals, mesh.degree + 1, size, rhs.shape[-1]))
+        result[:, 0] = starts
+        result[:, 1:] = (self.from_start @ starts + particular).reshape(mesh.n_intervals, mesh.degree, size, -1)
+        return result
+
+    def at_nodes(self, states: Array) -> Array:
+        """Return the output at the collocation points, shape (n_collocation, columns)."""
+        nodes = self.mesh.basis.values @ states[:, :, self.line.out]
+        return nodes.reshape(-1, nodes.shape[-1])
+
+    def at_places(self, states: Array) -> Array:
+        """Return the output at the places where it is wanted, shape (n_places, columns)."""
+        if self.places is self.mesh.sites:
+            ends = states[self.mesh.last_interval, -1, self.line.out]
+            return np.concatenate([self.at_nodes(states), ends])
+        local = self.mesh.local_weights(self.places)
+        return np.matmul(local[:, None], states[self.places.interval, :, self.line.out])[:, 0]
+
+    def derivative(self, which: Sequence[int]) -> Slopes:
+        """Return the derivatives of ``to_nodes`` and ``to_places`` in components of theta.
+
+        Differentiating the collocated line in rho leaves the same operator with mass_k D y_k / rho on the right.
+        """
+        mesh = self.mesh
+        slopes = np.einsum("ib,jbkc->jikc", mesh.basis.slopes, self.response) * self.line.mass[:, None]
+        rhs = slopes.reshape(mesh.n_intervals, mesh.degree * self.size, -1)
+        lengths = mesh.length @ self.theta
+        nodes, places = [], []
+        for component in which:
+            relative = mesh.length[:, component] / lengths
+            if component == self.tau_index:
+                relative = relative - 1.0 / self.theta[component]
+            states = self.solve(rhs * relative[:, None, None])
+            nodes.append(self.at_nodes(states))
+            places.append(self.at_places(states))
+        return Slopes(np.array(nodes), np.array(places))
+
+    def through_nodes(self, weights: Array) -> Array:
+        """Return weights on collocation-point values as weights on base-point values, shape (n_places, n_base)."""
+        mesh = self.mesh
+        local = weights.reshape(len(weights), mesh.n_intervals, mesh.degree) @ mesh.basis.values
+        result = np.zeros((len(weights), mesh.n_base))
+        result[:, mesh.base_index[:, :-1]] = local[:, :, :-1]
+        result[:, mesh.base_index[:, -1]] += local[:, :, -1]
+        return result
+
+
+def _blocks(line: Line, mesh: Mesh, rho: Array) -> Array:
+    """Return each interval's equations, shape (n_intervals, degree * n, (degree + 1) * n); rows and columns run over points first."""
+    size, degree = len(line.mass), mesh.degree
+    fixed = np.einsum("ib,k,kl->ikbl", mesh.basis.slopes, line.mass, np.eye(size))
+    growing = np.einsum("ib,kl->ikbl", mesh.basis.values, line.A)
+    shape = (degree * size, (degree + 1) * size)
+    return fixed.reshape(shape) - rho[:, None, None] * growing.reshape(shape)
+
+
+def no_delay(mesh: Mesh, theta: Array, tau_index: int, places: Places) -> DelayOperator:
+    """Return the operator of a delay that is zero: the present value; its derivative in tau is minus the slope."""
+    local = mesh.local_weights(places)
+    lengths = (mesh.length @ theta)[places.interval]
+    columns = mesh.base_index[places.interval]
+
+    def theta_derivative(values: Array, which: Sequence[int]) -> Array:
+        slope = np.einsum("pb,pbq->pq", local @ mesh.basis.differentiate, values[columns]) / lengths[:, None]
+        return np.stack([-slope * (component == tau_index) for component in which], axis=-1)
+
+    return DelayOperator(LocalWeights(columns, local, np.zeros(len(places), dtype=np.intp)), theta_derivative)
