@@ -21,8 +21,23 @@ class Circle:
     def metric(self):
         return Metric(np.ones(2), np.ones(2))
 
-    def renew(self, x, direction):
-        return self, x, direction
+    def outline(self, x):
+        return x
+
+    def outline_index(self):
+        return np.arange(2)
+
+    def holds(self, x):
+        return True
+
+    def suits(self, x):
+        return True
+
+    def carry(self, other, x):
+        return x
+
+    def rephased(self, x):
+        return self
 
 
 def run(bounds, tests=(), sign=1, **settings):

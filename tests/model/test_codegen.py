@@ -29,7 +29,7 @@ def test_derivatives_agree_with_complex_steps(path):
     rng = np.random.default_rng(1)
     n, n_delayed, n_points = numeric.n_states, len(numeric.model.delayed), 5
     p = numeric.parameter_values * rng.uniform(0.9, 1.1, len(numeric.parameter_values))
-    args = (rng.normal(size=n_points), rng.normal(size=(n, n_points)), rng.normal(size=(n_delayed, n_points)), p)
+    args = (rng.normal(size=n_points), rng.uniform(0.5, 1.5, (n, n_points)), rng.uniform(0.5, 1.5, (n_delayed, n_points)), p)
     free = tuple(range(len(p)))
     for name, f in functions(numeric):
         d = f.derivatives(*args, free)

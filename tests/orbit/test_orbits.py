@@ -11,7 +11,9 @@ from pddecont.model.system import load_model
 from pddecont.orbit.admissibility import objections
 from pddecont.orbit.curve import solve_orbit
 from pddecont.orbit.error import error_estimate
-from pddecont.orbit.guess import fixed_mesh, interpolate_orbit, orbit_from_cycle
+from pddecont.orbit.guess import orbit_from_cycle
+from pddecont.orbit.mesh import Mesh, equal_cuts, segment_pieces
+from pddecont.orbit.meshing import MeshRule, remeshed
 from pddecont.orbit.problem import OrbitProblem, eventless
 from pddecont.simulate.integrate import simulate
 from pddecont.simulate.recognise import recognise
@@ -30,7 +32,7 @@ def orbit_of(numeric, t_end, delay=CHAIN, degree=6, intervals=30, **changes):
     for name, value in changes.items():
         p[numeric.parameter_index(name)] = value
     cycle = recognise(numeric, p, simulate(numeric, p, delay, t_end))
-    problem, guess = orbit_from_cycle(numeric, p, delay, cycle, degree, intervals)
+    problem, guess = orbit_from_cycle(numeric, p, delay, cycle, MeshRule(degree, intervals))
     return problem, solve_orbit(problem, guess).x
 
 
@@ -53,7 +55,7 @@ def linear(order=2, n=15):
     numeric = numeric_from("name: m\nstates: [x, v]\nparameters: {omega: 0.8, a: 1, zeta: 0.05, K: 0.3, tau: 3.8}\n"
                            "forcing: {period: 2*pi/omega}\n"
                            "modes: {m: {x': v, v': a*sin(omega*t) - 2*zeta*v - x + K*(v(t - tau) - v)}}\n")  # fmt: skip
-    mesh = fixed_mesh(np.array([2 * math.pi / 0.8]), 1, 6, 20)
+    mesh = Mesh(6, 1, segment_pieces(1, 2, equal_cuts([20])))
     problem = OrbitProblem(numeric, (eventless("m"),), mesh, Chain(order, n), numeric.parameter_values)
     guess = problem.layout.join(np.zeros((mesh.n_base, 2)), [2 * math.pi / 0.8], 0.0, [])
     return problem, solve_orbit(problem, guess).x
@@ -107,11 +109,10 @@ def test_collocation_order(degree):
     problem, x = orbit_of(shipped("wall_oscillator"), 60 * math.pi, degree=10, intervals=20)
     errors = []
     for intervals in (8, 16):
-        coarse, guess = interpolate_orbit(problem, x, degree, intervals)
+        coarse, guess = remeshed(problem, x, MeshRule(degree, intervals))
         y = solve_orbit(coarse, guess).x
-        exact = interpolate_orbit(problem, x, 10, 20)
-        fine, z = interpolate_orbit(coarse, y, 10, intervals * 2)
-        reference = interpolate_orbit(*exact, 10, intervals * 2)
+        fine, z = remeshed(coarse, y, MeshRule(10, intervals * 2))
+        reference = remeshed(problem, x, MeshRule(10, intervals * 2))
         errors.append(np.max(np.abs(fine.layout.split(z)[0] - reference[0].layout.split(reference[1])[0])))
         assert errors[-1] / 20 < error_estimate(coarse, y) * 3.0 < errors[-1] * 20
     assert math.log2(errors[0] / errors[1]) == pytest.approx(degree + 1, abs=0.4)
