@@ -55,6 +55,10 @@ class Followed(Problem, Protocol):
         """Return the places of the outline among the unknowns."""
         ...
 
+    def forbids(self, x: Array) -> str:
+        """Return why ``x`` can be no point of the branch, in words; empty if it can."""
+        ...
+
     def holds(self, x: Array) -> bool:
         """Whether equations on this mesh make sense at ``x``."""
         ...
@@ -195,12 +199,14 @@ def _step(state: State, step: float, settings: StepSettings) -> Located:
     """Return the point one step on: predict, make the mesh hold, correct, until the mesh suits what is found."""
     problem, base = state.problem, state.x
     predicted = base + step * state.tangent
+    _refuse(problem, predicted)
     if not problem.holds(predicted):
         problem, predicted, (base,) = problem.refit(predicted, [base], solved=False)
     guess = predicted
     for _ in range(MAX_MESHES):
         metric = problem.metric()
         solution = correct(problem, predicted, metric.unit(predicted - base), metric, settings.newton, guess)
+        _refuse(problem, solution.x)
         moved = solution.x - predicted
         if np.sqrt(metric.dot(moved, moved)) > settings.max_turn * step:
             raise ConvergenceError("the branch turns too sharply for this step", solution.history)
@@ -208,6 +214,12 @@ def _step(state: State, step: float, settings: StepSettings) -> Located:
             return Located(problem, solution.x, solution.n_iterations)
         problem, guess, (predicted, base) = problem.refit(solution.x, [predicted, base], solved=True)
     raise ConvergenceError("the mesh does not settle; raise 'mesh: {tol}' or the degree")
+
+
+def _refuse(problem: Any, x: Array) -> None:
+    reason = problem.forbids(x)
+    if reason:
+        raise ConvergenceError(reason)
 
 
 def _land(state: State, reached: Located, index: int, value: float, fraction: float, settings: StepSettings) -> Located:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import sympy
 
 from pddecont.errors import PddecontError, suggest
-from pddecont.model.system import Model, delayed_symbol, symbol
+from pddecont.model.system import IDENTITY, Model, delayed_symbol, symbol
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ def without(model: Model, off: Iterable[str]) -> tuple[Model, LeftOut]:
     modes = {k: tuple(map(cut, v)) for k, v in model.modes.items() if k in reachable}
     events = {k: replace(e, function=None if e.function is None else cut(e.function), delay=None if e.delay is None else cut(e.delay))
               for k, e in model.events.items() if k in kept_events}  # fmt: skip
-    kept_resets = {s.reset for s in segments.values()}
+    kept_resets = {IDENTITY, *(s.reset for s in segments.values())}
     resets = {k: tuple(map(cut, v)) for k, v in model.resets.items() if k in kept_resets}
     left = replace(model, modes=modes, events=events, resets=resets, segments=segments,
                    period=None if model.period is None else cut(model.period),

@@ -87,6 +87,14 @@ class Curve:
         layout = self.problem.layout
         return np.concatenate([layout.value_index[self.problem.mesh.first_base].ravel(), np.arange(layout.durations.start, layout.size)])
 
+    def forbids(self, x: Array) -> str:
+        """Return which segment has no duration left at ``x``; empty if all have."""
+        durations = x[self.problem.layout.durations]
+        if np.all(durations > 0.0):
+            return ""
+        s = int(np.argmin(durations))
+        return f"segment {s + 1} ({self.problem.segments[s].name}) vanishes: the orbit goes on with another signature"
+
     def holds(self, x: Array) -> bool:
         """Whether the mesh's breaking points are in their order at ``x``."""
         return self.rule is None or fits(self.problem, x)

@@ -46,6 +46,11 @@ class Profile:
         inside = np.flatnonzero(self.segment == s)
         return float(self.values[inside[0], 0]), float(self.values[inside[-1], -1])
 
+    def end_slope(self, s: int) -> float:
+        """Return the slope in time at the end of segment ``s``."""
+        last = int(np.flatnonzero(self.segment == s)[-1])
+        return float(make_basis(self.degree).differentiate[-1] @ self.values[last] / self.h[last])
+
     def extrema(self) -> list[Extremum]:
         """Return all local extrema inside segments, in order of time."""
         return list(_extrema(self))

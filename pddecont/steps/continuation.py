@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.bifurcation import grazing
+from pddecont.bifurcation import grazing, tangency
 from pddecont.continuation.arclength import tangent
 from pddecont.continuation.branch import Point, State, StepSettings, Termination, TestFunction, follow
 from pddecont.errors import ConvergenceError, RunError
@@ -103,10 +103,13 @@ def _ending(end: Termination, way: int) -> str:
 
 
 def _tests() -> list[TestFunction]:
-    def value(curve: Any, x: Array) -> float:
+    def clearance(curve: Any, x: Array) -> float:
         return grazing.clearance(curve.problem, x)
 
-    return [TestFunction(grazing.KIND, value, stops=True)]
+    def crossing_rate(curve: Any, x: Array) -> float:
+        return tangency.crossing_rate(curve.problem, x)
+
+    return [TestFunction(grazing.KIND, clearance, stops=True), TestFunction(tangency.KIND, crossing_rate, stops=True)]
 
 
 def _start(branch: _Branch) -> State:

@@ -27,6 +27,9 @@ class Circle:
     def outline_index(self):
         return np.arange(2)
 
+    def forbids(self, x):
+        return ""
+
     def holds(self, x):
         return True
 
