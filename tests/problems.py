@@ -29,3 +29,69 @@ def chain_transfer(omega: float, tau: float, order: int, n: int) -> complex:
     """Return what the chain of order M and length n does to exp(i omega t): (sum_{k<=M} (i omega tau/n)^k / k!)^(-n)."""
     z = 1j * omega * tau / n
     return sum(z**k / math.factorial(k) for k in range(order + 1)) ** (-n)
+
+
+# The impact oscillator as a delay equation, tau_d = 3.8, K = 0.12: velocity at impact (direct collocation of degree 10, agreeing
+# with a prototype on three meshes); multiplied out in the shared design, section 5.1.
+IMPACT_SPEED = 0.734426370925
+
+
+def grazing_amplitude(K: float, D: complex, omega=0.8, a=0.9, zeta=0.01) -> float:
+    """Return the amplitude of the non-impacting period-1 orbit; D is what the delay does to exp(i omega t)."""
+    return a * omega**2 / abs(1 - omega**2 + 1j * omega * (2 * zeta + K * (1 - D)))
+
+
+# Where that orbit grazes (amplitude e = 1.26), from the closed form above. (shared validation table)
+GRAZING_TAU = (4.7007576118, 6.3261672235)
+
+
+def relay(a: float, tau: float) -> tuple[float, float]:
+    """Return period and amplitude of x' = a x - sgn x(t - tau): arcs of exponentials from 0 to their extremum tau later."""
+    return 2 * (tau - math.log(2 - math.exp(a * tau)) / a), (math.exp(a * tau) - 1) / a
+
+
+def on_off(U: float, L: float, theta: float, tau: float) -> tuple[float, float, float]:
+    """Return period, highest and lowest value of the on-off control: x runs on for tau after it passes theta."""
+    high, low = U + (theta - U) * math.exp(-tau), L + (theta - L) * math.exp(-tau)
+    return 2 * tau + math.log((high - L) / (theta - L)) + math.log((U - low) / (U - theta)), high, low
+
+
+def neuron(drive: float, kick: float, tau: float) -> float:
+    """Return the period of the neuron that kicks itself tau after each spike: the kick falls at phase tau mod T."""
+    for wraps in range(100):
+        # T = phi + ln((drive exp(-phi) - kick) / (drive - 1)) with phi = tau - wraps T: decreasing right side, so bisect.
+        def miss(T: float, wraps: int = wraps) -> float:
+            phi = tau - wraps * T
+            return phi + math.log((drive * math.exp(-phi) - kick) / (drive - 1)) - T
+
+        low, high = tau / (wraps + 1), tau / wraps if wraps else 100.0
+        low, high = low + 1e-12, high - 1e-12
+        try:
+            if miss(low) * miss(high) > 0:
+                continue
+        except ValueError:
+            pass
+        for _ in range(200):
+            middle = 0.5 * (low + high)
+            try:
+                positive = miss(middle) > 0
+            except ValueError:
+                positive = False
+            low, high = (middle, high) if positive else (low, middle)
+        phi = tau - wraps * low
+        if 0 <= phi <= low and abs(miss(low)) < 1e-9:
+            return low
+    raise AssertionError("no period")
+
+
+# Smooth equations (shared validation table; independent integrators and root finders).
+# Wright's maximum: the table prints 1.9018147463, which a maximum over samples gives. At the maximum x' = 0, so x(t - 1) = 0; the
+# method of steps (DOP853, rtol 3e-14) evaluated one delay after that zero gives the value below, as does collocation.
+WRIGHT = {"period": 4.4027436513, "highest": 1.9018147825846923}
+MACKEY_GLASS_PD = {"tau": 1.3249215258, "period": 3.9196496081}
+
+
+def turning(zeta: float, W: float, j: int = 1) -> tuple[float, float]:
+    """Return (w, tau) on a lobe of x'' + 2 zeta x' + x = -w (x - x(t - tau)) at chatter frequency W."""
+    w = ((1 - W**2) ** 2 + 4 * zeta**2 * W**2) / (2 * (W**2 - 1))
+    return w, 2 / W * (j * math.pi - math.atan((W**2 - 1) / (2 * zeta * W)))

@@ -20,6 +20,7 @@ from pddecont.orbit.mesh import Mesh, Places
 
 Array = NDArray[np.float64]
 NUDGE = 1e-11
+FAR = 3.0
 
 
 @dataclass(frozen=True)
@@ -37,6 +38,8 @@ class Direct:
         if not np.all(np.abs(lengths) > 0.0):
             raise ConvergenceError("a mesh interval has vanished")
         sigma = ((reads.times - mesh.start[j]) @ theta) / lengths
+        if np.max(np.abs(sigma), initial=0.0) > FAR:
+            raise ConvergenceError("a delayed value is read far outside its mesh interval")
         weights = mesh.basis.lagrange(sigma)
         columns = mesh.base_index[j]
 
