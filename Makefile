@@ -4,7 +4,7 @@ ENV := .venv
 BIN := $(ENV)/bin
 OUT := out
 
-.PHONY: setup demo test check bench schema clean
+.PHONY: setup demo test check bench tracking chain-order schema clean
 setup: $(ENV)/ready
 
 $(ENV)/ready: pyproject.toml
@@ -27,7 +27,13 @@ check: setup
 	$(BIN)/mypy
 
 bench: setup         ## ratios, each measured in one process
-	$(BIN)/python benchmarks/run.py
+	$(BIN)/python -m benchmarks.run
+
+tracking: setup      ## error with and without tracked breaking points: table, and a picture in out/
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.tracking $(OUT)
+
+chain-order: setup   ## grazing by chains of several orders against the delay equation
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.chain_order
 
 schema: setup        ## JSON Schemas of both file formats, for editors
 	$(BIN)/python -m pddecont.shipped.schemas

@@ -5,13 +5,13 @@ import math
 import numpy as np
 import pytest
 
+from benchmarks import tracking
+from benchmarks.tracking import errors_on_refinement
 from pddecont.continuation.arclength import bordered
 from pddecont.continuation.newton import NewtonSettings
 from pddecont.delay.chain import Chain
 from pddecont.delay.direct import Direct
-from pddecont.model.codegen import NumericModel
 from pddecont.model.document import parse_document
-from pddecont.model.system import load_model
 from pddecont.orbit.curve import Curve, settle, sizes_of
 from pddecont.orbit.mesh import Mesh, equal_cuts, segment_pieces
 from pddecont.orbit.meshing import MeshRule, remeshed
@@ -52,19 +52,15 @@ def orbit(model, changes, path, t_end=80, mesh=FINE, monitors="", delay="direct"
 
 
 @pytest.fixture(scope="module")
-def impact(tmp_path_factory):
+def impact():
     """The impact oscillator's orbit on a fine mesh: problem and unknowns."""
-    from pddecont.orbit.guess import orbit_from_cycle
-    from pddecont.simulate.integrate import simulate
-    from pddecont.simulate.recognise import recognise
+    return tracking.soft()
 
-    numeric = NumericModel(load_model(str(ROOT / "models" / "impact_oscillator.yaml"))[0])
-    p = numeric.parameter_values
-    cycle = recognise(numeric, p, simulate(numeric, p, Direct(), 50 * 2 * math.pi / 0.8))
-    rule = MeshRule(10, tol=1e-12)
-    problem, guess = orbit_from_cycle(numeric, p, Direct(), cycle, rule)
-    problem, solution = settle(problem, guess, rule)
-    return problem, solution.x
+
+@pytest.fixture(scope="module")
+def wall():
+    """The same for a hard wall with delayed feedback."""
+    return tracking.hard()
 
 
 def speed(problem, x):
@@ -78,43 +74,26 @@ def test_impact_speed_with_few_unknowns(impact):
     assert speed(*impact) == pytest.approx(IMPACT_SPEED, abs=1e-12)
 
 
-def errors_on_refinement(impact, degree, track, counts):
-    """Return the largest error at any time on meshes with equal pieces, each cut into ``counts`` intervals."""
-    from dataclasses import replace
-
-    from pddecont.orbit.meshing import on_mesh, transfer
-    from pddecont.orbit.problem import Places, read
-
-    problem, x = impact
-    theta, errors = problem.theta(x), []
-    for count in counts:
-        other = replace(problem, delay=Direct(track))
-        pieces = remeshed(other, x, MeshRule(degree, intervals=1))[0].mesh.pieces
-        cut = tuple(replace(p, cuts=np.linspace(0, 1, count + 1)) for p in pieces)
-        coarse, guess = on_mesh(other, x, Mesh(degree, problem.mesh.n_segments, cut, theta))
-        coarse, solution = settle(coarse, guess, MeshRule(degree, intervals=count))
-        mesh = coarse.mesh
-        places = Places(np.repeat(np.arange(mesh.n_intervals), 7), np.tile(np.linspace(0.07, 0.93, 7), mesh.n_intervals))
-        values = read(coarse, solution.x, places, delays=False)
-        # The reference at the same fractions of its segments.
-        at_base = transfer(problem.mesh, theta, problem.layout.split(x)[0], mesh, values.theta)
-        assert at_base.shape[1] == 2
-        dense = Mesh(12, mesh.n_segments, mesh.pieces, mesh.anchor)
-        exact = dense.at(transfer(problem.mesh, theta, problem.layout.split(x)[0], dense, values.theta), places)
-        errors.append(np.max(np.abs(values.x.T - exact)))
-    return errors
+def errors_of(found):
+    return [error for _, error in found]
 
 
 @pytest.mark.parametrize("degree", [3, 4, 5])
 def test_order_with_tracked_breaking_points(impact, degree):
-    errors = errors_on_refinement(impact, degree, True, (1, 2, 4))
+    errors = errors_of(errors_on_refinement(impact, degree, True, (1, 2, 4)))
     orders = -np.diff(np.log2(errors))
     assert orders[-1] > degree + 0.6
     assert np.log2(errors[0] / errors[-1]) / 2 > degree + 0.5
 
 
+def test_order_after_a_jump_with_tracked_breaking_points(wall):
+    errors = errors_of(errors_on_refinement(wall, 4, True, (1, 2, 4)))
+    assert np.log2(errors[0] / errors[-1]) / 2 == pytest.approx(5, abs=0.3)
+    assert errors_of(errors_on_refinement(wall, 4, False, (32,)))[0] > 1e3 * errors[-1]
+
+
 def test_order_without_tracking_is_about_three(impact):
-    errors = errors_on_refinement(impact, 6, False, (10, 20, 40, 80))
+    errors = errors_of(errors_on_refinement(impact, 6, False, (10, 20, 40, 80)))
     order = np.log2(errors[0] / errors[-1]) / 3
     assert 1.8 < order < 3.6
     assert errors[-1] > 1e-8

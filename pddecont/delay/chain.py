@@ -25,7 +25,7 @@ from pddecont.delay.operator import DelayOperator, FullWeights
 from pddecont.orbit.mesh import Mesh, Places
 
 Array = NDArray[np.float64]
-MAX_BLOCK = 64
+BLOCK_ROWS = 512
 
 
 @dataclass(frozen=True)
@@ -40,16 +40,103 @@ class Chain:
         if theta[tau_index] == 0.0:
             return no_delay(mesh, theta, tau_index, places)
         stage = LineOnMesh(taylor_step(self.order), mesh, theta, tau_index, self.n, places)
-        before = np.linalg.matrix_power(stage.to_nodes, self.n - 1)
-        weights = stage.through_nodes(stage.to_places @ before)
+        powers = Powers(stage.to_nodes, self.n)
+        if places is mesh.sites:
+            ends = stage.to_places[mesh.n_collocation :]
+            weights = np.concatenate([powers.matrix(self.n), powers.from_left(ends, self.n - 1)])
+        else:
+            weights = powers.from_left(stage.to_places, self.n - 1)
 
         def theta_derivative(values: Array, which: Sequence[int]) -> Array:
-            u = mesh.at_nodes(values)
-            slope = stage.derivative(which)
-            tail = stage.to_places @ _power_derivative(stage.to_nodes, slope.to_nodes, u, self.n - 1)
-            return np.moveaxis(slope.to_places @ (before @ u) + tail, 0, -1)
+            slopes = _Slopes(stage, powers, self.n, mesh.at_nodes(values)).all()
+            return np.stack([slopes[component] for component in which], axis=-1)
 
-        return DelayOperator(FullWeights(weights), theta_derivative)
+        return DelayOperator(FullWeights(stage.through_nodes(weights)), theta_derivative)
+
+
+class Powers:
+    """Powers P, P^2, P^4, ... of one stage, up to the largest below ``n``, and what is made of them."""
+
+    def __init__(self, matrix: Array, n: int):
+        self.squares = [matrix]
+        while 2 ** len(self.squares) <= n:
+            self.squares.append(self.squares[-1] @ self.squares[-1])
+
+    def matrix(self, n: int) -> Array:
+        """Return P^n, n >= 1."""
+        bits = [k for k in range(n.bit_length()) if n >> k & 1]
+        result = self.squares[bits[0]]
+        for k in bits[1:]:
+            result = self.squares[k] @ result
+        return result
+
+    def from_left(self, rows: Array, n: int) -> Array:
+        """Return ``rows`` P^n."""
+        for k in range(n.bit_length()):
+            if n >> k & 1:
+                rows = rows @ self.squares[k]
+        return rows
+
+    def on(self, vectors: Array, n: int) -> Array:
+        """Return P^n ``vectors``."""
+        for k in range(n.bit_length()):
+            if n >> k & 1:
+                vectors = self.squares[k] @ vectors
+        return vectors
+
+
+class _Slopes:
+    """Derivatives of the chain's output in all components of theta that it depends on.
+
+    All stages with different tau on one mesh are functions of one differentiation matrix, so dP/dtau commutes with P. Nothing
+    changes when durations and tau grow together, which gives the derivative in the longest duration from the others.
+    """
+
+    def __init__(self, stage: LineOnMesh, powers: Powers, n: int, u: Array):
+        self.stage, self.powers, self.n, self.u = stage, powers, n, u
+
+    def all(self) -> dict[int, Array]:
+        """Return the derivatives (n_places, n_quantities) by component of theta."""
+        stage, mesh, theta = self.stage, self.stage.mesh, self.stage.theta
+        before = self.powers.on(self.u, self.n - 1)
+        tau = stage.tau_index
+        result = {k: np.zeros((len(stage.places), self.u.shape[1])) for k in range(len(theta))}
+        last = stage.at_places(stage.derivative(before, tau))
+        if self.n > 1:
+            hit = stage.at_nodes(stage.derivative(self.u, tau))
+            last = last + (self.n - 1) * (stage.to_places @ self.powers.on(hit, self.n - 2))
+        result[tau] = last
+        longest = int(np.argmax(theta[: mesh.n_segments]))
+        moving = [k for k in range(len(theta)) if k not in (tau, longest) and np.any(mesh.length[:, k])]
+        for k in moving:
+            tail = stage.to_places @ self.sum_over_stages(k)
+            result[k] = stage.at_places(stage.derivative(before, k)) + tail
+        result[longest] = -sum(theta[k] * result[k] for k in [tau, *moving]) / theta[longest]
+        return result
+
+    def sum_over_stages(self, component: int) -> Array:
+        """Return sum_j P^(n-2-j) dP P^j u over the n - 1 first stages, shape (n_collocation, n_quantities).
+
+        dP = U F has the small rank of the equations in the component's segment. Blocks of b stages are taken at once: the rows
+        F, F P, .., F P^(b-1) and the columns P^(b-1) U, .., U are made by doubling, and a block is two products with a vector.
+        """
+        squares = self.powers.squares
+        U, F = self.stage.derivative_factors(component)
+        rank = U.shape[1]
+        level = max(0, min(len(squares) - 1, (BLOCK_ROWS // rank).bit_length() - 1))
+        rows, columns = F, U
+        for k in range(level):
+            rows = np.concatenate([rows, rows @ squares[k]])
+            columns = np.concatenate([squares[k] @ columns, columns], axis=1)
+        n_blocks, rest = divmod(self.n - 1, 2**level)
+        total, v = np.zeros_like(self.u), self.u
+        for _ in range(n_blocks):
+            total = squares[level] @ total + columns @ (rows @ v)
+            v = squares[level] @ v
+        for _ in range(rest):
+            total = squares[0] @ total + U @ (F @ v)
+            v = squares[0] @ v
+        return total
 
 
 def taylor_step(order: int) -> Line:
@@ -61,29 +148,3 @@ def taylor_step(order: int) -> Line:
     B = np.zeros(order)
     B[-1] = 1.0
     return Line(mass, A, B, 0)
-
-
-def _power_derivative(matrix: Array, slopes: Array, vectors: Array, n: int) -> Array:
-    """Return d(P^n) v = sum_j P^(n-1-j) dP P^j v for each dP in ``slopes``, shape (n_slopes, size, n_vectors).
-
-    Blocks of at most MAX_BLOCK stages: the vectors P^j v of a block are made by doubling, each is hit by dP, and the sum is
-    folded by halving, so that all the work is in matrix products and the memory does not grow with n.
-    """
-    powers = [matrix]
-    while 2 ** len(powers) <= min(n, MAX_BLOCK):
-        powers.append(powers[-1] @ powers[-1])
-    total = np.zeros((len(slopes), *vectors.shape))
-    v = vectors
-    remaining = n
-    while remaining:
-        level = min(remaining.bit_length(), len(powers)) - 1
-        block = v[:, None]
-        for k in range(level):
-            block = np.concatenate([block, np.tensordot(powers[k], block, 1)], axis=1)
-        hit = np.tensordot(slopes, block, 1)
-        for k in range(level):
-            hit = np.einsum("ab,sbjq->sajq", powers[k], hit[:, :, 0::2], optimize=True) + hit[:, :, 1::2]
-        total = powers[level] @ total + hit[:, :, 0]
-        v = powers[level] @ v
-        remaining -= 2**level
-    return total

@@ -36,7 +36,8 @@ class Chebyshev:
         line = LineOnMesh(profile_line(self.n), mesh, theta, tau_index, 1, places)
 
         def theta_derivative(values: Array, which: Sequence[int]) -> Array:
-            return np.moveaxis(line.derivative(which).to_places @ mesh.at_nodes(values), 0, -1)
+            u = mesh.at_nodes(values)
+            return np.stack([line.at_places(line.derivative(u, component)) for component in which], axis=-1)
 
         return DelayOperator(FullWeights(line.through_nodes(line.to_places)), theta_derivative)
 

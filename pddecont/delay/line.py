@@ -32,14 +32,6 @@ class Line:
     out: int
 
 
-@dataclass(frozen=True, eq=False)
-class Slopes:
-    """Derivatives of a line in theta: to_nodes (n, n_collocation, n_collocation), to_places (n, n_places, n_collocation)."""
-
-    to_nodes: Array
-    to_places: Array
-
-
 class LineOnMesh:
     """A line collocated on a mesh: matrices from input at the collocation points to output, and their derivatives.
 
@@ -96,24 +88,37 @@ class LineOnMesh:
         local = self.mesh.local_weights(self.places)
         return np.matmul(local[:, None], states[self.places.interval, :, self.line.out])[:, 0]
 
-    def derivative(self, which: Sequence[int]) -> Slopes:
-        """Return the derivatives of ``to_nodes`` and ``to_places`` in components of theta.
+    def derivative(self, inputs: Array, component: int) -> Array:
+        """Return the line's states differentiated in a component of theta, for inputs (n_collocation, columns) that do not move.
 
-        Differentiating the collocated line in rho leaves the same operator with mass_k D y_k / rho on the right.
+        Differentiating the collocated line in rho leaves the same operator with mass_k D y_k / rho on the right. The result has
+        shape (n_intervals, degree + 1, size, columns).
         """
-        mesh = self.mesh
-        slopes = np.einsum("ib,jbkc->jikc", mesh.basis.slopes, self.response) * self.line.mass[:, None]
-        rhs = slopes.reshape(mesh.n_intervals, mesh.degree * self.size, -1)
-        lengths = mesh.length @ self.theta
-        nodes, places = [], []
-        for component in which:
-            relative = mesh.length[:, component] / lengths
-            if component == self.tau_index:
-                relative = relative - 1.0 / self.theta[component]
-            states = self.solve(rhs * relative[:, None, None])
-            nodes.append(self.at_nodes(states))
-            places.append(self.at_places(states))
-        return Slopes(np.array(nodes), np.array(places))
+        return self.solve(self._moved(self.response @ inputs, self._relative(component)))
+
+    def derivative_factors(self, component: int) -> tuple[Array, Array]:
+        """Return U (n_collocation, r) and F (r, n_collocation) with d(output at the nodes) / d(component) = U F.
+
+        r counts the equations in the mesh intervals whose length the component moves.
+        """
+        relative = self._relative(component)
+        moving = np.flatnonzero(relative)
+        F = self._moved(self.response[moving], relative[moving])
+        rank = F.shape[0] * F.shape[1]
+        unit = np.zeros((self.mesh.n_intervals, F.shape[1], rank))
+        unit[moving] = np.eye(rank).reshape(len(moving), F.shape[1], rank)
+        return self.at_nodes(self.solve(unit)), F.reshape(rank, -1)
+
+    def _relative(self, component: int) -> Array:
+        """Return d(log rho) / d(component) of each interval."""
+        relative = self.mesh.length[:, component] / (self.mesh.length @ self.theta)
+        return relative - 1.0 / self.theta[component] if component == self.tau_index else relative
+
+    def _moved(self, states: Array, relative: Array) -> Array:
+        """Return relative * mass_k D y_k for states (intervals, degree + 1, size, columns), shape (intervals, degree * size, columns)."""
+        slopes = np.tensordot(states, self.mesh.basis.slopes, (1, 1))  # (interval, state, column, node)
+        slopes *= self.line.mass[:, None, None] * relative[:, None, None, None]
+        return slopes.transpose(0, 3, 1, 2).reshape(len(states), self.mesh.degree * self.size, -1)
 
     def through_nodes(self, weights: Array) -> Array:
         """Return weights on collocation-point values as weights on base-point values, shape (n_places, n_base)."""

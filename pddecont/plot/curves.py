@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from pddecont.results.reader import Step
 
 Array = NDArray[np.float64]
-PER_INTERVAL = 12
+PER_INTERVAL = 24
 
 
 def segments(step: Step, row: int) -> list[tuple[Array, Array]]:

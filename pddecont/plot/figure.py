@@ -11,7 +11,7 @@ import numpy as np
 from pddecont.errors import ResultsError
 from pddecont.plot.diagram import column, default_columns, draw_diagram
 from pddecont.plot.orbits import draw_orbit, draw_profile, draw_trajectory
-from pddecont.plot.style import RC
+from pddecont.plot.style import RC, label
 from pddecont.results.reader import Results, Step
 
 SUFFIXES = (".png", ".svg", ".pdf")
@@ -84,7 +84,7 @@ def _rows(step: Step, view: View) -> list[int]:
 
 def _title(step: Step, row: int) -> str:
     free = step.meta.get("free") or []
-    values = [f"{name} = {column(step, name)[row]:.6g}" for name in free]
+    values = [f"{label(name)} = {column(step, name)[row]:.6g}" for name in free]
     return "  ".join([t for t in (step.labels[row],) if t] + values)
 
 

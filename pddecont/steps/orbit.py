@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from pddecont.errors import ConvergenceError, SignatureError
 from pddecont.orbit.admissibility import objections
 from pddecont.orbit.curve import settle
+from pddecont.orbit.error import rounding_error
 from pddecont.orbit.guess import orbit_from_cycle
 from pddecont.orbit.monitors import parse_monitor
 from pddecont.orbit.problem import OrbitProblem
@@ -22,6 +23,7 @@ from pddecont.steps.simulate import integrate
 
 Array = NDArray[np.float64]
 POOR = 1e-3
+ROUNDING = 1e-10
 
 
 def first_guess(context: Context, step: Step) -> tuple[OrbitProblem, Array]:
@@ -50,9 +52,12 @@ def run_orbit(context: Context, step: Step) -> None:
     try:
         problem, solution = settle(problem, guess, context.rule_of(step))
     except ConvergenceError as exc:
+        rounding = rounding_error(problem, guess)
+        magnified = "" if rounding < ROUNDING else (f" The chain magnifies rounding errors to {rounding:.0e} of the orbit's size here: "
+                                                    "lower its order or 'n', or use a coarser mesh or the direct method.")  # fmt: skip
         raise ConvergenceError(f"step '{step.name}': no periodic orbit near the guess with signature [{', '.join(names)}]: {exc}. "
                                "What usually helps: a longer transient (raise 't_end'), a finer mesh, "
-                               "parameters farther from a grazing", exc.history) from exc  # fmt: skip
+                               f"parameters farther from a grazing.{magnified}", exc.history) from exc  # fmt: skip
     monitors = [parse_monitor(plan.numeric, name, text) for name, text in plan.monitors.items()]
     meta = {"settings": settings_text(plan, step), "mesh_settings": mesh_settings(plan, step)}
     spec = orbit_spec(step.name, "orbit", plan.numeric, monitors, meta)
