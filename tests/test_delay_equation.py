@@ -306,3 +306,38 @@ def test_the_estimate_tells_the_error(impact, tol):
     true = abs(speed(problem, solution.x) - IMPACT_SPEED)
     assert estimate <= tol
     assert true < 30 * estimate
+
+
+@pytest.mark.parametrize("turns", [1, 2])
+def test_a_delay_of_exactly_so_many_periods(tmp_path, turns):
+    """Breaking points collide exactly. After two forcing periods, the orbit's own, the feedback is zero: K does not matter."""
+    text = ("model: impact_oscillator\nmesh: {degree: 9, tol: 1e-11}\nmonitors: {v: 'at(NC, v)'}\nsteps:\n"
+            "  - {name: t, set: {K: 0}, simulate: {t_end: 250*2*pi/omega}}\n  - {name: plain, set: {K: 0}, orbit: {from: t}}\n"
+            f"  - {{name: held, set: {{K: 0.05, tau_d: {turns}*2*pi/omega}}, orbit: {{from: plain}}}}\n")  # fmt: skip
+    results = run(text, tmp_path / "a.h5")
+    plain, held = (results.step(name).points["monitors"][0, 0] for name in ("plain", "held"))
+    if turns == 2:
+        assert held == pytest.approx(plain, abs=1e-10)
+    else:
+        # The half period reads the orbit's other loop: another orbit, the same on another mesh.
+        other = run(text.replace("degree: 9, tol: 1e-11", "degree: 7, tol: 1e-10"), tmp_path / "b.h5")
+        assert abs(held - plain) > 1e-3
+        assert other.step("held").points["monitors"][0, 0] == pytest.approx(held, abs=1e-8)
+
+
+def test_grazing_in_the_gain_against_the_closed_form(tmp_path):
+    """The free orbit followed down in K at tau_d = 3.8: it grazes at K = 0.1774776777."""
+    text = ("model: impact_oscillator\nset: {K: 0.3}\nmesh: {degree: 10, tol: 1e-11}\nsteps:\n"
+            "  - {name: t, simulate: {t_end: 60*2*pi/omega}}\n  - {name: o, orbit: {from: t}}\n"
+            "  - {name: c, continue: {from: o, free: [K], range: {K: [0.05, 0.5]}, direction: down}}\n")
+    assert grazing_rows(run(text, tmp_path / "a.h5").step("c"), "K") == pytest.approx([0.1774776777], abs=1e-9)
+
+
+def test_the_delay_can_be_zero(tmp_path):
+    """Followed down to tau = 0 the orbit becomes that of the equation without delay."""
+    text = ("model: van_der_pol\nmesh: {degree: 10, tol: 1e-12}\nsteps:\n  - {name: t, simulate: {t_end: 120}}\n"
+            "  - {name: o, orbit: {from: t}}\n  - {name: c, continue: {from: o, free: [tau], range: {tau: [0, 2]}, direction: down}}\n"
+            "  - {name: t0, set: {tau: 0}, simulate: {t_end: 120}}\n  - {name: o0, set: {tau: 0}, orbit: {from: t0}}\n")
+    results = run(text, tmp_path / "a.h5")
+    followed = results.step("c")
+    assert followed.points["period"][followed.row("EP1")] == pytest.approx(results.step("o0").points["period"][0], abs=1e-9)

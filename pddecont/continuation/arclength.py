@@ -60,6 +60,17 @@ def tangent(problem: Problem, x: Array, metric: Metric, towards: Array) -> Array
     return metric.unit(metric.scale * factor(scale_matrix(matrix, rows, np.ones(len(x)))).solve(rhs))
 
 
+def tangent_of(solution: Solution, metric: Metric, towards: Array) -> Array:
+    """Return the unit tangent at a corrected point from the factors of its last Newton step, at an acute angle to ``towards``.
+
+    Whatever row bordered the Jacobian, the solution for the last unit vector is the direction that the other rows leave free.
+    """
+    rhs = np.zeros(len(solution.x))
+    rhs[-1] = 1.0
+    direction = metric.unit(solution.solve(rhs))
+    return direction if metric.dot(direction, towards) > 0.0 else -direction
+
+
 def correct(problem: Problem, predicted: Array, direction: Array, metric: Metric, settings: NewtonSettings,
             guess: Array | None = None) -> Solution:  # fmt: skip
     """Return the branch's point in the hyperplane through ``predicted`` across ``direction``; Newton starts from ``guess``."""

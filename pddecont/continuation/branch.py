@@ -10,7 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.continuation.arclength import Metric, Problem, correct, correct_at, tangent
+from pddecont.continuation.arclength import Metric, Problem, correct, correct_at, tangent_of
 from pddecont.continuation.locate import MAX_MESHES, Located, locate
 from pddecont.continuation.newton import NewtonSettings
 from pddecont.errors import ConvergenceError
@@ -172,7 +172,8 @@ def follow(state: State, bounds: Sequence[tuple[int, float, float]], tests: Sequ
             emit(Point(at, test.kind, point.n_iterations))
             if test.stops:
                 return Termination(End.SPECIAL, test.kind)
-        direction = tangent(reached.problem, reached.x, metric, chord)
+        assert reached.solution is not None
+        direction = tangent_of(reached.solution, metric, chord)
         cosine = metric.dot(direction, chord) / length
         state = State(reached.problem, reached.x, direction, state.arclength + sign * length,
                       _next_step(step, reached.n_iterations, cosine, settings), state.n_points + 1)  # fmt: skip
@@ -211,7 +212,7 @@ def _step(state: State, step: float, settings: StepSettings) -> Located:
         if np.sqrt(metric.dot(moved, moved)) > settings.max_turn * step:
             raise ConvergenceError("the branch turns too sharply for this step", solution.history)
         if problem.suits(solution.x):
-            return Located(problem, solution.x, solution.n_iterations)
+            return Located(problem, solution.x, solution)
         problem, guess, (predicted, base) = problem.refit(solution.x, [predicted, base], solved=True)
     raise ConvergenceError("the mesh does not settle; raise 'mesh: {tol}' or the degree")
 
@@ -232,7 +233,7 @@ def _land(state: State, reached: Located, index: int, value: float, fraction: fl
         place = int(problem.outline_index()[index])
         solution = correct_at(problem, guess, place, value, problem.metric(), settings.newton)
         if problem.suits(solution.x):
-            return Located(problem, solution.x, solution.n_iterations)
+            return Located(problem, solution.x, solution)
         problem, guess, _ = problem.refit(solution.x, [], solved=True)
     raise ConvergenceError("the mesh does not settle; raise 'mesh: {tol}' or the degree")
 
@@ -261,7 +262,7 @@ def _specials(state: State, reached: Located, tests: Sequence[TestFunction], bef
               settings: StepSettings) -> list[tuple[TestFunction, Located, float]]:  # fmt: skip
     """Return the special points between ``state`` and ``reached`` with their fraction of the step, in order."""
     found = []
-    start = Located(state.problem, state.x, 0)
+    start = Located(state.problem, state.x)
     for test, f0, f1 in zip(tests, before, after, strict=True):
         if f0 * f1 < 0.0 or (f1 == 0.0 and f0 != 0.0):
             point = locate(test.value, start, reached, f0, f1, settings.newton)

@@ -11,7 +11,7 @@ import scipy.optimize
 from numpy.typing import NDArray
 
 from pddecont.continuation.arclength import bordered
-from pddecont.continuation.newton import NewtonSettings
+from pddecont.continuation.newton import NewtonSettings, Solution
 from pddecont.errors import ConvergenceError
 
 Array = NDArray[np.float64]
@@ -26,7 +26,12 @@ class Located:
 
     problem: Any
     x: Array
-    n_iterations: int
+    solution: Solution | None = None
+
+    @property
+    def n_iterations(self) -> int:
+        """Number of Newton steps that it took."""
+        return self.solution.n_iterations if self.solution else 0
 
 
 def locate(test: Callable[[Any, Array], float], a: Located, b: Located, fa: float, fb: float,
@@ -76,6 +81,6 @@ def _correct(problem: Any, guess: Array, outline_row: Array, level: float, setti
         row[problem.outline_index()] = outline_row
         solution = bordered(problem, row, level, guess, problem.metric(), settings)
         if problem.suits(solution.x):
-            return Located(problem, solution.x, solution.n_iterations)
+            return Located(problem, solution.x, solution)
         problem, guess, _ = problem.refit(solution.x, [], solved=True)
     raise ConvergenceError("the mesh does not settle")

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.continuation.linear import Matrix, factor, row_maxima, scale_matrix
+from pddecont.continuation.linear import Factors, Matrix, factor, row_maxima, scale_matrix
 from pddecont.errors import ConvergenceError
 
 Array = NDArray[np.float64]
@@ -30,10 +31,14 @@ class NewtonSettings:
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """Where Newton's method arrived; ``history`` holds the scaled residual before each iteration and at the end."""
+    """Where Newton's method arrived; ``history`` holds the scaled residual before each iteration and at the end.
+
+    ``solve(b)`` solves with the last Jacobian, which is that at ``x`` to within the last step.
+    """
 
     x: Array
     history: tuple[float, ...]
+    solve: Callable[[Array], Array]
 
     @property
     def n_iterations(self) -> int:
@@ -62,7 +67,8 @@ def newton(residual: Callable[[Array], Array], jacobian: Callable[[Array], Matri
         if not history:
             history.append(size)
         try:
-            step = factor(scale_matrix(matrix, rows, np.ones(len(x)))).solve(-rows * r)
+            factors = factor(scale_matrix(matrix, rows, np.ones(len(x))))
+            step = factors.solve(-rows * r)
         except ConvergenceError as exc:
             raise ConvergenceError(f"{exc} (residuals: {show(history)})", history) from exc
         damping = 1.0
@@ -81,9 +87,13 @@ def newton(residual: Callable[[Array], Array], jacobian: Callable[[Array], Matri
         x, r = trial, r_trial
         history.append(trial_size)
         if damping == 1.0 and _norm(step) < settings.step_tol and trial_size < settings.residual_tol:
-            return Solution(x, tuple(history))
+            return Solution(x, tuple(history), partial(_solve, factors, rows, scale))
     raise ConvergenceError(f"Newton's method did not converge in {settings.max_iterations} iterations "
                            f"(residuals: {show(history)})", history)  # fmt: skip
+
+
+def _solve(factors: Factors, rows: Array, scale: Array, b: Array) -> Array:
+    return scale * factors.solve(rows * b)
 
 
 def show(history: list[float]) -> str:

@@ -128,7 +128,9 @@ class Curve:
             problem = replace(problem, reference=problem.layout.split(x)[0])
         if self.rule is not None and self.rule.tol is not None:
             density = density_of(problem, x, self.rule)
-        return Curve(problem, self.sizes, self.rule, density)
+        curve = Curve(problem, self.sizes, self.rule, density)
+        curve._assembler.pattern = self._assembler.pattern
+        return curve
 
 
 MAX_MESHES = 8

@@ -152,11 +152,15 @@ def transfer(old: Mesh, old_theta: Array, values: Array, new: Mesh, new_theta: A
     return result
 
 
-def on_mesh(problem: OrbitProblem, x: Array, mesh: Mesh, theta: Array | None = None) -> tuple[OrbitProblem, Array]:
-    """Return the orbit ``x`` on another mesh (made for ``theta``), its own values as the reference of its phase."""
+def on_mesh(problem: OrbitProblem, x: Array, mesh: Mesh) -> tuple[OrbitProblem, Array]:
+    """Return the orbit ``x`` on another mesh, its own values as the reference of its phase."""
+    return moved_to(problem, x, problem.theta(x), mesh)
+
+
+def moved_to(problem: OrbitProblem, x: Array, old_theta: Array, mesh: Mesh) -> tuple[OrbitProblem, Array]:
+    """Return the same for an orbit whose present mesh holds at ``old_theta``: before its parameters were changed."""
     values, durations, start, free = problem.layout.split(x)
-    here = problem.theta(x)
-    moved = transfer(problem.mesh, here, values, mesh, here if theta is None else theta)
+    moved = transfer(problem.mesh, old_theta, values, mesh, problem.theta(x))
     new = replace(problem, mesh=mesh, reference=None if problem.reference is None else moved)
     return new, new.layout.join(moved, durations, start, free)
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from pddecont.errors import PddecontError, ResultsError
 from pddecont.orbit.guess import timers_of
-from pddecont.orbit.meshing import MeshRule, new_mesh, on_mesh
+from pddecont.orbit.meshing import MeshRule, fits, moved_to, new_mesh
 from pddecont.orbit.problem import OrbitProblem, eventless
 from pddecont.orbit.record import from_rows, mesh_from_row
 from pddecont.results.reader import Results, read_results
@@ -90,18 +90,19 @@ def orbit_at(context: Context, step: Step, source: Source) -> tuple[OrbitProblem
         raise ResultsError(f"{results.path} comes from another model: it has parameters {', '.join(names)} and states "
                            f"{', '.join(recorded.meta['states'])}")  # fmt: skip
     at_row = dict(zip(names, recorded.points["parameters"][row], strict=True))
-    p = plan.step_parameters(step, np.array([at_row[name] for name in plan.model.parameters]))
+    old_p = np.array([at_row[name] for name in plan.model.parameters])
     rows = recorded.orbit(row)
-    problem = OrbitProblem(
+    old = OrbitProblem(
         plan.numeric, segments_of(plan, rows["signature"].tobytes().decode()), mesh_from_row(rows["mesh"]),
-        plan.delay_method(step), p, (), int(recorded.points["n_periods"][row]), None,
+        plan.delay_method(step), old_p, (), int(recorded.points["n_periods"][row]), None,
         float(recorded.points["phase"][row]))  # fmt: skip
-    x = from_rows(problem, rows)
-    durations = problem.layout.split(x)[1]
-    problem = with_reference(replace(problem, timers=timers_of(plan.numeric, problem.segments, problem.parameters, durations)), x)
-    if recorded.meta["mesh_settings"] != mesh_settings(plan, step):
-        problem, x = on_mesh(problem, x, new_mesh(problem, problem.theta(x), context.rule_of(step)))
-    return problem, x
+    x = from_rows(old, rows)
+    durations = old.layout.split(x)[1]
+    old = with_reference(replace(old, timers=timers_of(plan.numeric, old.segments, old_p, durations)), x)
+    problem = replace(old, parameters=plan.step_parameters(step, old_p))
+    if recorded.meta["mesh_settings"] == mesh_settings(plan, step) and fits(problem, x):
+        return problem, x
+    return moved_to(problem, x, old.theta(x), new_mesh(problem, problem.theta(x), context.rule_of(step)))
 
 
 def mesh_settings(plan: Plan, step: Step) -> str:
