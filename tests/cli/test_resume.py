@@ -1,0 +1,69 @@
+"""A run of a delay equation on adaptive meshes, interrupted anywhere, goes on to the same numbers."""
+
+import numpy as np
+import pytest
+
+from pddecont.orbit.record import mesh_from_row
+from pddecont.results.reader import read_results
+from pddecont.steps import continuation
+from tests.cli.test_cli import QUICK, call
+
+DELAYED = (QUICK.replace("r: 0.8}", "r: 0.8, K: 0.2, tau: 0.7}").replace("- c*v - x}", "- c*v - x + K*(v(t - tau) - v)}")
+           .replace("mesh: {degree: 5, intervals: 14}", "mesh: {degree: 5, tol: 1e-7}")
+           .replace("free: [wall], range: {wall: [0.15, 0.3]}", "free: [tau], range: {tau: [0.3, 2.4]}"))  # fmt: skip
+SMOOTH = """\
+name: wright
+states: [x]
+parameters: {alpha: 2, tau: 1}
+modes: {growth: {x': -alpha*x(t - tau)*(1 + x)}}
+initial: {x: 0.1}
+run:
+  mesh: {degree: 5, tol: 1e-6}
+  steps:
+    - {name: transient, simulate: {t_end: 60}}
+    - {name: orbit, orbit: {from: transient}}
+    - {name: branch, continue: {from: orbit, free: [alpha], range: {alpha: [1.8, 2.4]}, step: {max: 0.05}}}
+"""
+TEXTS = {"delayed": DELAYED, "smooth": SMOOTH}
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("whole")
+    for name, text in TEXTS.items():
+        (folder / f"{name}.yaml").write_text(text)
+        code, _, err = call("run", folder / f"{name}.yaml", "-o", folder / f"{name}.h5", "-q")
+        assert code == 0, err
+    return {name: read_results(folder / f"{name}.h5").step("branch") for name in TEXTS}
+
+
+@pytest.mark.parametrize("name", TEXTS)
+@pytest.mark.parametrize("share", [0.05, 0.4, 0.9])
+def test_resume(whole, tmp_path, monkeypatch, name, share):
+    keep = max(1, int(share * len(whole[name])))
+    record, count = continuation._Branch.record, []
+
+    def stop(self, writer, point):
+        record(self, writer, point)
+        count.append(1)
+        if len(count) == keep:
+            raise KeyboardInterrupt
+
+    (tmp_path / "m.yaml").write_text(TEXTS[name])
+    with monkeypatch.context() as patch:
+        patch.setattr(continuation._Branch, "record", stop)
+        assert call("run", tmp_path / "m.yaml", "-o", tmp_path / "m.h5", "-q")[0] == 130
+    assert len(read_results(tmp_path / "m.h5").step("branch")) == keep
+    assert call("run", tmp_path / "m.yaml", "-o", tmp_path / "m.h5", "--resume", "-q")[0] == 0
+    resumed = read_results(tmp_path / "m.h5").step("branch")
+    for key, values in whole[name].points.items():
+        assert np.array_equal(values, resumed.points[key], equal_nan=values.dtype.kind == "f"), key
+    assert np.array_equal(whole[name].orbits["states"], resumed.orbits["states"])
+    assert whole[name].termination == resumed.termination
+
+
+def test_the_branch_crosses_breaking_points(whole):
+    step = whole["delayed"]
+    meshes = [mesh_from_row(step.orbit(i)["mesh"]) for i in range(len(step))]
+    orders = {tuple(tuple(piece.start) for piece in mesh.pieces) for mesh in meshes}
+    assert len(orders) > 2
