@@ -26,7 +26,6 @@ class End(Enum):
     STEP_TOO_SMALL = ("the step fell below 'step: {min}'; look at the last orbits for a grazing, a vanishing segment or a sharp "
                       "fold, refine 'mesh', or lower 'step: {min}'")  # fmt: skip
     SPECIAL = "stopped at a special point where the signature of the orbit changes"
-    CLOSED = "came back to its start"
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,6 @@ from pddecont.orbit.problem import OrbitProblem
 
 Array = NDArray[np.float64]
 SAFETY = 0.3
-WASTE = 1e-4
 MAX_INTERVALS = 5000
 BEYOND = 0.5
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -81,10 +80,6 @@ class OrbitProblem:
         problem = replace(self, parameters=parameters, free=free)
         values, durations, start, _ = self.layout.split(x)
         return problem, problem.layout.join(values, durations, start, parameters[list(problem.free_index)])
-
-    def named_parameters(self, x: Array) -> Mapping[str, float]:
-        """Return all parameter values by name."""
-        return dict(zip(self.numeric.model.parameters, map(float, self.all_parameters(x)), strict=True))
 
 
 @dataclass(frozen=True, eq=False)

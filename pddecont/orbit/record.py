@@ -13,8 +13,6 @@ from pddecont.orbit.problem import OrbitProblem
 
 Array = NDArray[np.float64]
 
-COLUMNS = ("time", "states", "segment", "unknowns", "tangent", "mesh", "signature")
-
 
 def to_rows(problem: OrbitProblem, x: Array, tangent: Array | None = None) -> dict[str, Array]:
     """Return the arrays that a results file keeps of the orbit ``x``.

@@ -16,8 +16,6 @@ from numpy.typing import NDArray
 from pddecont.errors import ResultsError, suggest
 from pddecont.results.layout import FORMAT_VERSION
 
-LABELLED = ("EP", "GR", "VS", "LP", "BP", "PD", "TR")
-
 
 @dataclass(frozen=True, eq=False)
 class Step:
