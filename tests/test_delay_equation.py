@@ -341,3 +341,23 @@ def test_the_delay_can_be_zero(tmp_path):
     results = run(text, tmp_path / "a.h5")
     followed = results.step("c")
     assert followed.points["period"][followed.row("EP1")] == pytest.approx(results.step("o0").points["period"][0], abs=1e-9)
+
+
+def test_a_reset_that_reads_a_delayed_state_never_reads_across_its_jump(tmp_path):
+    """x' = 1 - x, at x = 0.8 to q x(t - tau). While tau < T: x0 = q (1 - (1 - x0) exp(tau - T)), T = ln((1 - x0) / 0.2).
+
+    At tau = T the delayed value jumps, and the branch ends there instead of going on with a value from the wrong side.
+    """
+    text = ("name: m\nstates: [x]\nparameters: {tau: 0.5, q: 0.3}\nmodes: {m: {x': 1 - x}}\nevents: {hit: x - 0.8}\n"
+            "resets: {j: {x: q*x(t - tau)}}\nsegments: {s: {mode: m, event: hit, direction: rising, reset: j, to: m}}\n"
+            "initial: {x: 0.1}\nrun:\n  mesh: {degree: 8, tol: 1e-11}\n  monitors: {x0: min(x)}\n  steps:\n"
+            "    - {name: t, simulate: {t_end: 60}}\n    - {name: o, orbit: {from: t}}\n"
+            "    - {name: c, continue: {from: o, free: [tau], range: {tau: [0.1, 6]}}}\n")  # fmt: skip
+    execute(load_plan(parse_document(text, "m.yaml")), tmp_path / "a.h5")
+    step = read_results(tmp_path / "a.h5").step("c")
+    assert "across a jump" in step.termination[1] or "too sharply" in step.termination[1]
+    for (tau, q), T, (x0,) in zip(step.points["parameters"], step.points["period"], step.points["monitors"], strict=True):
+        assert tau < T
+        assert math.log((1 - x0) / 0.2) == pytest.approx(T, abs=1e-9)
+        assert q * (1 - (1 - x0) * math.exp(tau - T)) == pytest.approx(x0, abs=1e-9)
+    assert step.points["parameters"][:, 0].max() == pytest.approx(math.log(5), abs=1e-3)

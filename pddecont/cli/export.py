@@ -26,6 +26,8 @@ def command(file: str, step: str | None, name: str, label: str | None, index: in
     from pddecont.results.reader import read_results
     from pddecont.results.tables import table
 
+    if label is not None and index is not None:
+        raise click.UsageError("--label and --index exclude each other")
     results = read_results(file)
     if step is None:
         wanted = ("simulate",) if name in ("trajectory", "events") else ("orbit", "continue")

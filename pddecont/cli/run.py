@@ -15,7 +15,7 @@ from pddecont.cli.console import Progress, print_json, say
 @click.option("-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="Results file  [default: the input's name, .h5]")
 @click.option("--set", "assignments", multiple=True, metavar="NAME=VALUE", help="Set a parameter; may be repeated.")
 @click.option("--without", multiple=True, metavar="EFFECT", help="Leave an effect of the model out; may be repeated.")
-@click.option("--only", metavar="STEP", help="Do this step only (those it starts from are in the file already).")
+@click.option("--only", metavar="STEP", help="Do this step only; with --resume into a file that holds the steps it starts from.")
 @click.option("--until", metavar="STEP", help="Stop after this step.")
 @click.option("--resume", is_flag=True, help="Go on with an output that exists.")
 @click.option("--overwrite", is_flag=True, help="Replace an output that exists.")

@@ -18,6 +18,13 @@ from pddecont.errors import ConvergenceError
 Array = NDArray[np.float64]
 
 
+UNSETTLED = "the mesh does not settle: a delayed value is read across a jump of the state here, or 'mesh: {tol}' is too small"
+
+
+class Impossible(ConvergenceError):
+    """What comes next can be no point of the branch."""
+
+
 class End(Enum):
     """Why a branch ends, with advice."""
 
@@ -25,6 +32,7 @@ class End(Enum):
     MAX_POINTS = "reached 'max_points'; raise it, or 'step: {max}', to go on"
     STEP_TOO_SMALL = ("the step fell below 'step: {min}'; look at the last orbits for a grazing, a vanishing segment or a sharp "
                       "fold, refine 'mesh', or lower 'step: {min}'")  # fmt: skip
+    IMPOSSIBLE = "can go no further with this signature"
     SPECIAL = "stopped at a special point where the signature of the orbit changes"
 
 
@@ -148,7 +156,7 @@ def follow(state: State, bounds: Sequence[tuple[int, float, float]], tests: Sequ
         try:
             reached, step = _advance(state, settings)
         except ConvergenceError as exc:
-            return Termination(End.STEP_TOO_SMALL, str(exc))
+            return Termination(End.IMPOSSIBLE if isinstance(exc, Impossible) else End.STEP_TOO_SMALL, str(exc))
         crossed = _first_crossing(state.problem.outline(state.x), reached.problem.outline(reached.x), bounds)
         if crossed is not None:
             index, value, fraction = crossed
@@ -213,13 +221,13 @@ def _step(state: State, step: float, settings: StepSettings) -> Located:
         if problem.suits(solution.x):
             return Located(problem, solution.x, solution)
         problem, guess, (predicted, base) = problem.refit(solution.x, [predicted, base], solved=True)
-    raise ConvergenceError("the mesh does not settle; raise 'mesh: {tol}' or the degree")
+    raise ConvergenceError(UNSETTLED)
 
 
 def _refuse(problem: Any, x: Array) -> None:
     reason = problem.forbids(x)
     if reason:
-        raise ConvergenceError(reason)
+        raise Impossible(reason)
 
 
 def _land(state: State, reached: Located, index: int, value: float, fraction: float, settings: StepSettings) -> Located:
@@ -234,7 +242,7 @@ def _land(state: State, reached: Located, index: int, value: float, fraction: fl
         if problem.suits(solution.x):
             return Located(problem, solution.x, solution)
         problem, guess, _ = problem.refit(solution.x, [], solved=True)
-    raise ConvergenceError("the mesh does not settle; raise 'mesh: {tol}' or the degree")
+    raise ConvergenceError(UNSETTLED)
 
 
 def _next_step(step: float, n_iterations: int, cosine: float, settings: StepSettings) -> float:

@@ -222,7 +222,10 @@ class _Builder:
                 owner[name] = group
 
     def positive(self, path: KeyPath, text: str | float, what: str, *, zero: bool = False) -> sympy.Expr:
+        known = len(self.problems)
         expr = self.expression(path, text, self.parameter_scope)
+        if len(self.problems) > known:
+            return expr
         self.check_sign(path, expr, what, zero=zero)
         return expr
 

@@ -112,14 +112,25 @@ def fits(problem: OrbitProblem, x: Array) -> bool:
 
 
 def _reads_stay(problem: OrbitProblem, theta: Array) -> bool:
+    """Whether every delayed value is still read from the piece in which it lies at ``theta``, near the interval it was found in.
+
+    Collocation points of a mesh that does not track breaking points may pass an edge; a segment's end never may, since a state
+    may jump there.
+    """
     mesh = problem.mesh
     if mesh.anchor is None:
         return True
+    assert isinstance(problem.delay, Direct)
+    piece = np.repeat(np.arange(len(mesh.pieces)), [len(p.cuts) - 1 for p in mesh.pieces])
+    held = slice(0 if problem.delay.track else mesh.n_collocation, None)
     lengths, starts = mesh.length @ theta, mesh.start @ theta
     for k in range(len(theta) - mesh.n_segments):
         where = locate(mesh, mesh.anchor, mesh.n_segments + k, mesh.sites)
         sigma = (where.times @ theta - starts[where.interval]) / lengths[where.interval]
         if np.any(sigma < -BEYOND) or np.any(sigma > 1.0 + BEYOND):
+            return False
+        now = locate(mesh, theta, mesh.n_segments + k, mesh.sites)
+        if np.any(piece[now.interval[held]] != piece[where.interval[held]]) or np.any(now.wraps[held] != where.wraps[held]):
             return False
     return True
 

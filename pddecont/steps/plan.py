@@ -26,6 +26,7 @@ from pddecont.shipped.find import find
 from pddecont.steps.schema import Delay, Mesh, RunBlock, RunFile, Step
 
 Array = NDArray[np.float64]
+COLUMNS = {"index", "label", "kind", "period", "stable", "admissible", "error_estimate", "n_unknowns"}
 
 
 @dataclass(frozen=True)
@@ -150,6 +151,7 @@ class _Planner:
         numeric = NumericModel(self.model)
         parameters = self.parameters(numeric)
         self.check_delays(numeric, parameters)
+        self.check_period(numeric, parameters)
         self.check_monitors(numeric)
         for i, step in enumerate(self.run.steps):
             self.check_step(i, step)
@@ -192,10 +194,21 @@ class _Planner:
             if not value >= 0:
                 self.complain(("set",), f"the delay {delay} is {value:g} with these parameters; a delay is positive or zero")
 
+    def check_period(self, numeric: NumericModel, parameters: Array) -> None:
+        if not self.model.forced:
+            return
+        with np.errstate(all="ignore"):
+            period = float(numeric.period.value(parameters)[0])
+        if not 0 < period < np.inf:
+            self.complain(("set",), f"the forcing period is {period:g} with these parameters; expected a positive number")
+
     def check_monitors(self, numeric: NumericModel) -> None:
         from pddecont.orbit.monitors import parse_monitor
 
         for name, text in self.run.monitors.items():
+            if name in COLUMNS or name in self.whole.parameters:
+                what = "a parameter" if name in self.whole.parameters else "a column of every table"
+                self.complain(("monitors", name), f"'{name}' is {what} already; give the monitor another name", key=True)
             try:
                 parse_monitor(numeric, name, text)
             except ExpressionError as exc:

@@ -33,7 +33,7 @@ def execute(plan: Plan, path: Path, reporter: Reporter | None = None, *, resume:
         If a step fails; what was computed before it stays in the file.
     """
     steps = chosen_steps(plan, only, until)
-    if path.exists() and (resume or only) and not overwrite:
+    if path.exists() and resume:
         check_same(plan, path)
     else:
         create(path, plan.model_text, plan.run_text, plan.source, json.dumps(versions()), overwrite=overwrite)

@@ -87,6 +87,13 @@ def test_an_output_that_exists_is_not_touched(done):
     assert (folder / "quick.h5").read_bytes() == before
 
 
+def test_a_single_step_does_not_touch_an_existing_output_either(done):
+    folder, _ = done
+    before = (folder / "quick.h5").read_bytes()
+    assert call("run", folder / "quick.yaml", "-o", folder / "quick.h5", "--only", "orbit")[0] == 1
+    assert (folder / "quick.h5").read_bytes() == before
+
+
 def test_resume_of_a_finished_run_changes_nothing(done):
     folder, _ = done
     before = read_results(folder / "quick.h5").step("branch").points["parameters"]
@@ -206,6 +213,9 @@ def test_info(done):
     ("intervals: 14", "intervals: many", "11:32", "expected a whole number, found text"),
     ("simulate:", "simulat:", "14:25", "did you mean 'simulate'"),
     ("t_end: 60*pi", "t_end: -1", "14:43", "expected a positive time"),
+    ("top: max(x)", "period: max(x)", "12:14", "'period' is a column of every table already"),
+    ("top: max(x)", "wall: max(x)", "12:14", "'wall' is a parameter already"),
+    ("  mesh: {degree", "  set: {omega: 0}\n  mesh: {degree", "11:8", "the forcing period is inf"),
     ("t_end: 60*pi", "t_end: 60*tau", "14:46", "'tau' is not defined"),
 ])  # fmt: skip
 def test_check_reports_run_errors_with_their_place(in_folder, old, new, place, words):
@@ -226,6 +236,7 @@ def test_check_accepts_good_files_and_finds_shipped_ones(in_folder):
 @pytest.mark.parametrize(("args", "code"), [
     (["run"], 2), (["run", "nothing.yaml"], 1), (["frobnicate"], 2), (["run", "m.yaml", "--set", "wall"], 2),
     (["run", "m.yaml", "--set", "wal=1"], 1), (["run", "m.yaml", "--set", "wall=__import__('os')"], 1),
+    (["export", "m.h5", "--label", "GR1", "--index", "2"], 2),
     (["run", "m.yaml", "--without", "air"], 1), (["run", "m.yaml", "--only", "brnch"], 1), (["info", "none.h5"], 1), (["--help"], 0),
 ])  # fmt: skip
 def test_exit_codes(in_folder, args, code):
