@@ -61,4 +61,15 @@ def test_fig4_7(tmp_path):
 
 @pytest.mark.parametrize("path", CONFIGS, ids=lambda p: p.stem)
 def test_every_run_file_is_in_order(path):
-    load_plan(parse_document(path.read_text(), str(path)))
+    plan = load_plan(parse_document(path.read_text(), str(path)))
+    assert plan.warnings == ()
+    assert [s.kind for s in plan.run.steps] == ["simulate", "orbit", "continue"]
+
+
+@pytest.mark.parametrize(("name", "parameter", "expected"), [
+    ("fig4_6_delay_equation", "tau_d", [3.2164416411, 4.6951888028]), ("fig4_7_delay_equation", "K", [0.1767089518]),
+])  # fmt: skip
+def test_the_figures_for_the_delay_equation(tmp_path, name, parameter, expected):
+    """The table in docs/paper.md; tests/test_delay_equation.py finds the same numbers on other meshes."""
+    found, _ = grazings(ROOT / f"configs/{name}.yaml", name, parameter, tmp_path)
+    assert found == pytest.approx(expected, abs=1e-9)

@@ -59,8 +59,7 @@ def test_no_module_imports_itself_in_a_circle():
     done, path = set(), []
 
     def visit(name):
-        if name in path:
-            raise AssertionError(" -> ".join([*path[path.index(name):], name]))
+        assert name not in path, " -> ".join([*path[path.index(name):], name])
         if name not in done:
             path.append(name)
             for other in graph[name]:

@@ -77,7 +77,6 @@ def _extrema(profile: Profile) -> Iterator[Extremum]:
     to_power = np.linalg.inv(np.vander(basis.base, increasing=True))
     to_power_slope = (np.diag(np.arange(1.0, profile.degree + 1), 1)[:-1] @ to_power)
     for j, values in enumerate(profile.values):
-        # A slope without a change of sign among many points has no root inside but for a rounding-wide pair.
         yield from _inside(profile, j, values, to_power_slope @ values)
         last = j + 1 == len(profile.values) or profile.segment[j + 1] != profile.segment[j]
         if not last and slopes[j, -1] * slopes[j + 1, 0] < 0.0:

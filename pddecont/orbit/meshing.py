@@ -57,7 +57,7 @@ def new_mesh(problem: OrbitProblem, theta: Array, rule: MeshRule, density: Densi
         # First try: a piece gets intervals in proportion to its length, enough to see the orbit's shape.
         cuts = equal_cuts(share_intervals(lengths, max(12, len(pieces))))
     else:
-        cuts = [density.cuts(s, a, b) for (s, _, _), a, b in zip(pieces, starts @ theta, ends @ theta, strict=True)]
+        cuts = [density.cuts(a, b) for a, b in zip(starts @ theta, ends @ theta, strict=True)]
     made = tuple(Piece(s, a, b, c) for (s, _, _), a, b, c in zip(pieces, starts, ends, cuts, strict=True))
     return Mesh(rule.degree, len(problem.segments), made, theta.copy())
 
@@ -69,7 +69,7 @@ class Density:
     edges: Array
     heights: Array
 
-    def cuts(self, segment: int, start: float, end: float) -> Array:
+    def cuts(self, start: float, end: float) -> Array:
         """Return the cuts of a piece from ``start`` to ``end``, as fractions."""
         inside = (self.edges > start) & (self.edges < end)
         grid = np.concatenate([[start], self.edges[inside], [end]])

@@ -140,11 +140,11 @@ class _Integration:
             if segment is not None or t >= self.t_end:
                 return t, y, segment
             stop = self.next_stop(t)
+            self.delays.begin(t)
             try:
                 solver = scipy.integrate.DOP853(rhs, t, y, stop, rtol=self.tolerances.rtol, atol=self.tolerances.atol,
                                                 max_step=self.delays.max_step,
                                                 first_step=None if previous_step is None else min(previous_step, stop - t))  # fmt: skip
-                self.delays.begin(t)
                 while solver.status == "running":
                     message = solver.step()
                     if solver.status == "failed":
@@ -153,18 +153,14 @@ class _Integration:
                         raise ConvergenceError(f"the solution is no longer finite near t = {solver.t_old:.10g} in mode '{mode}'; "
                                                "it grows without bound there")  # fmt: skip
                     dense = solver.dense_output()
-                    step = Step(solver.t_old, solver.t, dense.y_old[: self.n], dense.F[:, : self.n])
-                    self.trajectory.n_steps += 1
                     hit = self.first_event(watched, level, solver.t_old, solver.t, dense)
-                    if hit is not None:
-                        time, segment = hit
-                        y_hit = dense(time)
-                        cut = Step(step.t0, step.t1, step.y0, step.coefficients)
-                        arc.steps.append(cut)
-                        self.delays.record(cut)
-                        return time, y_hit, segment
+                    end = solver.t if hit is None else hit[0]
+                    step = Step(solver.t_old, solver.t, dense.y_old[: self.n], dense.F[:, : self.n], end)
+                    self.trajectory.n_steps += 1
                     arc.steps.append(step)
                     self.delays.record(step)
+                    if hit is not None:
+                        return end, dense(end), hit[1]
                     previous_step = solver.step_size
                     if progress:
                         progress(solver.t)

@@ -16,6 +16,8 @@ Array = NDArray[np.float64]
 class Step:
     """One integration step's continuous extension (DOP853's, degree 7) for the model's states.
 
+    It spans ``t0`` to ``t1`` and is part of the trajectory up to ``end``, which comes before ``t1`` where an event cuts the step.
+
     Reference: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993), section II.6.
     """
 
@@ -23,6 +25,7 @@ class Step:
     t1: float
     y0: Array
     coefficients: Array
+    end: float
 
     def __call__(self, t: float) -> Array:
         """Return the states at ``t``, shape (n_states,)."""
@@ -88,7 +91,7 @@ class Trajectory:
     @property
     def t_end(self) -> float:
         """Time at which the trajectory ends."""
-        return self.arcs[-1].steps[-1].t1 if self.arcs[-1].steps else self.events[-1].t
+        return self.arcs[-1].steps[-1].end if self.arcs[-1].steps else self.events[-1].t
 
     def arc_at(self, t: float) -> Arc:
         """Return the arc that runs at ``t``; at an event the one that begins there."""
@@ -104,7 +107,7 @@ class Trajectory:
         for arc in self.arcs:
             for i, step in enumerate(arc.steps):
                 first = 0 if i == 0 else 1
-                for t in np.linspace(step.t0, step.t1, per_step + 1)[first:]:
+                for t in np.linspace(step.t0, step.end, per_step + 1)[first:]:
                     times.append(t)
                     states.append(step(t))
                     modes.append(arc.mode)

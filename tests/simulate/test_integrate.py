@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from pddecont.delay.chain import Chain
+from pddecont.delay.direct import Direct
 from pddecont.errors import ConvergenceError, SignatureError
 from pddecont.model.codegen import NumericModel
 from pddecont.model.system import load_model
@@ -111,3 +112,29 @@ def test_initial_states_and_mode_can_be_given():
     trajectory = simulate(numeric, numeric.parameter_values, ANY, 1.0, initial=[3.0], mode="down")
     assert trajectory(1.0)[0] == pytest.approx(1.0)
     assert np.all([arc.mode == "down" for arc in trajectory.arcs])
+
+
+def test_a_recorded_trajectory_never_passes_its_events():
+    numeric = NumericModel(load_model(str(ROOT / "models" / "wall_oscillator.yaml"))[0])
+    trajectory = simulate(numeric, numeric.parameter_values, ANY, 20 * math.pi)
+    times, states, _ = trajectory.sampled()
+    assert np.all(np.diff(times) >= 0)
+    assert np.max(states[:, 0]) <= 0.2 + 1e-9
+
+
+def test_steps_that_begin_at_a_breaking_point_read_the_side_they_come_from():
+    """Bolus: u1' = -1.5 u1, u2' = 1.5 u1(t - 10) - u2/30, u1 += 20 at t = 12, u(0) = (10, 0), no history: closed form by convolution."""
+    numeric = numeric_from("name: bolus\nstates: [u1, u2, clock]\nparameters: {tau: 10}\n"
+                           "modes: {m: {u1': -1.5*u1, u2': 1.5*u1(t - tau) - u2/30, clock': 1}}\nevents: {dose: clock - 12}\n"
+                           "resets: {add: {u1: u1 + 20}}\n"
+                           "segments: {s: {mode: m, event: dose, direction: rising, reset: add, to: m}}\n")  # fmt: skip
+    trajectory = simulate(numeric, numeric.parameter_values, Direct(), 24.0, TIGHT, initial=[10.0, 0.0, 0.0])
+    a, b = 1.5, 1 / 30
+
+    def part(dose, at):
+        return dose * a / (a - b) * (math.exp(-b * (24 - at - 10)) - math.exp(-a * (24 - at - 10)))
+
+    assert trajectory(24.0)[1] == pytest.approx(part(10, 0) + part(20, 12), abs=1e-10)
+    assert trajectory(24.0)[1] == pytest.approx(24.5304093870, abs=1e-9)
+    # No step is wasted at the breaking points at t = 10 and 22.
+    assert trajectory.n_steps < 250
