@@ -48,7 +48,7 @@ class Direct:
             moves = (reads.times - mesh.start[j] - sigma[:, None] * mesh.length[j])[:, which] / lengths[:, None]
             return slopes[:, :, None] * moves[:, None, :]
 
-        return DelayOperator(LocalWeights(columns, weights, reads.wraps), theta_derivative)
+        return DelayOperator(LocalWeights(columns, weights, j, sigma, reads.wraps), theta_derivative)
 
 
 @dataclass(frozen=True, eq=False)

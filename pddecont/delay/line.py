@@ -36,10 +36,12 @@ class LineOnMesh:
     """A line collocated on a mesh: matrices from input at the collocation points to output, and their derivatives.
 
     Each interval is condensed to its first base point: all its base values are A_j y_j + B_j r_j for the line's states y_j at its
-    left edge and any right-hand side r_j; the left edges then obey a periodic system over the intervals.
+    left edge and any right-hand side r_j; the left edges then obey a system over the intervals, ``periodic`` or one that starts
+    from given states.
     """
 
-    def __init__(self, line: Line, mesh: Mesh, theta: Array, tau_index: int, n_steps: int, places: Places):
+    def __init__(self, line: Line, mesh: Mesh, theta: Array, tau_index: int, n_steps: int, places: Places, *, periodic: bool = True):
+        self.periodic = periodic
         self.line, self.mesh, self.theta, self.tau_index, self.places = line, mesh, theta, tau_index, places
         size, n = len(line.mass), mesh.n_intervals
         self.size = size
@@ -50,8 +52,8 @@ class LineOnMesh:
         # Left edges: y_{j+1} - a_j y_j = b_j, round the period. Solved as one system: forward recursion would let growing
         # solutions (a chain of order 5 or more has them) drown the answer.
         ring = np.eye(n * size).reshape(n, size, n, size)
-        here = np.arange(n)
-        ring[(here + 1) % n, :, here, :] -= self.from_start[:, -size:]
+        here = np.arange(n if periodic else n - 1)
+        ring[(here + 1) % n, :, here, :] -= self.from_start[here, -size:]
         self.ring = np.linalg.inv(ring.reshape(n * size, n * size))
         inputs = np.zeros((n, mesh.degree, size, n, mesh.degree))
         nodes = np.arange(mesh.degree)
@@ -61,14 +63,17 @@ class LineOnMesh:
         self.to_nodes = self.at_nodes(self.response)
         self.to_places = self.at_places(self.response)
 
-    def solve(self, rhs: Array) -> Array:
+    def solve(self, rhs: Array, start: Array | None = None) -> Array:
         """Return the line's states for right-hand sides (n_intervals, degree * size, columns).
 
-        The result has shape (n_intervals, degree + 1, size, columns): base points, states.
+        The result has shape (n_intervals, degree + 1, size, columns): base points, states. A line that is not periodic starts at
+        ``start`` (size, columns), or at zero.
         """
         mesh, size = self.mesh, self.size
         particular = self.from_rhs @ rhs
         jump = np.roll(particular[:, -size:], 1, axis=0)
+        if not self.periodic:
+            jump[0] = 0.0 if start is None else start
         starts = (self.ring @ jump.reshape(-1, rhs.shape[-1])).reshape(jump.shape)
         result = np.empty((mesh.n_intervals, mesh.degree + 1, size, rhs.shape[-1]))
         result[:, 0] = starts
@@ -94,27 +99,27 @@ class LineOnMesh:
         Differentiating the collocated line in rho leaves the same operator with mass_k D y_k / rho on the right. The result has
         shape (n_intervals, degree + 1, size, columns).
         """
-        return self.solve(self._moved(self.response @ inputs, self._relative(component)))
+        return self.solve(self.moved(self.response @ inputs, self.relative(component)))
 
     def derivative_factors(self, component: int) -> tuple[Array, Array]:
         """Return U (n_collocation, r) and F (r, n_collocation) with d(output at the nodes) / d(component) = U F.
 
         r counts the equations in the mesh intervals whose length the component moves.
         """
-        relative = self._relative(component)
+        relative = self.relative(component)
         moving = np.flatnonzero(relative)
-        F = self._moved(self.response[moving], relative[moving])
+        F = self.moved(self.response[moving], relative[moving])
         rank = F.shape[0] * F.shape[1]
         unit = np.zeros((self.mesh.n_intervals, F.shape[1], rank))
         unit[moving] = np.eye(rank).reshape(len(moving), F.shape[1], rank)
         return self.at_nodes(self.solve(unit)), F.reshape(rank, -1)
 
-    def _relative(self, component: int) -> Array:
+    def relative(self, component: int) -> Array:
         """Return d(log rho) / d(component) of each interval."""
         relative = self.mesh.length[:, component] / (self.mesh.length @ self.theta)
         return relative - 1.0 / self.theta[component] if component == self.tau_index else relative
 
-    def _moved(self, states: Array, relative: Array) -> Array:
+    def moved(self, states: Array, relative: Array) -> Array:
         """Return relative * mass_k D y_k for states (intervals, degree + 1, size, columns), shape (intervals, degree * size, columns)."""
         slopes = np.tensordot(states, self.mesh.basis.slopes, (1, 1))  # (interval, state, column, node)
         slopes *= self.line.mass[:, None, None] * relative[:, None, None, None]
@@ -149,4 +154,4 @@ def no_delay(mesh: Mesh, theta: Array, tau_index: int, places: Places) -> DelayO
         slope = np.einsum("pb,pbq->pq", local @ mesh.basis.differentiate, values[columns]) / lengths[:, None]
         return np.stack([-slope * (component == tau_index) for component in which], axis=-1)
 
-    return DelayOperator(LocalWeights(columns, local, np.zeros(len(places), dtype=np.intp)), theta_derivative)
+    return DelayOperator(LocalWeights(columns, local, places.interval, places.sigma, np.zeros(len(places), dtype=np.intp)), theta_derivative)

@@ -22,12 +22,14 @@ Array = NDArray[np.float64]
 class LocalWeights:
     """A sparse operator that reads each delayed value from one mesh interval.
 
-    ``columns`` (n_places, degree + 1) are base points, ``weights`` of the same shape their weights, ``wraps`` (n_places,) how
-    many periods back the read lies.
+    ``columns`` (n_places, degree + 1) are base points, ``weights`` of the same shape their weights. The read lies at ``sigma`` of
+    mesh ``interval``, ``wraps`` periods back; all of shape (n_places,).
     """
 
     columns: NDArray[np.intp]
     weights: Array
+    interval: NDArray[np.intp]
+    sigma: Array
     wraps: NDArray[np.intp]
 
     def apply(self, values: Array) -> Array:

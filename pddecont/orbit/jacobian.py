@@ -14,6 +14,7 @@ returned sparse in the first case and dense in the second.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -78,7 +79,7 @@ class Assembler:
         """Return d residual / d x, shape (n_equations, n_unknowns); ``sites`` if the orbit has been read already."""
         problem = self.problem
         sites = sites or read(problem, x, problem.mesh.sites)
-        blocks = _Blocks(problem, self.rows, sites)
+        blocks = Blocks(problem, self.rows, sites)
         triplets = blocks.assemble()
         shape = (self.rows.size, problem.layout.size)
         if blocks.dense:
@@ -94,8 +95,13 @@ class Assembler:
         return self.pattern.fill(triplets.values)
 
 
-class _Blocks:
-    """Collects the entries of one Jacobian."""
+class Blocks:
+    """Collects the entries of one Jacobian.
+
+    ``times`` (n_sites, n_moving) and ``lengths`` (n_intervals, n_moving) say how sites and mesh intervals move with the durations
+    and the delays that move, ``xd_moving`` (n_delayed, n_sites, n_moving) how the delayed values do; the first of these columns
+    belong to the unknowns ``duration_columns``, the rest to the free parameters through ``to_free``.
+    """
 
     def __init__(self, problem: OrbitProblem, rows: Rows, sites: Reads):
         self.problem, self.equations, self.sites = problem, rows, sites
@@ -106,14 +112,24 @@ class _Blocks:
         # Unknown part of theta: durations are unknowns themselves, delays move with free parameters.
         self.delay_slopes = self.numeric.delays.derivatives(sites.p, problem.free_index)
         moving = np.flatnonzero(np.any(self.delay_slopes != 0.0, axis=1))
-        self.which = [*range(self.mesh.n_segments), *(self.mesh.n_segments + k for k in moving)]
         self.to_free = self.delay_slopes[moving]
+        self.move([*range(self.mesh.n_segments), *(self.mesh.n_segments + k for k in moving)])
+
+    def move(self, which: Sequence[int]) -> None:
+        """Find how times and delayed values move with the components ``which`` of theta."""
+        self.duration_columns = np.arange(self.layout.durations.start, self.layout.durations.stop)
+        self.times, self.lengths = self.mesh.site_times[:, which], self.mesh.length[:, which]
+        self.xd_moving = self.delayed_slopes(which)
+
+    def delayed_slopes(self, which: Sequence[int]) -> Array:
+        """Return the derivatives of the delayed values in components of theta, shape (n_delayed, n_sites, len(which))."""
         delayed = self.numeric.model.delayed
-        self.xd_theta = np.zeros((len(delayed), self.mesh.n_sites, len(self.which)))
-        for k, operator in enumerate(sites.operators):
+        slopes = np.zeros((len(delayed), self.mesh.n_sites, len(which)))
+        for k, operator in enumerate(self.sites.operators):
             reads = [i for i, (_, delay) in enumerate(delayed) if delay == k]
             states = [delayed[i][0] for i in reads]
-            self.xd_theta[reads] = np.moveaxis(operator.theta_derivative(sites.values[:, states], self.which), 1, 0)
+            slopes[reads] = np.moveaxis(operator.theta_derivative(self.sites.values[:, states], which), 1, 0)
+        return slopes
 
     def add(self, rows: Ints | int, columns: Ints | int, values: Array) -> None:
         r, c, v = np.broadcast_arrays(np.asarray(rows), np.asarray(columns), values)
@@ -129,19 +145,17 @@ class _Blocks:
         """Add the columns of durations, start and free parameters for ``factor`` * function at ``points``.
 
         ``rows`` (n_out, n_points) are the equations, ``factor`` (n_points,) multiplies the function, ``extra`` (n_points,
-        n_theta) is the factor's own derivative in theta.
+        n_moving) is the factor's own derivative.
         """
-        S, layout = self.mesh.n_segments, self.layout
-        times = self.mesh.site_times[points][:, self.which]
-        slope = d.dt[:, :, None] * times + np.einsum("oqc,qcr->ocr", d.dxd, self.xd_theta[:, points])
-        slope = factor[:, None] * slope + d.value[:, :, None] * extra[:, self.which]
-        columns = np.arange(layout.durations.start, layout.durations.stop)
-        self.add(rows[:, :, None], columns, slope[:, :, :S])
+        layout, n_durations = self.layout, len(self.duration_columns)
+        slope = d.dt[:, :, None] * self.times[points] + np.einsum("oqc,qcr->ocr", d.dxd, self.xd_moving[:, points])
+        slope = factor[:, None] * slope + d.value[:, :, None] * extra
+        self.add(rows[:, :, None], self.duration_columns, slope[:, :, :n_durations])
         if layout.forced:
             self.add(rows, layout.start.start, factor * d.dt)
         if layout.n_free:
             columns = np.arange(layout.free.start, layout.free.stop)
-            at_free = factor[:, None] * np.moveaxis(d.dp, 1, 2) + slope[:, :, S:] @ self.to_free
+            at_free = factor[:, None] * np.moveaxis(d.dp, 1, 2) + slope[:, :, n_durations:] @ self.to_free
             self.add(rows[:, :, None], columns, at_free)
 
     def reads(self, rows: Ints, points: Ints, dxd: Array) -> None:
@@ -154,8 +168,12 @@ class _Blocks:
                 if isinstance(weights, FullWeights):
                     self.dense.append((rows[i], state, dxd[i, q][:, None] * weights.weights[points]))
                 elif isinstance(weights, LocalWeights):
-                    columns = self.layout.value_index[weights.columns[points], state]
+                    columns = self.read_columns(weights, points, state)
                     self.add(rows[i][:, None], columns, dxd[i, q][:, None] * weights.weights[points])
+
+    def read_columns(self, weights: LocalWeights, points: Ints, state: int) -> Ints:
+        """Return the unknowns that are read at ``points``, shape (n_points, degree + 1)."""
+        return self.layout.value_index[weights.columns[points], state]
 
     def collocation(self) -> None:
         mesh, n = self.mesh, self.n
@@ -164,7 +182,7 @@ class _Blocks:
         row_blocks = all_rows.reshape(mesh.n_intervals, mesh.degree, n)
         self.add(row_blocks[:, :, None, :], columns[:, None, :, :], mesh.basis.slopes[None, :, :, None])
         h = np.repeat(self.sites.h, mesh.degree)
-        h_theta = np.repeat(mesh.length, mesh.degree, axis=0)
+        h_moving = np.repeat(self.lengths, mesh.degree, axis=0)
         for mode, points in mode_sites(self.problem):
             s = self.sites
             d = self.numeric.mode(mode).derivatives(s.t[points], s.x[:, points], s.xd[:, points], s.p, self.problem.free_index)
@@ -175,7 +193,7 @@ class _Blocks:
                 block = (-h[points] * d.dx[i, k])[:, None] * mesh.basis.values[node]
                 self.add(rows[i][:, None], columns[interval, :, k], block)
             self.reads(rows, points, -h[points] * d.dxd)
-            self.others(rows, points, d, -h[points], -h_theta[points])
+            self.others(rows, points, d, -h[points], -h_moving[points])
 
     def ends(self) -> None:
         mesh, n = self.mesh, self.n
@@ -185,35 +203,47 @@ class _Blocks:
             point = np.array([mesh.n_collocation + s])
             end = self.layout.value_index[mesh.last_base[s]]
             rows = (self.equations.resets + s * n + np.arange(n))[:, None]
-            start = self.layout.value_index[mesh.first_base[(s + 1) % mesh.n_segments]]
-            self.add(rows[:, 0], start, np.ones(n))
+            self.add(rows[:, 0], self.after(s), np.ones(n))
             d = self.numeric.reset(segment.reset).derivatives(*at_end, self.problem.free_index)
             self.condition(rows, point, end, d, -1.0)
             row = np.array([[self.equations.events + s]])
             if s in timed:
-                durations = np.arange(self.layout.durations.start, self.layout.durations.stop)
-                self.add(row, durations, timer_weights(self.problem, s, *timed[s]))
-                if self.layout.n_free:
-                    slope = self.numeric.event_delay(segment.event).derivatives(self.sites.p, self.problem.free_index)[0]
-                    self.add(row, np.arange(self.layout.free.start, self.layout.free.stop), -slope)
+                self.timer(row, s, *timed[s])
             elif segment.event:
                 self.condition(row, point, end, self.numeric.event(segment.event).derivatives(*at_end, self.problem.free_index), 1.0)
-            elif self.layout.forced:
-                self.add(row, self.layout.start.start, np.ones(1))
             else:
-                self.add(row, np.arange(self.layout.values.stop), phase_weights(self.problem))
+                self.phase(row)
+
+    def after(self, s: int) -> Ints:
+        """Return the unknowns that hold the state after the reset at the end of segment ``s``, shape (n_states,)."""
+        return self.layout.value_index[self.mesh.first_base[(s + 1) % self.mesh.n_segments]]
+
+    def timer(self, row: Ints, s: int, source: int, wraps: int) -> None:
+        """Add the equation of a delayed event at the end of segment ``s``."""
+        self.add(row, self.duration_columns, timer_weights(self.problem, s, source, wraps))
+        if self.layout.n_free:
+            delay = self.numeric.event_delay(self.problem.segments[s].event)
+            slope = delay.derivatives(self.sites.p, self.problem.free_index)[0]
+            self.add(row, np.arange(self.layout.free.start, self.layout.free.stop), -slope)
+
+    def phase(self, row: Ints) -> None:
+        """Add the phase condition of an orbit without events."""
+        if self.layout.forced:
+            self.add(row, self.layout.start.start, np.ones(1))
+        else:
+            self.add(row, np.arange(self.layout.values.stop), phase_weights(self.problem))
 
     def condition(self, rows: Ints, point: Ints, end: Ints, d: Derivatives, sign: float) -> None:
         """Add ``sign`` times a function of a segment's end."""
         self.add(rows, end, sign * d.dx[:, :, 0])
         self.reads(rows, point, sign * d.dxd)
-        self.others(rows, point, d, np.full(1, sign), np.zeros((1, self.mesh.length.shape[1])))
+        self.others(rows, point, d, np.full(1, sign), np.zeros((1, self.times.shape[1])))
 
     def period(self) -> None:
         if not self.layout.forced:
             return
         row, layout = self.equations.period, self.layout
-        self.add(row, np.arange(layout.durations.start, layout.durations.stop), np.ones(self.mesh.n_segments))
+        self.add(row, self.duration_columns, np.ones(self.mesh.n_segments))
         if layout.n_free:
             slope = self.numeric.period.derivatives(self.sites.p, self.problem.free_index)[0]
             self.add(row, np.arange(layout.free.start, layout.free.stop), -self.problem.n_periods * slope)

@@ -1,0 +1,1 @@
+"""Floquet multipliers of periodic orbits (design section 5.3)."""

@@ -1,0 +1,104 @@
+"""The leading Floquet multipliers of a periodic orbit.
+
+They are the eigenvalues of the map from one history to the next (``stability.period``): all of them for a small history, the
+largest by Arnoldi's method for a large one. An autonomous orbit without events has the multiplier 1 of its own flow; it is told
+from the others as the nearest to 1, and its distance to 1 measures the error. An orbit with events starts at one, which takes the
+flow's direction out.
+
+References: Lust, Int. J. Bif. Chaos 11 (2001); Szalai, Stepan, Hogan, SIAM J. Sci. Comput. 28 (2006).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+import scipy.sparse.linalg
+from numpy.typing import NDArray
+
+from pddecont.orbit.problem import OrbitProblem
+from pddecont.stability.period import linearise
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+SMALL = 1e-3
+AT_MOST = 12
+DENSE = 160
+TRIVIAL_ERROR = 1e-4
+
+
+@dataclass(frozen=True, eq=False)
+class Multipliers:
+    """Multipliers in order of falling modulus.
+
+    ``values`` holds all of them; ``own`` leaves out the trivial one of an autonomous orbit, whose distance to 1 is ``trivial_error``
+    (NaN where there is none).
+    """
+
+    values: Complex
+    own: Complex
+    trivial_error: float = float("nan")
+
+    @property
+    def n_unstable(self) -> int:
+        """Number of multipliers outside the unit circle, the trivial one left out."""
+        return int(np.sum(np.abs(self.own) > 1.0))
+
+    @property
+    def stable(self) -> bool:
+        """Whether all but the trivial one lie inside the unit circle."""
+        return self.n_unstable == 0
+
+
+def multipliers(problem: OrbitProblem, x: Array, n: int | None = None) -> Multipliers:
+    """Return the ``n`` leading multipliers of the orbit ``x`` (None: those of modulus above ``SMALL``, at most ``AT_MOST``)."""
+    period = linearise(problem, x)
+    size = period.size
+    wanted = AT_MOST if n is None else n
+    if size <= max(DENSE, wanted + 2):
+        values = scipy.linalg.eigvals(period.matrix()) if size else np.zeros(0, dtype=complex)
+    else:
+        operator = scipy.sparse.linalg.LinearOperator((size, size), matvec=lambda y: period.step(np.ravel(y))[1], dtype=float)
+        values = _arnoldi(operator, wanted)
+    values = _in_order(values)
+    trivial = not problem.numeric.model.forced and not problem.segments[0].event
+    kept = values[:wanted]
+    if n is None:
+        kept = kept[: max(1, int(np.sum(np.abs(kept) >= SMALL)))]
+    if len(kept) and len(values) > len(kept) and abs(kept[-1].imag) > 0.0 and values[len(kept)] == np.conj(kept[-1]):
+        kept = values[: len(kept) + 1]
+    if not trivial:
+        return Multipliers(kept, kept)
+    return _without_trivial(kept)
+
+
+def _arnoldi(operator: scipy.sparse.linalg.LinearOperator, n: int) -> Complex:
+    size = operator.shape[0]
+    start = np.random.default_rng(1).standard_normal(size)
+    n_vectors = min(size - 1, max(3 * n, 40))
+    try:
+        return scipy.sparse.linalg.eigs(operator, k=n, ncv=n_vectors, v0=start, tol=0.0, return_eigenvectors=False)
+    except scipy.sparse.linalg.ArpackNoConvergence as exc:
+        return exc.eigenvalues
+
+
+def _in_order(values: Complex) -> Complex:
+    """Return values by falling modulus; of a conjugate pair the upper one first."""
+    values = values[np.lexsort((-values.imag, -values.real))]
+    return values[np.argsort(-np.round(np.abs(values), 12), kind="stable")]
+
+
+def _without_trivial(values: Complex) -> Multipliers:
+    """Take the trivial multiplier out.
+
+    Near a fold 1 is a double defective eigenvalue whose two halves may come out as a conjugate pair; their mean is well
+    conditioned, so the pair stands for 1 and what is left of its sum.
+    """
+    i = int(np.argmin(np.abs(values - 1.0)))
+    rest = np.delete(values, i)
+    partner = np.flatnonzero(rest == np.conj(values[i]))
+    if values[i].imag != 0.0 and len(partner):
+        rest[partner[0]] = 2.0 * values[i].real - 1.0
+        return Multipliers(values, _in_order(rest), float(abs(values[i] - 1.0)))
+    return Multipliers(values, rest, float(abs(values[i] - 1.0)))
