@@ -19,11 +19,12 @@ ALLOWED = {
     "delay": {"orbit"},
     "orbit": {"model", "delay", "continuation", "simulate"},
     "continuation": set(),
-    "bifurcation": {"orbit", "continuation"},
+    "stability": {"model", "delay", "orbit", "continuation"},
+    "bifurcation": {"model", "orbit", "continuation", "stability"},
     "simulate": {"model", "delay"},
     "results": set(),
     "plot": {"results"},
-    "steps": {"model", "delay", "orbit", "continuation", "bifurcation", "simulate", "results", "shipped"},
+    "steps": {"model", "delay", "orbit", "stability", "continuation", "bifurcation", "simulate", "results", "shipped"},
     "shipped": {"model", "steps"},
 }
 

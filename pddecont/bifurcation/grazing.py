@@ -7,21 +7,81 @@ negative for an admissible orbit and zero where the orbit grazes.
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+
 import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.orbit.admissibility import closest_approach, event_profiles
-from pddecont.orbit.extrema import Profile
+from pddecont.orbit.curve import Curve
+from pddecont.orbit.extrema import Profile, profile
 from pddecont.orbit.problem import OrbitProblem
 
 Array = NDArray[np.float64]
 KIND = "GR"
 
 
-def clearance(problem: OrbitProblem, x: Array, profiles: dict[str, Profile] | None = None) -> float:
-    """Return the grazing test function at the orbit ``x`` (NaN if no segment has an interior extremum)."""
-    found = closest_approach(problem, event_profiles(problem, x) if profiles is None else profiles)
+def clearance(problem: OrbitProblem, x: Array, profiles: dict[str, Profile] | None = None, *,
+              leave_out: tuple[str, int, float] | None = None) -> float:  # fmt: skip
+    """Return the grazing test function at the orbit ``x`` (NaN if no segment has an interior extremum).
+
+    ``leave_out`` names one extremum that does not count by its event, segment and time.
+    """
+    found = closest_approach(problem, event_profiles(problem, x) if profiles is None else profiles, leave_out=leave_out)
     if found is None:
         return float("nan")
     extremum = found[1]
     return extremum.value if extremum.is_max else -extremum.value
+
+
+@dataclass(frozen=True)
+class Graze:
+    """The condition that the extremum of an event function in ``segment``, near ``fraction`` of its duration, is zero."""
+
+    event: str
+    segment: int
+    fraction: float
+    is_max: bool
+    kind: str = KIND
+
+    def value(self, curve: Curve, x: Array) -> float:
+        """Return the extremum (NaN if there is none)."""
+        extrema = self._extrema(curve.problem, x)
+        return min(extrema)[1] if extrema else float("nan")
+
+    def framed(self, curve: Curve, x: Array) -> Graze:
+        """Return the same condition with the extremum looked for where it is at ``x``."""
+        extrema = self._extrema(curve.problem, x)
+        return replace(self, fraction=min(extrema)[2]) if extrema else self
+
+    def others(self, curve: Curve, x: Array) -> float:
+        """Return how near the orbit comes to a second grazing (as :func:`clearance`; NaN if nothing else has an extremum)."""
+        return clearance(curve.problem, x, leave_out=(self.event, self.segment, self._time(curve.problem, x)))
+
+    def _time(self, problem: OrbitProblem, x: Array) -> float:
+        durations = x[problem.layout.durations]
+        extrema = self._extrema(problem, x)
+        fraction = min(extrema)[2] if extrema else self.fraction
+        return float(np.sum(durations[: self.segment]) + fraction * durations[self.segment])
+
+    def _extrema(self, problem: OrbitProblem, x: Array) -> list[tuple[float, float, float]]:
+        """Return (distance, value, fraction) of each extremum that could be the one meant."""
+        durations = x[problem.layout.durations]
+        begin = float(np.sum(durations[: self.segment]))
+        found = []
+        for e in profile(problem, x, problem.numeric.event(self.event)).extrema():
+            if e.segment == self.segment and e.is_max == self.is_max:
+                fraction = (e.time - begin) / float(durations[self.segment])
+                found.append((abs(fraction - self.fraction), e.value, fraction))
+        return found
+
+
+def graze_at(problem: OrbitProblem, x: Array) -> Graze | None:
+    """Return the grazing condition of the orbit's closest approach to an event (None if it has no interior extremum)."""
+    found = closest_approach(problem, event_profiles(problem, x))
+    if found is None:
+        return None
+    event, e = found
+    durations = x[problem.layout.durations]
+    fraction = (e.time - float(np.sum(durations[: e.segment]))) / float(durations[e.segment])
+    return Graze(event, e.segment, fraction, e.is_max)

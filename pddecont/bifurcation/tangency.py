@@ -1,28 +1,79 @@
-"""Vanishing transversality (VS): the event that ends a segment turns tangential (design section 5.4).
+"""Vanishing (VS): a segment or an impact of the signature dies out (design section 5.4).
 
+Three things end a signature besides grazing: an event is met ever more slowly until it is only touched (a hard impact of speed zero),
+a segment between two crossings of one event shrinks to nothing (a soft contact), or two different events come to happen at once.
 The test function is the smallest rate at which an orbit crosses the event functions that end its segments, positive in the
-direction listed. Beyond its zero the event is met from the wrong side and the signature is no longer that of a motion.
+direction listed; a duration that falls to zero is met on the way (``Followed.forbids``).
 """
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.orbit.admissibility import event_profiles
-from pddecont.orbit.extrema import Profile
+from pddecont.orbit.curve import Curve
+from pddecont.orbit.extrema import Profile, profile
 from pddecont.orbit.problem import OrbitProblem
 
 Array = NDArray[np.float64]
 KIND = "VS"
 
 
-def crossing_rate(problem: OrbitProblem, x: Array, profiles: dict[str, Profile] | None = None) -> float:
-    """Return the test function at the orbit ``x`` (NaN if no segment ends at an event function)."""
+def crossing_rates(problem: OrbitProblem, x: Array, profiles: dict[str, Profile] | None = None) -> Array:
+    """Return each segment's rate of crossing its event, positive in the direction listed; NaN where it has none."""
     profiles = event_profiles(problem, x) if profiles is None else profiles
-    rates = []
+    rates = np.full(len(problem.segments), np.nan)
     for s, segment in enumerate(problem.segments):
         if segment.event in profiles and segment.direction != "any":
-            rate = profiles[segment.event].end_slope(s)
-            rates.append(rate if segment.direction == "rising" else -rate)
-    return float(min(rates)) if rates else float("nan")
+            slope = profiles[segment.event].end_slope(s)
+            rates[s] = slope if segment.direction == "rising" else -slope
+    return rates
+
+
+def rate(problem: OrbitProblem, x: Array, s: int) -> float:
+    """Return the rate at which segment ``s`` crosses its event at its end, positive in the direction listed."""
+    segment = problem.segments[s]
+    slope = profile(problem, x, problem.numeric.event(segment.event)).end_slope(s)
+    return slope if segment.direction != "falling" else -slope
+
+
+def crossing_rate(problem: OrbitProblem, x: Array, profiles: dict[str, Profile] | None = None) -> float:
+    """Return the smallest rate at the orbit ``x`` (NaN if no segment ends at an event function)."""
+    rates = crossing_rates(problem, x, profiles)
+    return float(np.nanmin(rates)) if np.any(np.isfinite(rates)) else float("nan")
+
+
+@dataclass(frozen=True, eq=False)
+class Tangency:
+    """The condition that segment ``s`` meets its event with rate zero."""
+
+    s: int
+    kind: str = KIND
+
+    def value(self, curve: Curve, x: Array) -> float:
+        """Return the rate."""
+        return rate(curve.problem, x, self.s)
+
+    def framed(self, curve: Curve, x: Array) -> Tangency:
+        """Return the same condition."""
+        return self
+
+
+@dataclass(frozen=True, eq=False)
+class Coincidence:
+    """The condition that segment ``s`` between two different events has (almost) no duration."""
+
+    s: int
+    duration: float
+    kind: str = KIND
+
+    def value(self, curve: Curve, x: Array) -> float:
+        """Return the duration less what is left of it."""
+        return float(x[curve.problem.layout.durations][self.s] - self.duration)
+
+    def framed(self, curve: Curve, x: Array) -> Coincidence:
+        """Return the same condition."""
+        return self

@@ -10,31 +10,33 @@ import click
 
 from pddecont.cli.console import plain, print_json
 
-TABLES = ("points", "special", "orbit", "trajectory", "events")
+TABLES = ("points", "special", "orbit", "multipliers", "trajectory", "events")
 
 
 @click.command("export")
 @click.argument("file", type=click.Path())
 @click.option("--step", metavar="STEP", help="Step to read  [default: the last that has the table]")
 @click.option("--table", "name", type=click.Choice(TABLES), default="points", show_default=True)
-@click.option("--label", metavar="LABEL", help="Point whose orbit is wanted, such as GR1.")
-@click.option("--index", type=click.IntRange(0), help="Point whose orbit is wanted, by its index.")
+@click.option("--label", metavar="LABEL", help="Point whose orbit or multipliers are wanted, such as GR1.")
+@click.option("--index", type=click.IntRange(0), help="The same point by its index.")
 @click.option("--format", "form", type=click.Choice(["csv", "json"]), default="csv", show_default=True)
 def command(file: str, step: str | None, name: str, label: str | None, index: int | None, form: str) -> None:
     """Write a table of results file FILE to standard output."""
     from pddecont.errors import ResultsError
     from pddecont.results.reader import read_results
-    from pddecont.results.tables import table
+    from pddecont.results.tables import has_multipliers, table
 
     if label is not None and index is not None:
         raise click.UsageError("--label and --index exclude each other")
     results = read_results(file)
     if step is None:
         wanted = ("simulate",) if name in ("trajectory", "events") else ("orbit", "continue")
-        candidates = [s.name for s in results.steps.values() if s.kind in wanted]
+        candidates = [s for s in results.steps.values() if s.kind in wanted]
         if not candidates:
             raise ResultsError(f"{file} has no step with a table '{name}' (steps: {', '.join(results.steps) or 'none'})")
-        step = candidates[-1]
+        if name == "multipliers":
+            candidates = [s for s in candidates if has_multipliers(s)] or candidates
+        step = candidates[-1].name
     chosen = results.step(step)
     rows = table(chosen, name, chosen.row(label) if label else index)
     if form == "json":
@@ -44,14 +46,22 @@ def command(file: str, step: str | None, name: str, label: str | None, index: in
 
 
 def to_csv(rows: list[dict[str, Any]]) -> str:
-    """Return rows as CSV with a header; numbers keep all their digits."""
+    """Return rows as CSV with a header; numbers keep all their digits, a complex number is two columns, re and im."""
     if not rows:
         return ""
+    rows = [_real(row) for row in rows]
     out = io.StringIO()
     writer = csv.DictWriter(out, fieldnames=list(rows[0]), lineterminator="\n")
     writer.writeheader()
     writer.writerows([{k: _cell(v) for k, v in row.items()} for row in rows])
     return out.getvalue()
+
+
+def _real(row: dict[str, Any]) -> dict[str, Any]:
+    result: dict[str, Any] = {}
+    for key, value in row.items():
+        result |= {"re": value.real, "im": value.imag} if isinstance(value, complex) else {key: value}
+    return result
 
 
 def _cell(value: Any) -> Any:

@@ -80,9 +80,27 @@ def _lines(data: dict[str, Any], indent: str = "") -> list[str]:
             lines.append(f"{indent}{key}:")
             for item in value:
                 lines += [f"{indent}  - {item.get('name')}", *_lines({k: v for k, v in item.items() if k != "name"}, indent + "      ")]
+        elif key == "signatures":
+            lines.append(f"{indent}{key}: {', '.join(map(_short, value))}")
+        elif key == "warning":
+            lines.append(f"{indent}WARNING: {value}")
+        elif key == "curve":
+            lines.append(f"{indent}{key}: {value}{_in_words(value)}")
         elif isinstance(value, list):
             long = key in ("segments", "termination")
             lines += [f"{indent}{key}:", *(f"{indent}  {v}" for v in value)] if long else [f"{indent}{key}: {', '.join(map(str, value))}"]
         else:
             lines.append(f"{indent}{key}: {value:.6g}" if isinstance(value, float) else f"{indent}{key}: {value}")
     return lines
+
+
+def _short(signature: str) -> str:
+    from pddecont.results.summary import short_signature
+
+    return short_signature(signature)
+
+
+def _in_words(kind: str) -> str:
+    from pddecont.results.summary import WORDS
+
+    return f" ({WORDS[kind]})" if kind in WORDS else ""

@@ -11,13 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.continuation.arclength import Metric, Problem, correct, correct_at, tangent_of
-from pddecont.continuation.locate import MAX_MESHES, Located, locate
+from pddecont.continuation.locate import MAX_MESHES, Chord, Located
 from pddecont.continuation.newton import NewtonSettings
 from pddecont.errors import ConvergenceError
 
 Array = NDArray[np.float64]
-
-
+AT_START = 1e-4
+MAX_CUTS = 10
+NEAR = 0.02
 UNSETTLED = "the mesh does not settle: a delayed value is read across a jump of the state here, or 'mesh: {tol}' is too small"
 
 
@@ -89,12 +90,42 @@ class Followed(Problem, Protocol):
 
 @dataclass(frozen=True)
 class TestFunction:
-    """A function along the branch whose zero is a special point of ``kind``; ``stops`` if the branch ends there."""
+    """A function along the branch whose zero is a special point of ``kind``; ``stops`` if the branch ends there.
+
+    ``note`` says more of the point; ``really`` may turn a zero down; ``refine`` may find the point itself more exactly, where the
+    branch meets another one and no census can be trusted.
+    """
 
     __test__ = False
     kind: str
-    value: Callable[[Any, Array], float]
+    value: Callable[[Located], float]
     stops: bool = False
+    note: str = ""
+    really: Callable[[Located], bool] = lambda _: True
+    refine: Callable[[Located], Located] | None = None
+
+
+Counts = tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Census:
+    """Whole numbers that change only at special points, such as how many multipliers lie outside the unit circle.
+
+    ``explain(before, after)`` returns the test functions whose zeros account for a change, or None if several changes have come
+    together and the step must be cut.
+    """
+
+    count: Callable[[Located], Counts]
+    explain: Callable[[Counts, Counts], Sequence[TestFunction] | None]
+
+
+@dataclass(frozen=True)
+class Watch:
+    """What is watched along a branch."""
+
+    tests: Sequence[TestFunction] = ()
+    census: Census | None = None
 
 
 @dataclass(frozen=True)
@@ -126,14 +157,15 @@ class State:
 
 @dataclass(frozen=True, eq=False)
 class Point:
-    """One point of a branch; ``kind`` is empty for an ordinary one. ``arclength`` is signed by the direction."""
+    """One point of a branch; ``kind`` is empty for an ordinary one, ``note`` says more of a special one."""
 
     state: State
     kind: str
     n_iterations: int
+    note: str = ""
 
 
-def follow(state: State, bounds: Sequence[tuple[int, float, float]], tests: Sequence[TestFunction], settings: StepSettings,
+def follow(state: State, bounds: Sequence[tuple[int, float, float]], watch: Watch, settings: StepSettings,
            emit: Callable[[Point], None], sign: int) -> Termination:  # fmt: skip
     """Follow a branch from ``state`` along its tangent, handing each point to ``emit``; return how it ended.
 
@@ -143,16 +175,17 @@ def follow(state: State, bounds: Sequence[tuple[int, float, float]], tests: Sequ
         A point on the branch and the direction to go.
     bounds
         For each bounded unknown its place in the outline and its lower and upper bound.
-    tests
-        Test functions; a change of sign is located and emitted as a special point.
+    watch
+        Test functions, whose changes of sign are located and emitted as special points, and a census, whose changes they explain.
     sign
         Sign given to the arclengths of this direction.
     """
-    before: list[float] | None = None
+    before: _Seen | None = None
+    first = True
     while state.n_points < settings.max_points:
         state = replace(state, problem=state.problem.rephased(state.x))
-        if before is None:
-            before = [test.value(state.problem, state.x) for test in tests]
+        start = Located(state.problem, state.x, None, state.tangent)
+        before = before or _look(start, watch)
         try:
             reached, step = _advance(state, settings)
         except ConvergenceError as exc:
@@ -172,22 +205,26 @@ def follow(state: State, bounds: Sequence[tuple[int, float, float]], tests: Sequ
         base = reached.problem.carry(state.problem, state.x)
         chord = reached.x - base
         length = np.sqrt(metric.dot(chord, chord))
-        after = [test.value(reached.problem, reached.x) for test in tests]
-        for test, point, fraction in _specials(state, reached, tests, before, after, settings):
-            at = replace(state, problem=point.problem, x=point.x, tangent=np.zeros(0),
-                         arclength=state.arclength + sign * fraction * length)  # fmt: skip
-            emit(Point(at, test.kind, point.n_iterations))
-            if test.stops:
-                return Termination(End.SPECIAL, test.kind)
         assert reached.solution is not None
         direction = tangent_of(reached.solution, metric, chord)
+        reached = replace(reached, direction=direction)
+        after = _look(reached, watch)
+        for found in _specials(Chord(start, reached, settings.newton), watch, before, after):
+            if first and found.fraction < AT_START:
+                continue
+            curve = found.point.problem
+            at = replace(state, problem=curve, x=found.point.x, tangent=curve.metric().unit(found.point.tangent),
+                         arclength=state.arclength + sign * found.fraction * length)  # fmt: skip
+            emit(Point(at, found.test.kind, found.point.n_iterations, found.test.note))
+            if found.test.stops:
+                return Termination(End.SPECIAL, found.test.kind)
         cosine = metric.dot(direction, chord) / length
         state = State(reached.problem, reached.x, direction, state.arclength + sign * length,
                       _next_step(step, reached.n_iterations, cosine, settings), state.n_points + 1)  # fmt: skip
         emit(Point(state, "" if crossed is None else "EP", reached.n_iterations))
         if crossed is not None:
             return Termination(End.RANGE)
-        before = after
+        before, first = after, False
     return Termination(End.MAX_POINTS)
 
 
@@ -197,10 +234,12 @@ def _advance(state: State, settings: StepSettings) -> tuple[Located, float]:
     while True:
         try:
             return _step(state, step, settings), step
-        except ConvergenceError:
-            if step <= settings.min:
+        except ConvergenceError as exc:
+            # An impossible point is come near to, not crept up to.
+            least = max(settings.min, NEAR * settings.initial) if isinstance(exc, Impossible) else settings.min
+            if step <= least:
                 raise
-            step = max(0.5 * step, settings.min)
+            step = max(0.5 * step, least)
 
 
 def _step(state: State, step: float, settings: StepSettings) -> Located:
@@ -265,14 +304,64 @@ def _first_crossing(x0: Array, x1: Array, bounds: Sequence[tuple[int, float, flo
     return index, bound, fraction
 
 
-def _specials(state: State, reached: Located, tests: Sequence[TestFunction], before: Sequence[float], after: Sequence[float],
-              settings: StepSettings) -> list[tuple[TestFunction, Located, float]]:  # fmt: skip
-    """Return the special points between ``state`` and ``reached`` with their fraction of the step, in order."""
+@dataclass(frozen=True)
+class _Seen:
+    """What the watch says of a point."""
+
+    values: tuple[float, ...]
+    counts: Counts
+
+
+def _look(point: Located, watch: Watch) -> _Seen:
+    return _Seen(tuple(test.value(point) for test in watch.tests), watch.census.count(point) if watch.census else ())
+
+
+@dataclass(frozen=True, eq=False)
+class _Found:
+    """A special point at a fraction of a step."""
+
+    test: TestFunction
+    point: Located
+    fraction: float
+
+
+def _specials(chord: Chord, watch: Watch, before: _Seen, after: _Seen) -> list[_Found]:
+    """Return the special points on a step in order; where two fall together the one that ends the branch comes first."""
     found = []
-    start = Located(state.problem, state.x)
-    for test, f0, f1 in zip(tests, before, after, strict=True):
+    for test, f0, f1 in zip(watch.tests, before.values, after.values, strict=True):
         if f0 * f1 < 0.0 or (f1 == 0.0 and f0 != 0.0):
-            point = locate(test.value, start, reached, f0, f1, settings.newton)
-            if point is not None:
-                found.append((test, *point))
-    return sorted(found, key=lambda item: item[2])
+            found += _zero(chord, test, 0.0, 1.0, f0, f1)
+    if watch.census is not None and not any(f.test.refine for f in found):
+        found += _counted(chord, watch.census, 0.0, 1.0, before.counts, after.counts, MAX_CUTS)
+    return sorted(found, key=lambda f: (round(f.fraction, 6), not f.test.stops, f.fraction))
+
+
+def _zero(chord: Chord, test: TestFunction, low: float, high: float, f_low: float, f_high: float) -> list[_Found]:
+    fraction = chord.zero(test.value, low, high, f_low, f_high)
+    if fraction is None or not test.really(chord.at(fraction)):
+        return []
+    point = chord.at(fraction)
+    return [_Found(test, test.refine(point) if test.refine else point, fraction)]
+
+
+def _counted(chord: Chord, census: Census, low: float, high: float, before: Counts, after: Counts, cuts: int) -> list[_Found]:
+    """Return the special points that account for a change of the census, cutting the step where several come together."""
+    if before == after:
+        return []
+    tests = census.explain(before, after)
+    if tests is not None:
+        found = []
+        for test in tests:
+            f_low, f_high = test.value(chord.at(low)), test.value(chord.at(high))
+            if f_low * f_high <= 0.0:
+                found += _zero(chord, test, low, high, f_low, f_high)
+        return found
+    if cuts == 0:
+        return []
+    middle = 0.5 * (low + high)
+    try:
+        between = census.count(chord.at(middle))
+    except ConvergenceError:
+        return []
+    return [*_counted(chord, census, low, middle, before, between, cuts - 1),
+            *_counted(chord, census, middle, high, between, after, cuts - 1)]  # fmt: skip

@@ -1,10 +1,11 @@
-"""The zero of a test function between two points of a branch."""
+"""Points between two points of a branch, and the zero of a test function there."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from functools import cached_property
+from typing import Any, TypeAlias
 
 import numpy as np
 import scipy.optimize
@@ -22,55 +23,83 @@ MAX_MESHES = 4
 
 @dataclass(frozen=True, eq=False)
 class Located:
-    """A point of a branch with the problem that it solves."""
+    """A point of a branch with the problem that it solves.
+
+    ``direction`` is the tangent there where it is known; a corrected point has it from its last Newton step.
+    """
 
     problem: Any
     x: Array
     solution: Solution | None = None
+    direction: Array | None = None
 
     @property
     def n_iterations(self) -> int:
         """Number of Newton steps that it took."""
         return self.solution.n_iterations if self.solution else 0
 
+    @cached_property
+    def tangent(self) -> Array:
+        """The branch's tangent, of any length, on the side to which the row that bordered the Jacobian grows."""
+        if self.direction is not None:
+            return self.direction
+        assert self.solution is not None, "only a corrected point knows its tangent"
+        last = np.zeros(len(self.x))
+        last[-1] = 1.0
+        return self.solution.solve(last)
 
-def locate(test: Callable[[Any, Array], float], a: Located, b: Located, fa: float, fb: float,
-           settings: NewtonSettings) -> tuple[Located, float] | None:  # fmt: skip
-    """Return the point of the branch between ``a`` and ``b`` where ``test`` is zero, and its fraction of the way.
 
-    Each trial is corrected onto the branch in a hyperplane across the chord of the unknowns that no mesh changes, on a mesh of its
-    own where it needs one; the zero is found by Brent's method. Returns None where the test function jumps through zero or
-    cannot be followed: there is no special point then.
+Value: TypeAlias = Callable[[Located], float]
+
+
+class Chord:
+    """Points of the branch between two of its points, by the fraction of the way from one to the other.
+
+    Each is corrected onto the branch in a hyperplane across the chord of the unknowns that no mesh changes, on a mesh of its own
+    where it needs one. What has been computed is kept.
     """
-    ya, yb = a.problem.outline(a.x), b.problem.outline(b.x)
-    scale = a.problem.metric().scale[a.problem.outline_index()]
-    row = (yb - ya) / scale**2
-    row /= np.linalg.norm(row * scale)
-    known: dict[float, Located] = {0.0: a, 1.0: b}
 
-    def value(fraction: float) -> float:
-        if fraction in (0.0, 1.0):
-            return fa if fraction == 0.0 else fb
-        places = np.array(sorted(known))
-        below, above = float(places[places <= fraction].max()), float(places[places >= fraction].min())
-        part = 0.0 if above == below else (fraction - below) / (above - below)
-        near, far, part = (below, above, part) if part < 0.5 else (above, below, 1.0 - part)
-        problem = known[near].problem
-        guess = (1.0 - part) * known[near].x + part * problem.carry(known[far].problem, known[far].x)
-        known[fraction] = _correct(problem, guess, row, float(row @ (ya + fraction * (yb - ya))), settings)
-        result = test(known[fraction].problem, known[fraction].x)
-        if not np.isfinite(result):
-            raise ConvergenceError("the test function is not defined between two points")
-        return result
+    def __init__(self, a: Located, b: Located, settings: NewtonSettings):
+        self.settings = settings
+        self.known: dict[float, Located] = {0.0: a, 1.0: b}
+        self.start, end = a.problem.outline(a.x), b.problem.outline(b.x)
+        scale = a.problem.metric().scale[a.problem.outline_index()]
+        self.chord = end - self.start
+        row = self.chord / scale**2
+        self.row = row / np.linalg.norm(row * scale)
 
-    try:
-        fraction = float(scipy.optimize.brentq(value, 0.0, 1.0, xtol=FRACTION_TOL, rtol=1e-14))
-        at_zero = value(fraction)
-    except ConvergenceError:
-        return None
-    if abs(at_zero) > JUMP_TOL * max(abs(fa), abs(fb)):
-        return None
-    return known[fraction], fraction
+    def at(self, fraction: float) -> Located:
+        """Return the point at ``fraction``; raise ConvergenceError if there is none to be found."""
+        if fraction not in self.known:
+            places = np.array(sorted(self.known))
+            below, above = float(places[places < fraction].max()), float(places[places > fraction].min())
+            part = (fraction - below) / (above - below)
+            near, far, part = (below, above, part) if part < 0.5 else (above, below, 1.0 - part)
+            problem = self.known[near].problem
+            guess = (1.0 - part) * self.known[near].x + part * problem.carry(self.known[far].problem, self.known[far].x)
+            level = float(self.row @ (self.start + fraction * self.chord))
+            self.known[fraction] = _correct(problem, guess, self.row, level, self.settings)
+        return self.known[fraction]
+
+    def zero(self, test: Value, low: float, high: float, f_low: float, f_high: float) -> float | None:
+        """Return the fraction between ``low`` and ``high`` at which ``test`` is zero, by Brent's method.
+
+        None where the test function jumps through zero or cannot be followed: there is no special point then.
+        """
+        ends = {low: f_low, high: f_high}
+
+        def value(fraction: float) -> float:
+            result = ends[fraction] if fraction in ends else test(self.at(fraction))
+            if not np.isfinite(result):
+                raise ConvergenceError("the test function is not defined between two points")
+            return result
+
+        try:
+            fraction = float(scipy.optimize.brentq(value, low, high, xtol=FRACTION_TOL, rtol=1e-14))
+            at_zero = value(fraction)
+        except ConvergenceError:
+            return None
+        return None if abs(at_zero) > JUMP_TOL * max(abs(f_low), abs(f_high)) else fraction
 
 
 def _correct(problem: Any, guess: Array, outline_row: Array, level: float, settings: NewtonSettings) -> Located:

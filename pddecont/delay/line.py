@@ -154,4 +154,5 @@ def no_delay(mesh: Mesh, theta: Array, tau_index: int, places: Places) -> DelayO
         slope = np.einsum("pb,pbq->pq", local @ mesh.basis.differentiate, values[columns]) / lengths[:, None]
         return np.stack([-slope * (component == tau_index) for component in which], axis=-1)
 
-    return DelayOperator(LocalWeights(columns, local, places.interval, places.sigma, np.zeros(len(places), dtype=np.intp)), theta_derivative)
+    wraps = np.zeros(len(places), dtype=np.intp)
+    return DelayOperator(LocalWeights(columns, local, places.interval, places.sigma, wraps), theta_derivative)

@@ -13,6 +13,7 @@ from pddecont.orbit.problem import OrbitProblem
 
 Array = NDArray[np.float64]
 RELATIVE_ZERO = 1e-9
+SAME_TIME = 1e-6
 
 
 def event_profiles(problem: OrbitProblem, x: Array) -> dict[str, Profile]:
@@ -68,13 +69,15 @@ def _crossings(profile: Profile, s: int, event: str, direction: str, terminal: b
             yield f"event '{event}' is also crossed {'rising' if rises else 'falling'} inside"
 
 
-def closest_approach(problem: OrbitProblem, profiles: dict[str, Profile], only: str | None = None) -> tuple[str, Extremum] | None:
+def closest_approach(problem: OrbitProblem, profiles: dict[str, Profile], only: str | None = None, *,
+                     leave_out: tuple[str, int, float] | None = None) -> tuple[str, Extremum] | None:  # fmt: skip
     """Return the event and the interior extremum of its function that is nearest to a new crossing (None: no extremum).
 
     In a segment that meets its event from h < 0 that is the largest interior maximum, from h > 0 the smallest interior
-    minimum. ``only`` restricts it to one event.
+    minimum. ``only`` restricts it to one event; ``leave_out`` is the event, segment and time of an extremum that does not count.
     """
     extrema = {name: p.extrema() for name, p in profiles.items()}
+    period = sum(float(np.sum(p.h)) for p in list(profiles.values())[:1])
     best: tuple[float, str, Extremum] | None = None
     for s in range(len(problem.segments)):
         for name, direction, _ in watched_events(problem, s):
@@ -82,11 +85,17 @@ def closest_approach(problem: OrbitProblem, profiles: dict[str, Profile], only: 
                 continue
             from_below = _from_below(profiles[name], s, direction)
             for extremum in extrema[name]:
+                if _is(extremum, name, leave_out, period):
+                    continue
                 if extremum.segment == s and extremum.is_max == from_below:
                     height = extremum.value if from_below else -extremum.value
                     if best is None or height > best[0]:
                         best = (height, name, extremum)
     return None if best is None else best[1:]
+
+
+def _is(extremum: Extremum, event: str, named: tuple[str, int, float] | None, period: float) -> bool:
+    return named is not None and (event, extremum.segment) == named[:2] and abs(extremum.time - named[2]) < SAME_TIME * period
 
 
 def _from_below(profile: Profile, s: int, direction: str) -> bool:

@@ -113,7 +113,7 @@ class Blocks:
         self.delay_slopes = self.numeric.delays.derivatives(sites.p, problem.free_index)
         moving = np.flatnonzero(np.any(self.delay_slopes != 0.0, axis=1))
         self.to_free = self.delay_slopes[moving]
-        self.move([*range(self.mesh.n_segments), *(self.mesh.n_segments + k for k in moving)])
+        self.move([*range(self.mesh.n_segments), *(self.mesh.n_segments + moving).tolist()])
 
     def move(self, which: Sequence[int]) -> None:
         """Find how times and delayed values move with the components ``which`` of theta."""
@@ -132,10 +132,12 @@ class Blocks:
         return slopes
 
     def add(self, rows: Ints | int, columns: Ints | int, values: Array) -> None:
+        """Add entries; the three are broadcast against each other."""
         r, c, v = np.broadcast_arrays(np.asarray(rows), np.asarray(columns), values)
         self.parts.append(Triplets(r.ravel(), c.ravel(), v.ravel()))
 
     def assemble(self) -> Triplets:
+        """Return all entries, but those of full delay operators (``dense``)."""
         self.collocation()
         self.ends()
         self.period()
@@ -176,6 +178,7 @@ class Blocks:
         return self.layout.value_index[weights.columns[points], state]
 
     def collocation(self) -> None:
+        """Add the collocation equations."""
         mesh, n = self.mesh, self.n
         all_rows = np.arange(self.equations.n_collocation).reshape(mesh.n_collocation, n)
         columns = self.layout.value_index[mesh.base_index]  # (J, m + 1, n)
@@ -196,6 +199,7 @@ class Blocks:
             self.others(rows, points, d, -h[points], -h_moving[points])
 
     def ends(self) -> None:
+        """Add the resets and what ends each segment."""
         mesh, n = self.mesh, self.n
         timed = {s: (source, wraps) for s, source, wraps in self.problem.timers}
         for s, segment in enumerate(self.problem.segments):
@@ -240,6 +244,7 @@ class Blocks:
         self.others(rows, point, d, np.full(1, sign), np.zeros((1, self.times.shape[1])))
 
     def period(self) -> None:
+        """Add the period of a forced orbit."""
         if not self.layout.forced:
             return
         row, layout = self.equations.period, self.layout

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,8 +37,8 @@ class Monitor:
         return float(self.function.value(np.concatenate([problem.all_parameters(x), parts]))[0])
 
 
-def parse_monitor(numeric: NumericModel, name: str, text: str | float) -> Monitor:
-    """Return the monitor that ``text`` writes; raise :class:`ExpressionError` with an offset into it."""
+def parse_monitor(numeric: NumericModel, name: str, text: str | float, others: Mapping[str, Monitor] | None = None) -> Monitor:
+    """Return the monitor that ``text`` writes, which may name ``others``; raise :class:`ExpressionError` with an offset into it."""
     model = numeric.model
     measures: list[Measure] = []
     symbols: list[sympy.Symbol] = []
@@ -76,7 +76,8 @@ def parse_monitor(numeric: NumericModel, name: str, text: str | float) -> Monito
                 "at": at, "time_in": time_in, "extremum": extremum}  # fmt: skip
     parameters = {p: symbol(p) for p in model.parameters}
     period = measure(lambda problem, x: problem.period(x))
-    scope = Scope({**parameters, "period": period}, states=model.states, time=False, builtins=builtins, place="a monitor",
+    named = {key: measure(other.value) for key, other in (others or {}).items()}
+    scope = Scope({**parameters, **named, "period": period}, states=model.states, time=False, builtins=builtins, place="a monitor",
                   no_delay_because="a state varies along the orbit: write max(...), mean(...) or at(segment, ...)")  # fmt: skip
     try:
         expr = parse(text, scope)

@@ -10,6 +10,7 @@ References: Lust, Int. J. Bif. Chaos 11 (2001); Szalai, Stepan, Hogan, SIAM J. S
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,6 +26,7 @@ Complex = NDArray[np.complex128]
 SMALL = 1e-3
 AT_MOST = 12
 DENSE = 160
+NEAR_TRIVIAL = 0.02
 TRIVIAL_ERROR = 1e-4
 
 
@@ -49,6 +51,17 @@ class Multipliers:
     def stable(self) -> bool:
         """Whether all but the trivial one lie inside the unit circle."""
         return self.n_unstable == 0
+
+
+def describe(m: Multipliers) -> str:
+    """Return stability in words, with a warning where the trivial multiplier is far from 1."""
+    leading = ", ".join(f"{v.real:.6g}" if v.imag == 0.0 else f"{v.real:.6g} {'+-'[v.imag < 0]} {abs(v.imag):.6g}i" for v in m.own[:2])
+    text = f"{'stable' if m.stable else f'unstable ({m.n_unstable} multipliers outside the unit circle)'}, leading {leading or 'none'}"
+    if np.isfinite(m.trivial_error):
+        text += f", trivial multiplier off by {m.trivial_error:.1e}"
+        if m.trivial_error > TRIVIAL_ERROR:
+            text += " (WARNING: refine 'mesh', the multipliers are no better than that)"
+    return text
 
 
 def multipliers(problem: OrbitProblem, x: Array, n: int | None = None) -> Multipliers:
@@ -92,13 +105,45 @@ def _in_order(values: Complex) -> Complex:
 def _without_trivial(values: Complex) -> Multipliers:
     """Take the trivial multiplier out.
 
-    Near a fold 1 is a double defective eigenvalue whose two halves may come out as a conjugate pair; their mean is well
-    conditioned, so the pair stands for 1 and what is left of its sum.
+    Where another comes near it the two may come out of a defective matrix as a conjugate pair, or with errors of the order of the
+    square root of rounding; their sum is well conditioned, so the other is what the trivial one, exactly 1, leaves of it.
     """
     i = int(np.argmin(np.abs(values - 1.0)))
     rest = np.delete(values, i)
-    partner = np.flatnonzero(rest == np.conj(values[i]))
-    if values[i].imag != 0.0 and len(partner):
-        rest[partner[0]] = 2.0 * values[i].real - 1.0
-        return Multipliers(values, _in_order(rest), float(abs(values[i] - 1.0)))
-    return Multipliers(values, rest, float(abs(values[i] - 1.0)))
+    error = float(abs(values[i] - 1.0))
+    if len(rest):
+        j = int(np.argmin(np.abs(rest - 1.0)))
+        if abs(rest[j] - 1.0) < NEAR_TRIVIAL:
+            rest[j] = (values[i] + rest[j]).real - 1.0
+    return Multipliers(values, _in_order(rest), error)
+
+
+def eigenvector(problem: OrbitProblem, x: Array, multiplier: float) -> Array:
+    """Return how the orbit's unknowns (no free parameters) change with the real multiplier nearest to ``multiplier``, largest entry 1."""
+    period = linearise(problem, x)
+    if period.size <= 4 * DENSE:
+        values, vectors = scipy.linalg.eig(period.matrix())
+    else:
+        operator = scipy.sparse.linalg.LinearOperator((period.size, period.size), matvec=lambda y: period.step(np.ravel(y))[1], dtype=float)
+        start = np.random.default_rng(1).standard_normal(period.size)
+        values, vectors = scipy.sparse.linalg.eigs(operator, k=AT_MOST, v0=start, tol=0.0)
+    history = vectors[:, np.argmin(np.abs(values - multiplier))].real
+    change = period.step(history)[0][: period.problem.layout.size]
+    return change / change[np.argmax(np.abs(change))]
+
+
+class Known:
+    """Multipliers of orbits, each computed once while it is in use."""
+
+    def __init__(self, n: int | None = None):
+        self.n = n
+        self._kept: deque[tuple[Array, Multipliers]] = deque(maxlen=32)
+
+    def __call__(self, problem: OrbitProblem, x: Array) -> Multipliers:
+        """Return the multipliers of the orbit ``x``."""
+        for known, result in self._kept:
+            if known is x:
+                return result
+        result = multipliers(problem, x, self.n)
+        self._kept.append((x, result))
+        return result

@@ -17,9 +17,11 @@ from pddecont.orbit.meshing import MeshRule, fits, moved_to, new_mesh
 from pddecont.orbit.problem import OrbitProblem, eventless
 from pddecont.orbit.record import from_rows, mesh_from_row
 from pddecont.results.reader import Results, read_results
+from pddecont.results.reader import Step as RecordedStep
 from pddecont.simulate.trajectory import Trajectory
+from pddecont.stability.multipliers import Known
 from pddecont.steps.plan import Plan, mesh_rule
-from pddecont.steps.schema import Source, Step
+from pddecont.steps.schema import Source, Stability, Step
 
 Array = NDArray[np.float64]
 
@@ -71,23 +73,29 @@ class Context:
         return mesh_rule(step.mesh or self.plan.run.mesh)
 
 
-def orbit_at(context: Context, step: Step, source: Source) -> tuple[OrbitProblem, Array]:
-    """Return the recorded orbit that a step starts from, at the step's own delay method, mesh and parameters.
-
-    Where those are the recorded orbit's own it solves the problem already; otherwise it is a guess.
-    """
-    plan = context.plan
-    results = context.results() if source.file is None else read_results(plan.base / source.file)
+def source_step(context: Context, source: Source) -> tuple[RecordedStep, int]:
+    """Return the recorded step that a step starts from and the row of its point."""
+    results = context.results() if source.file is None else read_results(context.plan.base / source.file)
     recorded = results.step(source.step)
     if recorded.kind not in ("orbit", "continue"):
         raise ResultsError(f"step '{source.step}' of {results.path} is a {recorded.kind} step and holds no orbits")
     row = recorded.row(source.point) if source.point else source.index or 0
     if row >= len(recorded):
         raise ResultsError(f"step '{source.step}' of {results.path} has {len(recorded)} points, no index {row}")
+    return recorded, row
+
+
+def orbit_at(context: Context, step: Step, source: Source) -> tuple[OrbitProblem, Array]:
+    """Return the recorded orbit that a step starts from, at the step's own delay method, mesh and parameters.
+
+    Where those are the recorded orbit's own it solves the problem already; otherwise it is a guess.
+    """
+    plan = context.plan
+    recorded, row = source_step(context, source)
     names = recorded.meta["parameters"]
     unknown = [name for name in plan.model.parameters if name not in names]
     if unknown or list(recorded.meta["states"]) != list(plan.model.states):
-        raise ResultsError(f"{results.path} comes from another model: it has parameters {', '.join(names)} and states "
+        raise ResultsError(f"step '{source.step}' comes from another model: it has parameters {', '.join(names)} and states "
                            f"{', '.join(recorded.meta['states'])}")  # fmt: skip
     at_row = dict(zip(names, recorded.points["parameters"][row], strict=True))
     old_p = np.array([at_row[name] for name in plan.model.parameters])
@@ -103,6 +111,13 @@ def orbit_at(context: Context, step: Step, source: Source) -> tuple[OrbitProblem
     if recorded.meta["mesh_settings"] == mesh_settings(plan, step) and fits(problem, x):
         return problem, x
     return moved_to(problem, x, old.theta(x), new_mesh(problem, problem.theta(x), context.rule_of(step)))
+
+
+def known_multipliers(choice: bool | Stability) -> Known | None:
+    """Return what finds multipliers as a step asks for them, or None if it does not."""
+    if isinstance(choice, Stability):
+        return Known(choice.multipliers)
+    return Known() if choice else None
 
 
 def mesh_settings(plan: Plan, step: Step) -> str:

@@ -16,7 +16,8 @@ from pddecont.orbit.monitors import parse_monitor
 from pddecont.orbit.problem import OrbitProblem
 from pddecont.results.writer import StepWriter
 from pddecont.simulate.recognise import recognise
-from pddecont.steps.context import Context, mesh_settings, orbit_at, settings_text
+from pddecont.stability.multipliers import describe
+from pddecont.steps.context import Context, known_multipliers, mesh_settings, orbit_at, settings_text
 from pddecont.steps.points import orbit_row, orbit_spec
 from pddecont.steps.schema import Step
 from pddecont.steps.simulate import integrate
@@ -61,12 +62,16 @@ def run_orbit(context: Context, step: Step) -> None:
     monitors = [parse_monitor(plan.numeric, name, text) for name, text in plan.monitors.items()]
     meta = {"settings": settings_text(plan, step), "mesh_settings": mesh_settings(plan, step)}
     spec = orbit_spec(step.name, "orbit", plan.numeric, monitors, meta)
-    points, rows = orbit_row(problem, solution.x, monitors, n_iterations=solution.n_iterations)
+    known = known_multipliers(step.orbit.stability)
+    stability = None if known is None else known(problem, solution.x)
+    points, rows = orbit_row(problem, solution.x, monitors, n_iterations=solution.n_iterations, stability=stability)
     text = (f"converged in {solution.n_iterations} Newton iterations to signature [{' '.join(names)}], "
             f"period {problem.period(solution.x):.10g}")  # fmt: skip
     if points["error_estimate"] > POOR:
         text += (f"; WARNING: its estimated error is {points['error_estimate']:.1e}: refine 'mesh', and with a chain of order 3 or "
                  "more lower 'n' (it magnifies rounding errors)")  # fmt: skip
+    if stability is not None:
+        text += f"; {describe(stability)}"
     against = objections(problem, solution.x)
     if against:
         text += f"; not admissible: {against[0]}"

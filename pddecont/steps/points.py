@@ -12,10 +12,12 @@ from pddecont.bifurcation.grazing import clearance
 from pddecont.model.codegen import NumericModel
 from pddecont.orbit.admissibility import event_profiles, objections
 from pddecont.orbit.error import error_estimate
+from pddecont.orbit.mesh import Places
 from pddecont.orbit.monitors import Monitor
-from pddecont.orbit.problem import OrbitProblem
+from pddecont.orbit.problem import OrbitProblem, read
 from pddecont.orbit.record import to_rows
 from pddecont.results.layout import Column, StepSpec
+from pddecont.stability.multipliers import Multipliers
 
 Array = NDArray[np.float64]
 
@@ -28,29 +30,45 @@ def orbit_spec(name: str, kind: str, numeric: NumericModel, monitors: Sequence[M
         "period": Column("f8"), "stable": Column("i1"), "admissible": Column("i1"), "error_estimate": Column("f8"),
         "monitors": Column("f8", (len(monitors),)), "clearance": Column("f8"), "n_iterations": Column("i8"),
         "step": Column("f8"), "n_periods": Column("i8"), "phase": Column("f8"), "n_unknowns": Column("i8"),
-        "surfaces": Column("f8", (len(model.events), n + 1)),
+        "surfaces": Column("f8", (len(model.events), n + 1)), "n_unstable": Column("i4"), "trivial_error": Column("f8"),
+        "note": Column("S32"), "side": Column("f8", (2,)),
     }  # fmt: skip
     orbits = {"time": Column("f8"), "states": Column("f8", (n,)), "segment": Column("i4"), "unknowns": Column("f8"),
-              "tangent": Column("f8"), "mesh": Column("f8"), "signature": Column("u1")}  # fmt: skip
+              "tangent": Column("f8"), "mesh": Column("f8"), "signature": Column("u1"), "multipliers": Column("f8", (2,)),
+              "delayed": Column("f8", (len(model.delayed),))}  # fmt: skip
     names = {"parameters": list(model.parameters), "states": list(model.states), "monitors": [m.name for m in monitors],
-             "events": list(model.events), "model": model.name}  # fmt: skip
+             "events": list(model.events), "model": model.name, "delayed": [s.name for s in model.delayed_symbols]}  # fmt: skip
     return StepSpec(name, kind, points, orbits, {**names, **meta})
 
 
 def orbit_row(problem: OrbitProblem, x: Array, monitors: Sequence[Monitor], *, kind: str = "", arclength: float = 0.0,
-              n_iterations: int = 0, step: float = 0.0, tangent: Array | None = None
-              ) -> tuple[dict[str, Any], dict[str, Array]]:  # fmt: skip
+              n_iterations: int = 0, step: float = 0.0, tangent: Array | None = None, stability: Multipliers | None = None,
+              note: str = "", side: Array | None = None) -> tuple[dict[str, Any], dict[str, Array]]:  # fmt: skip
     """Return the row of points and the rows of orbits that record the orbit ``x``."""
     profiles = event_profiles(problem, x)
     points = {
         "kind": kind.encode(), "arclength": arclength, "parameters": problem.all_parameters(x), "period": problem.period(x),
-        "stable": -1, "admissible": not objections(problem, x, profiles),
+        "stable": -1 if stability is None else stability.stable, "n_unstable": -1 if stability is None else stability.n_unstable,
+        "trivial_error": np.nan if stability is None else stability.trivial_error, "note": note.encode()[:32],
+        "side": np.full(2, np.nan) if side is None else side, "admissible": not objections(problem, x, profiles),
         "error_estimate": error_estimate(problem, x),
         "monitors": np.array([m.value(problem, x) for m in monitors]), "clearance": clearance(problem, x, profiles),
         "n_iterations": n_iterations, "step": step, "n_periods": problem.n_periods, "phase": problem.phase,
         "n_unknowns": len(x), "surfaces": surfaces(problem, x),
     }  # fmt: skip
-    return points, to_rows(problem, x, tangent)
+    values = np.zeros(0, dtype=complex) if stability is None else stability.values
+    rows = {"multipliers": np.stack([values.real, values.imag], axis=1), "delayed": delayed_values(problem, x)}
+    return points, {**to_rows(problem, x, tangent), **rows}
+
+
+def delayed_values(problem: OrbitProblem, x: Array) -> Array:
+    """Return the delayed values at the base points, shape (n_base, n_delayed)."""
+    mesh = problem.mesh
+    base = mesh.basis.base
+    places = Places(np.repeat(np.arange(mesh.n_intervals), len(base)), np.tile(base, mesh.n_intervals))
+    result = np.empty((mesh.n_base, len(problem.numeric.model.delayed)))
+    result[mesh.base_index.ravel()] = read(problem, x, places).xd.T
+    return result
 
 
 def surfaces(problem: OrbitProblem, x: Array) -> Array:

@@ -75,11 +75,22 @@ class Simulate(Strict):
     atol: float = Field(1e-11, gt=0, description="absolute error allowed in a step")
 
 
+class Stability(Strict):
+    """How many Floquet multipliers are computed."""
+
+    multipliers: int = Field(ge=1, le=200, description="number of leading multipliers")
+
+
+StabilityChoice = Annotated[bool | Stability, Field(description=(
+    "Floquet multipliers: true for those of modulus above 1e-3 (at most 12), or {multipliers: N} for the N leading ones"))]
+
+
 class Orbit(Strict):
     """Find the periodic orbit that a trajectory has settled to, or solve a recorded orbit anew."""
 
     from_: From = Field(alias="from", description="a simulate step, or an orbit")
     signature: list[Identifier] | None = Field(None, description="segments that the orbit must have")
+    stability: StabilityChoice = False
 
 
 class StepSize(Strict):
@@ -103,14 +114,19 @@ def _range(value: Any) -> Any:
 
 
 class Continue(Strict):
-    """Follow an orbit in a free parameter."""
+    """Follow an orbit in one free parameter, or a special point in two."""
 
-    from_: From = Field(alias="from", description="an orbit")
-    free: list[Identifier] = Field(min_length=1, max_length=1, description="parameter to vary")
+    from_: From = Field(alias="from", description="an orbit or a special point")
+    free: list[Identifier] = Field(min_length=1, max_length=2, description="parameter to vary; two to follow a special point")
     range: dict[Identifier, Annotated[list[Formula], BeforeValidator(_range)]] = Field(description="lowest and highest value")
     step: StepSize = Field(default_factory=lambda: StepSize.model_validate({}))
     max_points: int = Field(500, ge=1, le=1_000_000, description="most points in each direction")
     direction: Literal["both", "up", "down"] = Field("both", description="which way the parameter goes at first")
+    stability: StabilityChoice = False
+    signature_change: Literal["follow", "stop"] = Field("follow", description="what to do where an orbit grazes or a segment vanishes")
+    branch: Literal["same", "switch"] = Field("same", description="switch: onto the other branch at a PD or BP point")
+    signature: list[Identifier] | None = Field(None, description="segments that the orbit must have; at a GR point those after it")
+    events_along: dict[Identifier, Formula] = Field(default_factory=dict, description="user functions whose zeros are located")
 
 
 class Step(Strict):

@@ -1,0 +1,39 @@
+"""Branch point (BP): two branches of orbits cross; a multiplier passes +1 and the branch does not turn.
+
+The directions of both branches span the null space of the Jacobian, which is two-dimensional there. Reference: Allgower, Georg,
+Introduction to Numerical Continuation Methods (2003), chapter 8.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.linalg
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from pddecont.orbit.curve import Curve
+from pddecont.stability.multipliers import Multipliers
+
+Array = NDArray[np.float64]
+KIND = "BP"
+NULL = 1e-3
+
+
+def passing(m: Multipliers) -> float:
+    """Return the distance to +1 of the real multiplier nearest to it, with the sign of the parity of those beyond."""
+    real = m.own[m.own.imag == 0.0].real
+    if not len(real):
+        return float("nan")
+    return float((-1.0) ** np.sum(real > 1.0) * np.min(np.abs(real - 1.0)))
+
+
+def other_branch(curve: Curve, x: Array, tangent: Array) -> Array:
+    """Return the unit direction of the branch that crosses at ``x`` the one with ``tangent``."""
+    metric = curve.metric()
+    size = metric.scale / np.sqrt(metric.weight)
+    matrix = curve.jacobian(x)
+    dense = (matrix.toarray() if sp.issparse(matrix) else matrix) * size
+    dense /= np.max(np.abs(dense), axis=1, keepdims=True)
+    null = scipy.linalg.svd(dense)[2][-2:] * size
+    along = np.array([metric.dot(v, tangent) for v in null])
+    return metric.unit(null.T @ np.array([-along[1], along[0]]))

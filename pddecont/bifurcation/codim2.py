@@ -1,0 +1,98 @@
+"""Points on curves in two parameters where one more thing happens.
+
+    on LP:  CP cusp, R1 second multiplier +1, FF fold-flip, FT fold-torus
+    on PD:  FF fold-flip, R2 second multiplier -1, PT flip-torus
+    on TR:  R1 R2 R3 R4 resonances 1:1 .. 1:4 (the curve ends at the first two), FT, PT, TT double torus
+    on GR, VS and user functions:  GG double grazing, GL, GP, GT a multiplier +1, -1 or a complex pair on the unit circle
+
+Reference: Kuznetsov, Elements of Applied Bifurcation Theory (2004), chapter 9.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from pddecont.bifurcation import branch_point, fold, period_doubling, torus
+from pddecont.bifurcation.census import outside
+from pddecont.bifurcation.conditioned import SpecialCurve
+from pddecont.bifurcation.fold import Fold
+from pddecont.bifurcation.grazing import Graze, clearance
+from pddecont.bifurcation.torus import Torus
+from pddecont.continuation.branch import Census, Counts, TestFunction, Watch
+from pddecont.continuation.locate import Located
+from pddecont.stability.multipliers import Known, Multipliers
+
+KINDS = {"LP": ("R1", "FF", "FT"), "PD": ("FF", "R2", "PT"), "TR": ("FT", "PT", "TT")}
+OTHERS = ("GL", "GP", "GT")
+RESONANCES = (("R1", 2.0, True), ("R2", -2.0, True), ("R3", -1.0, False), ("R4", 0.0, False))
+
+
+def watch_curve(special: SpecialCurve, known: Known | None) -> Watch:
+    """Return what is watched along a curve of special points; without ``known`` nothing that needs multipliers."""
+    tests: list[TestFunction] = []
+    kind = special.condition.kind
+    if isinstance(special.condition, Fold):
+        tests.append(TestFunction("CP", cusp))
+    if isinstance(special.condition, Torus):
+        tests += [TestFunction(name, _resonance(level), stops) for name, level, stops in RESONANCES]
+    if isinstance(special.condition, Graze):
+        tests.append(TestFunction("GG", lambda at: at.problem.condition.others(at.problem.curve, at.x)))
+    elif kind not in ("UF",):
+        tests.append(TestFunction("GG", lambda at: clearance(at.problem.problem, at.x), note="grazing"))
+    return Watch(tests, None if known is None else _census(kind, known))
+
+
+def cusp(at: Located) -> float:
+    """Return how the fold condition changes along the null vector: zero at a cusp."""
+    special = at.problem
+    assert isinstance(special, SpecialCurve) and isinstance(special.condition, Fold)
+    null, _ = special.condition.null(special.curve, at.x)
+    direction = np.zeros(len(at.x))
+    direction[: len(null)] = null * special.metric().scale[: len(null)]
+    return float(special.slopes(at.x, special.metric().unit(direction)[None])[0])
+
+
+def _resonance(level: float) -> Callable[[Located], float]:
+    def value(at: Located) -> float:
+        condition = at.problem.condition
+        assert isinstance(condition, Torus)
+        return condition.sum(at.problem.curve, at.x) - level
+
+    return value
+
+
+def without_critical(m: Multipliers, kind: str) -> Multipliers:
+    """Return the multipliers without those that the curve keeps on the unit circle."""
+    own = m.own
+    if kind == fold.KIND and len(own):
+        own = np.delete(own, np.argmin(np.abs(own - 1.0)))
+    elif kind == period_doubling.KIND and len(own):
+        own = np.delete(own, np.argmin(np.abs(own + 1.0)))
+    elif kind == torus.KIND and np.any(own.imag > 0.0):
+        upper = np.where(own.imag > 0.0, np.abs(np.abs(own) - 1.0), np.inf)
+        pair = own[np.argmin(upper)]
+        own = own[np.minimum(np.abs(own - pair), np.abs(own - np.conj(pair))) > 0.0]
+    return Multipliers(m.values, own, m.trivial_error)
+
+
+def _census(kind: str, known: Known) -> Census:
+    names = KINDS.get(kind, OTHERS)
+    passing = (branch_point.passing, period_doubling.passing, torus.passing)
+
+    def rest(at: Located) -> Multipliers:
+        return without_critical(known(at.problem.problem, at.x), kind)
+
+    def value(which: int) -> Callable[[Located], float]:
+        return lambda at: passing[which](rest(at))
+
+    tests = [TestFunction(name, value(i)) for i, name in enumerate(names)]
+
+    def explain(before: Counts, after: Counts) -> Sequence[TestFunction] | None:
+        change = tuple(b - a for a, b in zip(before, after, strict=True))
+        if sum(map(abs, change)) == 1:
+            return [tests[next(i for i, c in enumerate(change) if c)]]
+        return [] if change in ((2, 0, -1), (-2, 0, 1), (0, 2, -1), (0, -2, 1)) else None
+
+    return Census(lambda at: outside(rest(at)), explain)

@@ -1,0 +1,216 @@
+"""The signature changes: segments inserted where an orbit grazes, removed where one vanishes (design section 5.4).
+
+At a grazing the orbit touches the surface of an event that its mode watches. Beyond, it crosses it: the segment is cut at the
+touch, the mode that the event leads to is entered, and the way back to the old mode, if it is another one, is inserted with it.
+
+    soft   NC            becomes   NC, C, NC     the inserted C begins with duration zero
+    hard   hop           becomes   hop, hop      the inserted reset begins with speed zero
+
+At a vanishing segment the same is read backwards, so a point where a segment vanishes is a grazing of the shorter signature, and
+is solved as one. Both signatures meet in one orbit; the new one is entered a little way inside.
+
+References: di Bernardo, Budd, Champneys, Kowalczyk, Piecewise-smooth Dynamical Systems (2008), chapters 6-8; Dankowicz, Schilder,
+Recipes for Continuation (2013), section 9.3.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pddecont.bifurcation.conditioned import solve_special
+from pddecont.bifurcation.grazing import graze_at
+from pddecont.bifurcation.tangency import rate
+from pddecont.continuation.arclength import correct_at, tangent
+from pddecont.continuation.newton import NewtonSettings, Solution
+from pddecont.errors import ConvergenceError
+from pddecont.model.system import Model, Segment
+from pddecont.orbit.admissibility import closest_approach, event_profiles, watched_events
+from pddecont.orbit.curve import Curve
+from pddecont.orbit.meshing import MeshRule
+from pddecont.orbit.problem import OrbitProblem, eventless
+from pddecont.orbit.reshape import Part, reshape
+
+Array = NDArray[np.float64]
+INSIDE = 1e-3
+MEETING = 1e-8
+SHRINK = 0.3
+STEP = 1e-4
+MAX_MESHES = 6
+
+
+@dataclass(frozen=True, eq=False)
+class Entered:
+    """The first orbit of a new signature: its curve, unknowns, and the direction that leads away from the old signature."""
+
+    curve: Curve
+    x: Array
+    tangent: Array
+
+
+def way_back(model: Model, segment: Segment, touched: Segment) -> list[Segment] | None:
+    """Return the segments from the mode that ``touched`` leads to back to the mode of ``segment``.
+
+    It is the shortest way, by the same event before others; None if there is none, empty if it is the same mode.
+    """
+    paths: deque[tuple[str, list[Segment]]] = deque([(touched.to, [])])
+    seen = {touched.to}
+    while paths:
+        mode, path = paths.popleft()
+        if mode == segment.mode:
+            return path
+        leaving = sorted((s for s in model.segments.values() if s.mode == mode), key=lambda s: s.event != touched.event)
+        for step in leaving:
+            if step.to not in seen or step.to == segment.mode:
+                seen.add(step.to)
+                paths.append((step.to, [*path, step]))
+    return None
+
+
+def enter(curve: Curve, x: Array, rule: MeshRule) -> Entered:
+    """Return the orbit with the segments inserted that the grazing orbit ``x`` needs; raise ConvergenceError if there is none."""
+    problem = curve.problem
+    model = problem.numeric.model
+    found = closest_approach(problem, event_profiles(problem, x))
+    if found is None:
+        raise ConvergenceError("no event is touched here")
+    event, extremum = found
+    here = problem.segments[extremum.segment]
+    direction = next(d for e, d, _ in watched_events(problem, extremum.segment) if e == event)
+    touched = next(s for s in model.segments.values() if (s.mode, s.event, s.direction) == (here.mode, event, direction))
+    back = way_back(model, here, touched)
+    if back is None:
+        raise ConvergenceError(f"after event '{event}' in mode '{here.mode}' no segment leads back to that mode")
+    fixed, at = problem.with_free(x, ())
+    ends = np.concatenate([[0.0], np.cumsum(fixed.layout.split(at)[1])])
+    parts = [Part(s, ends[i], ends[i + 1]) for i, s in enumerate(problem.segments)]
+    s, t, width = extremum.segment, extremum.time, INSIDE * ends[-1]
+    cuts = np.linspace(t - 0.5 * width, t + 0.5 * width, len(back) + 1) if back else np.array([t])
+    inserted = [Part(b, cuts[i], cuts[i + 1]) for i, b in enumerate(back)]
+    if here.event:
+        parts[s : s + 1] = [Part(touched, ends[s], cuts[0]), *inserted, Part(here, cuts[-1], ends[s + 1])]
+    else:
+        # The orbit has met no event so far: it now begins where the touched one lets it go.
+        parts = [Part(touched, cuts[-1] - ends[-1], cuts[0]), *inserted]
+    entered, guess = reshape(fixed, at, parts, rule, problem.n_periods)
+    return _begin(curve, entered, guess, rule, s, soft=bool(back))
+
+
+def _begin(curve: Curve, problem: OrbitProblem, guess: Array, rule: MeshRule, where: int, *, soft: bool) -> Entered:
+    """Return the first orbit inside the new signature: a soft one at a small duration of the inserted segment."""
+    free = curve.problem.free
+    problem, guess = problem.with_free(guess, free)
+    made = Curve(problem, curve.sizes, rule)
+    if soft:
+        made, solution = _with_duration(made, guess, where + 1, guess[place_of(made, where + 1)])
+        towards = np.zeros(len(solution.x))
+        towards[place_of(made, where + 1)] = 1.0
+        return Entered(made, solution.x, tangent(made, solution.x, made.metric(), towards))
+    # A hard impact of speed zero leaves the grazing orbit a solution of the new equations; go to where the speed grows.
+    towards = np.zeros(len(guess))
+    towards[place_of(made, where)] = -1.0
+    direction = tangent(made, guess, made.metric(), towards)
+    before, after = (rate(problem, guess + k * STEP * direction, where) for k in (-1.0, 1.0))
+    return Entered(made, guess, direction if after > before else -direction)
+
+
+def place_of(curve: Curve, s: int) -> int:
+    """Return the place of the duration of segment ``s`` among the unknowns."""
+    return curve.problem.layout.durations.start + s
+
+
+def _with_duration(curve: Curve, guess: Array, s: int, duration: float) -> tuple[Curve, Solution]:
+    """Return the orbit near ``guess`` whose segment ``s`` has ``duration``, on a mesh that suits it."""
+    for _ in range(MAX_MESHES):
+        if not curve.holds(guess):
+            curve, guess, _ = curve.refit(guess, [], solved=False)
+        solution = correct_at(curve, guess, place_of(curve, s), duration, curve.metric(), NewtonSettings())
+        if curve.suits(solution.x):
+            return curve, solution
+        curve, guess, _ = curve.refit(solution.x, [], solved=True)
+    raise ConvergenceError("the mesh does not settle")
+
+
+def leave(curve: Curve, x: Array, rule: MeshRule, s: int) -> tuple[OrbitProblem, Array]:
+    """Return the orbit without what vanishes at the end of segment ``s``, as a guess.
+
+    A soft segment s + 1 of small duration goes with both its events; a hard impact of small speed goes with its reset.
+    """
+    problem, at = curve.problem.with_free(x, ())
+    segments = problem.segments
+    S = len(segments)
+    ends = np.concatenate([[0.0], np.cumsum(problem.layout.split(at)[1])])
+    period = ends[-1]
+    here, after = segments[s], segments[(s + 1) % S]
+    n_merged = 2 if after.mode == here.mode else 3
+    if n_merged == 3 and segments[(s + 2) % S].mode != here.mode:
+        raise ConvergenceError(f"mode '{after.mode}' vanishes, but the orbit does not go on in mode '{here.mode}'")
+    if n_merged > S:
+        alone = eventless(here.mode)
+        return reshape(problem, at, [Part(alone, ends[s + 1] - period, ends[s + 1])], rule, problem.n_periods)
+    order = [(s + k) % S for k in range(S)]
+    begin = np.concatenate([[0.0], np.cumsum(np.diff(ends)[order])]) + ends[s]
+    merged = Part(segments[order[n_merged - 1]], begin[0], begin[n_merged])
+    rest = [Part(segments[order[k]], begin[k], begin[k + 1]) for k in range(n_merged, S)]
+    return reshape(problem, at, [merged, *rest], rule, problem.n_periods)
+
+
+@dataclass(frozen=True, eq=False)
+class Vanished:
+    """Where a segment's duration reaches zero: the special orbit, and whether it is one of the shorter signature."""
+
+    curve: Curve
+    solution: Solution
+    note: str
+    shorter: bool
+
+
+def vanish(curve: Curve, x: Array, rule: MeshRule) -> Vanished:
+    """Return the point at which the shortest segment of the orbit ``x`` vanishes as the branch goes on.
+
+    Between two crossings of one event the segment dies in a grazing of the orbit without it, solved as such; between two different
+    events it ends where both happen at once, reached to a duration of ``MEETING`` periods. Raises ConvergenceError if it cannot be
+    reached.
+    """
+    problem = curve.problem
+    s = int(np.argmin(x[problem.layout.durations]))
+    period = problem.period(x)
+    before = problem.segments[s - 1]
+    same = before.event == problem.segments[s].event
+    last = (INSIDE if same else MEETING) * period
+    while x[place_of(curve, s)] > last:
+        curve, solution = _with_duration(curve, x, s, max(last, SHRINK * x[place_of(curve, s)]))
+        x = solution.x
+    name = problem.segments[s].name
+    if not same:
+        note = f"{before.event} meets {problem.segments[s].event}"
+        curve, solution = _with_duration(curve, x, s, last)
+        return Vanished(curve, solution, note, False)
+    shorter, guess = without_segment(curve, x, rule, (s - 1) % len(problem.segments))
+    condition = graze_at(shorter.problem, guess)
+    if condition is None:
+        raise ConvergenceError(f"segment {name} vanishes, but the orbit without it touches nothing")
+    special, solution = solve_special(shorter, guess, condition)
+    return Vanished(special.curve, solution, f"{name} vanishes", True)
+
+
+def without_segment(curve: Curve, x: Array, rule: MeshRule, s: int) -> tuple[Curve, Array]:
+    """Return the curve of orbits without what vanishes at the end of segment ``s``, and ``x`` in its unknowns."""
+    problem, guess = leave(curve, x, rule, s)
+    problem, guess = problem.with_free(guess, curve.problem.free)
+    return Curve(problem, curve.sizes, rule), guess
+
+
+def away(curve: Curve, x: Array) -> Array:
+    """Return the tangent at a grazing orbit along which it comes free."""
+    towards = np.zeros(len(x))
+    towards[curve.problem.layout.free.start] = 1.0
+    direction = tangent(curve, x, curve.metric(), towards)
+    condition = graze_at(curve.problem, x)
+    assert condition is not None
+    low, high = (condition.value(curve, x + k * STEP * direction) for k in (-1.0, 1.0))
+    sign = 1.0 if condition.is_max else -1.0
+    return direction if sign * (high - low) < 0.0 else -direction

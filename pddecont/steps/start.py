@@ -1,0 +1,210 @@
+"""Where a branch starts: an orbit, a special point, the other branch at a special point, the orbits after a grazing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pddecont.bifurcation import branch_point, fold, grazing, period_doubling, signature, tangency, torus, user
+from pddecont.bifurcation.conditioned import Condition, SpecialCurve
+from pddecont.continuation.arclength import correct_at, tangent
+from pddecont.continuation.branch import State
+from pddecont.continuation.newton import NewtonSettings
+from pddecont.errors import ConvergenceError, InputError, RunError, SignatureError
+from pddecont.orbit.curve import Curve, settle, sizes_of
+from pddecont.orbit.meshing import transfer
+from pddecont.orbit.monitors import Monitor
+from pddecont.orbit.problem import OrbitProblem
+from pddecont.results.reader import Step as RecordedStep
+from pddecont.stability.multipliers import Known
+from pddecont.steps.context import Context, orbit_at, source_step
+from pddecont.steps.orbit import is_rotation
+from pddecont.steps.schema import Continue, Step
+
+Array = NDArray[np.float64]
+SLOW = 1e-6
+SHORT = 1e-6
+MAX_MESHES = 8
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """A ``continue`` step with what it needs: bounds of its free parameters, user functions, multipliers."""
+
+    context: Context
+    step: Step
+    body: Continue
+    bounds: tuple[tuple[float, float], ...]
+    users: tuple[Monitor, ...]
+    known: Known | None
+
+    @property
+    def widths(self) -> tuple[float, ...]:
+        """Widths of the free parameters' ranges."""
+        return tuple(high - low for low, high in self.bounds)
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """A branch's first point with its direction, and what kind of special point it follows (empty: orbits)."""
+
+    state: State
+    curve: str = ""
+
+
+def start_of(task: Task) -> Start:
+    """Return where the branch starts, its tangent towards larger values of the first free parameter."""
+    problem, guess = orbit_at(task.context, task.step, task.body.from_)
+    kind, note, recorded, row = _origin(task)
+    if len(task.body.free) == 2:
+        start = _special(task, problem, guess, kind, note)
+    elif task.body.branch == "switch":
+        start = _switched(task, problem, guess, kind, recorded, row)
+    elif task.body.signature is not None and not is_rotation([s.name for s in problem.segments], task.body.signature):
+        start = _entered(task, problem, guess, kind)
+    else:
+        start = _plain(task, problem, guess)
+    values = start.state.x[start.state.problem.problem.layout.free]
+    for name, (low, high), value in zip(task.body.free, task.bounds, values, strict=True):
+        if not low <= value <= high:
+            raise _wrong(task, f" starts at {name} = {value:g}, outside its range "
+                                                              f"[{low:g}, {high:g}]; widen the range")  # fmt: skip
+    return start
+
+
+def _origin(task: Task) -> tuple[str, str, RecordedStep, int]:
+    """Return kind and note of the point that the step starts from, and where it is recorded."""
+    recorded, row = source_step(task.context, task.body.from_)
+    note = recorded.points["note"][row].decode() if "note" in recorded.points else ""
+    return recorded.points["kind"][row].decode(), note, recorded, row
+
+
+def _state(task: Task, problem: Curve | SpecialCurve, x: Array, direction: Array) -> State:
+    return State(problem, x, direction, 0.0, task.body.step.initial, 1)
+
+
+def _forward(curve: Curve | SpecialCurve, x: Array) -> Array:
+    """Return the tangent towards larger values of the first free parameter."""
+    towards = np.zeros(len(x))
+    towards[curve.problem.layout.free.start] = 1.0
+    return tangent(curve, x, curve.metric(), towards)
+
+
+def _curve(task: Task, problem: OrbitProblem, x: Array) -> tuple[Curve, Array]:
+    problem, x = problem.with_free(x, tuple(task.body.free))
+    return Curve(problem, sizes_of(problem, x, task.widths), task.context.rule_of(task.step)), x
+
+
+def _settled(task: Task, problem: OrbitProblem, guess: Array) -> tuple[OrbitProblem, Array]:
+    try:
+        problem, solution = settle(problem, guess, task.context.rule_of(task.step))
+    except ConvergenceError as exc:
+        raise ConvergenceError(f"step '{task.step.name}': the orbit it starts from does not converge with this step's parameters, "
+                               f"delay and mesh: {exc}. What usually helps: the mesh and delay of the step it comes from, a point "
+                               "farther from a fold or a grazing", exc.history) from exc  # fmt: skip
+    return problem, solution.x
+
+
+def _plain(task: Task, problem: OrbitProblem, guess: Array) -> Start:
+    curve, x = _curve(task, *_settled(task, problem, guess))
+    return Start(_state(task, curve, x, _forward(curve, x)))
+
+
+def _switched(task: Task, problem: OrbitProblem, guess: Array, kind: str, recorded: RecordedStep, row: int) -> Start:
+    rule = task.context.rule_of(task.step)
+    if kind == period_doubling.KIND:
+        problem, x = _settled(task, problem, guess)
+        twice, guess, direction = period_doubling.doubled(problem, x, rule)
+        settled, x = _settled(task, twice, guess)
+        direction = _carried(twice, guess, direction, settled, x)
+        curve, x = _curve(task, settled, x)
+        return Start(_state(task, curve, x, curve.metric().unit(np.append(direction, np.zeros(len(task.body.free))))))
+    if kind == branch_point.KIND:
+        curve, x = _curve(task, problem, guess)
+        along = recorded.orbit(row)["tangent"]
+        if len(along) != len(x):
+            raise _wrong(task, ": a branch is switched at a BP point on the mesh and with the free parameter of the step that found it")
+        return Start(_state(task, curve, x, branch_point.other_branch(curve, x, along)))
+    raise _wrong(task, f": 'branch: switch' starts from a PD or BP point, not from {_named(kind)}")
+
+
+def _carried(old: OrbitProblem, old_x: Array, direction: Array, new: OrbitProblem, x: Array) -> Array:
+    """Return a direction at an orbit in the unknowns of another mesh."""
+    if new.mesh is old.mesh:
+        return direction
+    values, durations, start, _ = old.layout.split(direction)
+    return new.layout.join(transfer(old.mesh, old.theta(old_x), values, new.mesh, new.theta(x)), durations, start, np.zeros(0))
+
+
+def _entered(task: Task, problem: OrbitProblem, guess: Array, kind: str) -> Start:
+    assert task.body.signature is not None
+    names = [s.name for s in problem.segments]
+    if kind != grazing.KIND:
+        raise SignatureError(f"step '{task.step.name}' asks for the signature [{', '.join(task.body.signature)}], but its start runs "
+                             f"through [{', '.join(names)}]; another signature begins at a GR point")  # fmt: skip
+    curve, x = _curve(task, problem, guess)
+    entered = signature.enter(curve, x, task.context.rule_of(task.step))
+    found = [s.name for s in entered.curve.problem.segments]
+    if not is_rotation(found, task.body.signature):
+        raise SignatureError(f"step '{task.step.name}' asks for the signature [{', '.join(task.body.signature)}], but the grazing leads to "
+                             f"[{', '.join(found)}]")  # fmt: skip
+    return Start(_state(task, entered.curve, entered.x, entered.tangent))
+
+
+def _special(task: Task, problem: OrbitProblem, guess: Array, kind: str, note: str) -> Start:
+    curve, x = _curve(task, problem, guess)
+    special = SpecialCurve(curve, condition_of(task, curve, x, kind, note))
+    place = -1
+    for _ in range(MAX_MESHES):
+        if not special.holds(x):
+            special, x, _ = special.refit(x, [], solved=False)
+        solution = correct_at(special, x, len(x) + place, float(x[place]), special.metric(), NewtonSettings())
+        if special.suits(solution.x):
+            break
+        special, x, _ = special.refit(solution.x, [], solved=True)
+    else:
+        raise ConvergenceError(f"step '{task.step.name}': no mesh reaches the tolerance at its start; raise 'mesh: {{tol}}' or the degree")
+    return Start(_state(task, special, solution.x, _forward(special, solution.x)), kind)
+
+
+def condition_of(task: Task, curve: Curve, x: Array, kind: str, note: str) -> Condition:
+    """Return what defines a special point of ``kind``."""
+    known = task.known or Known()
+    problem = curve.problem
+    if kind == fold.KIND:
+        return fold.fold_at(curve, x)
+    if kind == period_doubling.KIND:
+        return period_doubling.Doubling(known).framed(curve, x)
+    if kind == torus.KIND:
+        own = known(problem, x).own
+        upper = own[own.imag > 0.0]
+        return torus.Torus(known, complex(upper[np.argmin(np.abs(np.abs(upper) - 1.0))]))
+    if kind == user.KIND:
+        monitor = next((m for m in task.users if m.name == note), None)
+        if monitor is None:
+            raise _wrong(task, f" starts where the user function '{note}' is zero; give it in this step's 'events_along' too")
+        return user.UserFunction(monitor)
+    if kind == tangency.KIND:
+        durations = x[problem.layout.durations]
+        if np.min(durations) < SHORT * np.sum(durations):
+            s = int(np.argmin(durations))
+            return tangency.Coincidence(s, float(durations[s]))
+        rates = tangency.crossing_rates(problem, x)
+        if np.any(np.abs(rates) < SLOW * np.nanmax(np.abs(rates), initial=0.0)) or np.nanmin(np.abs(rates), initial=1.0) < SLOW:
+            return tangency.Tangency(int(np.nanargmin(np.abs(rates))))
+    if kind in (grazing.KIND, tangency.KIND):
+        condition = grazing.graze_at(problem, x)
+        if condition is not None:
+            return condition
+    raise _wrong(task, " has two free parameters: it follows a special point (LP, PD, TR, GR, VS or UF) and cannot start from "
+                       f"{_named(kind)}")  # fmt: skip
+
+
+def _wrong(task: Task, text: str) -> InputError:
+    return RunError.at(task.context.plan.source, 0, 0, f"step '{task.step.name}'{text}")
+
+
+def _named(kind: str) -> str:
+    return f"a {kind} point" if kind else "an ordinary point"

@@ -1,0 +1,62 @@
+"""What a ``continue`` step watches along its branch."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from pddecont.bifurcation import codim2, grazing, period_doubling, tangency, user
+from pddecont.bifurcation.census import branch_census
+from pddecont.bifurcation.conditioned import SpecialCurve
+from pddecont.continuation.branch import State, TestFunction, Watch
+from pddecont.continuation.locate import Located
+from pddecont.orbit.monitors import Monitor
+from pddecont.stability.multipliers import Known
+from pddecont.steps.start import Task
+
+
+def watch_of(task: Task, state: State) -> Watch:
+    """Return the test functions and the census of the branch that goes on from ``state``."""
+    users = [TestFunction(user.KIND, _monitor(m), note=m.name) for m in task.users]
+    if isinstance(state.problem, SpecialCurve):
+        watch = codim2.watch_curve(state.problem, task.known)
+        kind = state.problem.condition.kind
+        return Watch([*watch.tests, *(u for u in users if kind != user.KIND or u.note != followed(state.problem))], watch.census)
+    tests = [
+        TestFunction(grazing.KIND, lambda at: grazing.clearance(at.problem.problem, at.x), stops=True),
+        TestFunction(tangency.KIND, lambda at: tangency.crossing_rate(at.problem.problem, at.x), stops=True, note="event turns tangential"),
+    ]
+    return Watch([*tests, *_collapse(task, state), *users], branch_census(task.known))
+
+
+def _monitor(monitor: Monitor) -> Callable[[Located], float]:
+    return lambda at: monitor.value(at.problem.problem, at.x)
+
+
+def followed(special: SpecialCurve) -> str:
+    """Return the name of the user function that a curve keeps at zero (empty for other curves)."""
+    return special.condition.monitor.name if isinstance(special.condition, user.UserFunction) else ""
+
+
+def _collapse(task: Task, state: State) -> list[TestFunction]:
+    """Return the test for a doubled orbit that falls onto the single one: what differs most between its halves changes sign."""
+    rule = task.context.rule_of(task.step)
+    difference = period_doubling.halves(state.problem.problem, state.x)
+    if not len(difference) or not np.any(difference):
+        return []
+    most = int(np.argmax(np.abs(difference)))
+
+    def value(at: Located) -> float:
+        # Near the single orbit a step may land on it: no difference is left, and no sign of it can be trusted.
+        if period_doubling.equal_halves(at.problem.problem, at.x, at.problem.metric()):
+            return 0.0
+        return float(period_doubling.halves(at.problem.problem, at.x)[most])
+
+    def really(at: Located) -> bool:
+        return period_doubling.equal_halves(at.problem.problem, at.x, at.problem.metric())
+
+    def refine(at: Located) -> Located:
+        return period_doubling.collapsed(at.problem, at.x, rule, task.known or Known())
+
+    return [TestFunction(period_doubling.KIND, value, True, "halves become equal", really, refine)]
