@@ -1,7 +1,7 @@
 """Special orbits as a system of equations: an orbit's own and one more, a condition that defines the special point.
 
-A condition is a smooth function of the orbit. Newton's method takes its gradient along the orbits alone, in the one or two directions
-in which the orbit's own equations leave it free; elsewhere these equations converge quadratically, and the condition follows. With
+A condition is a smooth function of the orbit. A Newton step needs its rates of change in no more than three directions: the one or two
+in which the orbit's own equations leave it free, and the correction that these equations ask for at right angles to them. With
 two free parameters the solutions form a curve, with one they are points.
 """
 
@@ -24,6 +24,7 @@ from pddecont.orbit.problem import OrbitProblem
 
 Array = NDArray[np.float64]
 DIFFERENCE = 1e-6
+NOTHING = 1e-12
 MAX_MESHES = 8
 
 
@@ -66,13 +67,15 @@ class SpecialCurve:
 
     def jacobian(self, x: Array) -> Matrix:
         """Return their derivatives."""
-        matrix = self.curve.jacobian(x)
+        matrix, size = self.curve.jacobian(x), self._size
         directions = self.directions(x, matrix)
+        correction = self._null(matrix, size, directions, -self.curve.residual(x))[1]
+        length = float(np.linalg.norm(correction / size))
+        if length > NOTHING:
+            directions = np.vstack([directions, correction / length])
+        rows = (directions / size).T
         slopes = self.slopes(x, directions)
-        size = self._size
-        rows = directions.T / size[:, None]
-        gram = rows.T @ rows
-        return add_row(matrix, (rows @ np.linalg.solve(gram, slopes)) / size)
+        return add_row(matrix, (rows @ np.linalg.solve(rows.T @ rows, slopes)) / size)
 
     @cached_property
     def _size(self) -> Array:
@@ -86,21 +89,25 @@ class SpecialCurve:
         if self.free_directions is None:
             self.free_directions = np.random.default_rng(1).standard_normal((n_free, len(x))) * size
             for _ in range(2):
-                self.free_directions = self._null(matrix, size, self.free_directions)
-        self.free_directions = self._null(matrix, size, self.free_directions)
+                self.free_directions = self._null(matrix, size, self.free_directions)[0]
+        self.free_directions = self._null(matrix, size, self.free_directions)[0]
         return self.free_directions
 
-    def _null(self, matrix: Matrix, size: Array, near: Array) -> Array:
+    def _null(self, matrix: Matrix, size: Array, near: Array, rhs: Array | None = None) -> tuple[Array, Array]:
+        """Return unit vectors that span the null space, and the solution for ``rhs`` that is at right angles to those ``near``."""
         scaled = scale_matrix(matrix, np.ones(matrix.shape[0]), size)
-        scaled = scale_matrix(scaled, 1.0 / row_maxima(scaled), np.ones(len(size)))
+        row_sizes = 1.0 / row_maxima(scaled)
+        scaled = scale_matrix(scaled, row_sizes, np.ones(len(size)))
         for direction in near:
             scaled = add_row(scaled, direction / size)
         n = len(near)
-        last = np.zeros((len(size), n))
-        last[-n:] = np.eye(n)
-        solved = factor(scaled).solve(last)
-        basis, upper = np.linalg.qr(solved)
-        return (basis * np.sign(np.diag(upper))).T * size
+        right = np.zeros((len(size), n + 1))
+        right[-n:, :n] = np.eye(n)
+        if rhs is not None:
+            right[:-n, n] = row_sizes * rhs
+        solved = factor(scaled).solve(right)
+        basis, upper = np.linalg.qr(solved[:, :n])
+        return (basis * np.sign(np.diag(upper))).T * size, solved[:, n] * size
 
     def slopes(self, x: Array, directions: Array) -> Array:
         """Return the condition's rates of change along unit ``directions``."""

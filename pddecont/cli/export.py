@@ -60,7 +60,12 @@ def to_csv(rows: list[dict[str, Any]]) -> str:
 def _real(row: dict[str, Any]) -> dict[str, Any]:
     result: dict[str, Any] = {}
     for key, value in row.items():
-        result |= {"re": value.real, "im": value.imag} if isinstance(value, complex) else {key: value}
+        if isinstance(value, complex):
+            # A parameter may be called re, after Reynolds.
+            names = (f"{key}_re", f"{key}_im") if {"re", "im"} & set(row) else ("re", "im")
+            result |= dict(zip(names, (value.real, value.imag), strict=True))
+        else:
+            result[key] = value
     return result
 
 

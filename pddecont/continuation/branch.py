@@ -350,12 +350,10 @@ def _counted(chord: Chord, census: Census, low: float, high: float, before: Coun
         return []
     tests = census.explain(before, after)
     if tests is not None:
-        found = []
-        for test in tests:
-            f_low, f_high = test.value(chord.at(low)), test.value(chord.at(high))
-            if f_low * f_high <= 0.0:
-                found += _zero(chord, test, low, high, f_low, f_high)
-        return found
+        ends = [(test.value(chord.at(low)), test.value(chord.at(high))) for test in tests]
+        # A test function may not exist all along: no real multiplier at one end, say. Then the step is cut too.
+        if all(f_low * f_high <= 0.0 for f_low, f_high in ends):
+            return [f for test, (f_low, f_high) in zip(tests, ends, strict=True) for f in _zero(chord, test, low, high, f_low, f_high)]
     if cuts == 0:
         return []
     middle = 0.5 * (low + high)

@@ -1,59 +1,44 @@
-"""Bifurcation diagrams: any column of points against any other."""
+"""Bifurcation diagrams: any column of points against any other, one or several branches."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from pddecont.errors import ResultsError, suggest
-from pddecont.plot.style import COLOURS, MARKERS, label
+from pddecont.plot.columns import column
+from pddecont.plot.stretches import colouring, stretches, style_handles
+from pddecont.plot.style import label, marker
+from pddecont.plot.tags import Tag
 from pddecont.results.reader import Step
 
-Array = NDArray[np.float64]
 
+def draw_diagram(axes: Any, steps: Sequence[Step], x: str, y: str) -> tuple[list[Tag], list[Any]]:
+    """Draw branches: unstable parts dashed, those that are not admissible dotted, each signature in its colour.
 
-def column(step: Step, name: str) -> Array:
-    """Return a parameter, a monitor or another number of each point, by name."""
-    for group in ("parameters", "monitors"):
-        if name in step.meta[group]:
-            return step.points[group][:, step.meta[group].index(name)]
-    if name in step.points and step.points[name].ndim == 1 and step.points[name].dtype.kind == "f":
-        return step.points[name]
-    known = columns(step)
-    raise ResultsError(f"step '{step.name}' has no column '{name}'{suggest(name, known)} (columns: {', '.join(known)})")
-
-
-def columns(step: Step) -> list[str]:
-    """Return the names that :func:`column` knows."""
-    plain = [n for n in ("period", "error_estimate", "clearance", "arclength") if n in step.points]
-    return [*step.meta["parameters"], *step.meta["monitors"], *plain]
-
-
-def default_columns(step: Step) -> tuple[str, str]:
-    """Return what a diagram shows when nobody says: the free parameter and the first monitor, else the period."""
-    free = step.meta.get("free") or step.meta["parameters"][:1] or ["period"]
-    others = [m for m in step.meta["monitors"] if np.any(np.isfinite(column(step, m)))]
-    return free[0], others[0] if others else "period"
-
-
-def draw_diagram(axes: Any, step: Step, x: str, y: str, colour: str = COLOURS[0]) -> None:
-    """Draw a branch with its special points; parts that are not admissible are dotted."""
-    order = step.order
-    xs, ys = column(step, x)[order], column(step, y)[order]
-    good = step.points["admissible"][order] != 0
-    # A line between two points is drawn solid where either end is admissible: only one of them may be the grazing itself.
-    for solid, style in ((True, "-"), (False, ":")):
-        piece = np.ma.masked_array(ys, mask=~good if solid else good & np.roll(good, 1) & np.roll(good, -1))
-        axes.plot(xs, piece, style, color=colour, lw=1.6 if solid else 1.0, marker="." if len(xs) < 3 else None)
-    offset = 1
-    for i, (px, py) in zip(order, zip(xs, ys, strict=True), strict=True):
-        name = step.labels[i]
-        if not name or name.startswith("EP"):
-            continue
-        axes.plot([px], [py], MARKERS[name[:2]], color="black", ms=5, zorder=5)
-        axes.annotate(name, (px, py), textcoords="offset points", xytext=(5, 6 * offset), fontsize=8.5)
-        offset = -offset if offset > 0 else 1
+    Returns the names of special points, which go in last, and the handles of the legend.
+    """
+    colours, handles = colouring(steps)
+    tags: list[Tag] = []
+    for step in steps:
+        xs, ys = column(step, x), column(step, y)
+        for s in stretches(step):
+            axes.plot(xs[s.rows], ys[s.rows], s.style, color=colours[step.name, s.family], lw=1.0 if s.style == ":" else 1.6,
+                      marker="." if len(xs) < 3 else None)  # fmt: skip
+        tags += mark_special(axes, step, x, y)
     axes.set_xlabel(label(x))
     axes.set_ylabel(label(y))
+    return tags, [*handles, *style_handles(steps)]
+
+
+def mark_special(axes: Any, step: Step, x: str, y: str) -> list[Tag]:
+    """Mark the special points of a branch or curve and return their names."""
+    xs, ys = column(step, x), column(step, y)
+    rows = special_rows(step)
+    for i in rows:
+        axes.plot([xs[i]], [ys[i]], marker(step.labels[i][:2]), color="black", ms=5, zorder=5)
+    return [Tag(step.labels[i], float(xs[i]), float(ys[i])) for i in rows]
+
+
+def special_rows(step: Step) -> list[int]:
+    """Return the rows of special points in order along the branch, without end points."""
+    return [int(i) for i in step.order if step.labels[i] and not step.labels[i].startswith("EP")]

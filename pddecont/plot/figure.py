@@ -1,33 +1,27 @@
-"""Whole pictures: which panels a results file gives, and how they are laid out."""
+"""Whole pictures: how the panels of a view are laid out."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from pddecont.errors import ResultsError
-from pddecont.plot.diagram import column, default_columns, draw_diagram
+from pddecont.plot.choice import View, choose, chosen_rows, height, pair
+from pddecont.plot.columns import default_columns, free_of, title
+from pddecont.plot.diagram import draw_diagram
+from pddecont.plot.manifold import draw_manifold
+from pddecont.plot.multipliers import draw_multipliers
 from pddecont.plot.orbits import draw_orbit, draw_profile, draw_trajectory
+from pddecont.plot.plane import draw_plane
 from pddecont.plot.style import RC, label
+from pddecont.plot.tags import Tag, place_tags
 from pddecont.results.reader import Results, Step
 
 SUFFIXES = (".png", ".svg", ".pdf")
-MAX_PANELS = 6
-
-
-@dataclass(frozen=True)
-class View:
-    """What to draw; None leaves the choice to the file's contents."""
-
-    kind: str | None = None
-    step: str | None = None
-    x: str | None = None
-    y: str | None = None
-    labels: tuple[str, ...] = ()
-    indices: tuple[int, ...] = ()
+BESIDE = 4
 
 
 def draw(results: Results, view: View, path: Path) -> None:
@@ -36,56 +30,26 @@ def draw(results: Results, view: View, path: Path) -> None:
         raise ResultsError(f"{path}: pictures are {', '.join(SUFFIXES)}; found '{path.suffix or 'no suffix'}'")
     import matplotlib
 
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-
-    step = _chosen(results, view)
-    with plt.rc_context(dict(RC)):
-        views = {"diagram": _diagram, "orbit": _orbits, "profile": _profiles, "trajectory": _trajectory}
-        figure = views[_kind(step, view)](plt, step, view)
+    with matplotlib.rc_context(dict(RC)):
+        figure = picture(results, view)
         try:
             figure.savefig(path)
         except OSError as exc:
             raise ResultsError(f"{path} cannot be written: {exc.strerror}") from exc
-        finally:
-            plt.close(figure)
 
 
-def _chosen(results: Results, view: View) -> Step:
-    if view.step is not None:
-        return results.step(view.step)
-    wanted = {"trajectory": ("simulate",), "diagram": ("continue",)}.get(view.kind or "", ("continue", "orbit", "simulate"))
-    for kind in wanted:
-        found = [s for s in results.steps.values() if s.kind == kind and len(s)]
-        if found:
-            return found[-1]
-    raise ResultsError(f"{results.path} holds nothing to draw (steps: {', '.join(results.steps) or 'none'})")
+def picture(results: Results, view: View) -> Any:
+    """Return ``view`` of a results file as a matplotlib figure."""
+    kind, steps = choose(results, view)
+    views = {"diagram": _diagram, "plane": _plane, "manifold": _manifold, "multipliers": _multipliers, "orbit": _orbits,
+             "profile": _profiles, "trajectory": _trajectory}  # fmt: skip
+    return views[kind](steps, view)
 
 
-def _kind(step: Step, view: View) -> str:
-    fits = {"simulate": ("trajectory",), "orbit": ("orbit", "profile"), "continue": ("diagram", "orbit", "profile")}[step.kind]
-    kind = view.kind or fits[0]
-    if kind not in fits:
-        raise ResultsError(f"step '{step.name}' is a {step.kind} step; it can be drawn as {', '.join(fits)}, not as {kind}")
-    return kind
+def _figure(width: float, height: float) -> Any:
+    from matplotlib.figure import Figure
 
-
-def _rows(step: Step, view: View) -> list[int]:
-    """Return the rows whose orbits are shown: those asked for, else the special points, else the first and the last."""
-    asked = [*(step.row(name) for name in view.labels), *view.indices]
-    for i in asked:
-        if i >= len(step):
-            raise ResultsError(f"step '{step.name}' has {len(step)} points, no index {i}")
-    if asked:
-        return asked
-    special = [i for i in step.order if step.labels[i] and not step.labels[i].startswith("EP")]
-    return (special or [int(i) for i in dict.fromkeys((step.order[0], step.order[-1]))])[:MAX_PANELS]
-
-
-def _title(step: Step, row: int) -> str:
-    free = step.meta.get("free") or []
-    values = [f"{label(name)} = {column(step, name)[row]:.6g}" for name in free]
-    return "  ".join([t for t in (step.labels[row],) if t] + values)
+    return Figure(figsize=(width, height))
 
 
 def _states(step: Step, view: View) -> tuple[str, str]:
@@ -93,61 +57,95 @@ def _states(step: Step, view: View) -> tuple[str, str]:
     return view.x or states[0], view.y or states[min(1, len(states) - 1)]
 
 
-def _diagram(plt: Any, step: Step, view: View) -> Any:
+def _diagram(steps: list[Step], view: View) -> Any:
     """Return the diagram with phase plots of chosen or special points beside it."""
-    x, y = default_columns(step)
-    x, y = view.x or x, view.y or y
-    rows = _rows(step, view) if len(step.meta["states"]) > 1 else []
-    if not any(step.labels[i] for i in rows) and not (view.labels or view.indices):
-        rows = []
-    rows = rows[:4]
-    if not rows:
-        figure, axes = plt.subplots(figsize=(6.4, 4.2))
-        draw_diagram(axes, step, x, y)
-        return figure
-    figure = plt.figure(figsize=(9.2, 2.3 * max(2, len(rows))))
+    x, y = default_columns(steps[-1])
+    figure, axes = _with_orbits(steps, chosen_rows(steps, view, BESIDE, ends=False))
+    return _finished(figure, axes, *draw_diagram(axes, steps, view.x or x, view.y or y))
+
+
+def _plane(steps: list[Step], view: View) -> Any:
+    """Return the curves in two parameters, with phase plots of points that were asked for."""
+    asked = chosen_rows(steps, view, ends=False) if view.labels or view.indices else []
+    figure, axes = _with_orbits(steps, asked)
+    return _finished(figure, axes, *draw_plane(axes, steps, *pair(steps[::-1], view)))
+
+
+def _with_orbits(steps: list[Step], rows: Sequence[tuple[Step, int]]) -> tuple[Any, Any]:
+    """Return a figure and its large panel, with phase plots of ``rows`` to the right of it."""
+    states = list(steps[-1].meta["states"])
+    if not rows or len(states) == 1:
+        figure = _figure(6.4, 4.4)
+        return figure, figure.subplots()
+    figure = _figure(9.2, 2.3 * max(2, len(rows)))
     grid = figure.add_gridspec(len(rows), 3)
-    draw_diagram(figure.add_subplot(grid[:, :2]), step, x, y)
-    states = list(step.meta["states"])
-    for k, row in enumerate(rows):
-        draw_orbit(figure.add_subplot(grid[k, 2]), step, row, states[0], states[1], _title(step, row))
+    axes = figure.add_subplot(grid[:, :2])
+    for k, (step, row) in enumerate(rows):
+        draw_orbit(figure.add_subplot(grid[k, 2]), step, row, states[0], states[1], title(step, row))
+    return figure, axes
+
+
+def _finished(figure: Any, axes: Any, tags: Sequence[Tag], handles: Sequence[Any]) -> Any:
+    if handles:
+        figure.legend(handles=handles, loc="outside lower center", ncols=min(3, len(handles)), fontsize=8.5)
+    place_tags(axes, tags)
     return figure
 
 
-def _panels(plt: Any, n: int) -> tuple[Any, list[Any]]:
+def _manifold(steps: list[Step], view: View) -> Any:
+    figure = _figure(7.4, 6.4)
+    axes = figure.add_subplot(projection="3d")
+    axes.set_box_aspect((4, 4, 3), zoom=0.98)
+    return _finished(figure, axes, *draw_manifold(axes, steps, *pair(steps, view), height(steps, view)))
+
+
+def _multipliers(steps: list[Step], view: View) -> Any:
+    step, rows = steps[0], [row for _, row in chosen_rows(steps, view, ends=False)]
+    figure = _figure(6.4, 5.2)
+    axes = figure.subplots()
+    dots = draw_multipliers(axes, step, rows)
+    if dots is not None:
+        figure.colorbar(dots, ax=axes, label=label(free_of(step)[0]), shrink=0.85)
+    handles, _ = axes.get_legend_handles_labels()
+    if handles:
+        figure.legend(handles=handles, loc="outside lower center", ncols=min(2, len(handles)), fontsize=8.5)
+    return figure
+
+
+def _panels(n: int) -> tuple[Any, list[Any]]:
     columns = min(n, 3)
     lines = -(-n // columns)
-    figure, axes = plt.subplots(lines, columns, figsize=(4.2 * columns, 3.4 * lines), squeeze=False)
-    flat = list(np.ravel(axes))
+    figure = _figure(4.2 * columns, 3.4 * lines)
+    flat = list(np.ravel(figure.subplots(lines, columns, squeeze=False)))
     for spare in flat[n:]:
         spare.set_visible(False)
     return figure, flat[:n]
 
 
-def _orbits(plt: Any, step: Step, view: View) -> Any:
-    rows = _rows(step, view)
-    if len(step.meta["states"]) == 1:
-        return _profiles(plt, step, view)
-    figure, panels = _panels(plt, len(rows))
-    for axes, row in zip(panels, rows, strict=True):
-        draw_orbit(axes, step, row, *_states(step, view), _title(step, row))
-    if len(np.unique(step.orbit(rows[0])["segment"])) > 1:
+def _orbits(steps: list[Step], view: View) -> Any:
+    if len(steps[0].meta["states"]) == 1:
+        return _profiles(steps, view)
+    rows = chosen_rows(steps, view)
+    figure, panels = _panels(len(rows))
+    for axes, (step, row) in zip(panels, rows, strict=True):
+        draw_orbit(axes, step, row, *_states(step, view), title(step, row))
+    step, row = rows[0]
+    if len(np.unique(step.orbit(row)["segment"])) > 1:
         handles, names = panels[0].get_legend_handles_labels()
         unique = dict(zip(names, handles, strict=True))
         panels[0].legend(unique.values(), unique.keys(), fontsize=8)
     return figure
 
 
-def _profiles(plt: Any, step: Step, view: View) -> Any:
-    rows = _rows(step, view)
-    figure, panels = _panels(plt, len(rows))
-    states = [view.y] if view.y else list(step.meta["states"])
-    for axes, row in zip(panels, rows, strict=True):
-        draw_profile(axes, step, row, states, _title(step, row))
+def _profiles(steps: list[Step], view: View) -> Any:
+    rows = chosen_rows(steps, view)
+    figure, panels = _panels(len(rows))
+    for axes, (step, row) in zip(panels, rows, strict=True):
+        draw_profile(axes, step, row, [view.y] if view.y else list(step.meta["states"]), title(step, row))
     return figure
 
 
-def _trajectory(plt: Any, step: Step, view: View) -> Any:
-    figure, axes = plt.subplots(figsize=(8.5, 3.6))
-    draw_trajectory(axes, step, [view.y] if view.y else list(step.meta["states"])[:2])
+def _trajectory(steps: list[Step], view: View) -> Any:
+    figure = _figure(8.5, 3.6)
+    draw_trajectory(figure.subplots(), steps[0], [view.y] if view.y else list(steps[0].meta["states"])[:2])
     return figure

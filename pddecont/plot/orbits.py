@@ -10,6 +10,7 @@ from pddecont.errors import ResultsError, suggest
 from pddecont.plot.curves import segments
 from pddecont.plot.style import COLOURS, label
 from pddecont.results.reader import Step
+from pddecont.results.summary import signature
 
 
 def state_index(step: Step, name: str) -> int:
@@ -58,7 +59,7 @@ def _draw_surfaces(axes: Any, step: Step, row: int, i: int, j: int) -> None:
 
 def segment_names(step: Step, row: int) -> list[str]:
     """Return the segments' names of a recorded orbit."""
-    return step.orbit(row)["signature"].tobytes().decode().split()
+    return signature(step, row).split()
 
 
 def draw_profile(axes: Any, step: Step, row: int, states: list[str], title: str = "") -> None:

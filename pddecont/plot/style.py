@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-COLOURS = ("#1f5fa8", "#c2402f", "#2f8f5b", "#8a5fb0", "#b8860b", "#3b3b3b")
-MARKERS = {"GR": "o", "LP": "s", "BP": "x", "PD": "^", "TR": "*", "VS": "D", "EP": "|"}
+COLOURS = ("#1f5fa8", "#c2402f", "#2f8f5b", "#8a5fb0", "#b8860b", "#3b3b3b", "#3aa0b5", "#c45f96")
+MARKERS = {"GR": "o", "LP": "s", "BP": "x", "PD": "^", "TR": "*", "VS": "D", "EP": "|", "UF": "v", "CP": "P"}
+OTHER_MARKER = "h"
+# Curves of special points in two parameters.
+KIND_COLOURS = {"GR": "#c2402f", "LP": "#1f5fa8", "PD": "#2f8f5b", "TR": "#8a5fb0", "VS": "#b8860b", "UF": "#3b3b3b"}
 RC: Any = {
     "figure.constrained_layout.use": True, "figure.dpi": 110, "savefig.dpi": 160, "font.size": 9.5, "axes.grid": True,
     "grid.alpha": 0.25, "grid.linewidth": 0.6, "axes.spines.top": False, "axes.spines.right": False, "lines.linewidth": 1.6,
@@ -22,3 +25,8 @@ def label(name: str) -> str:
         return name.replace("_", " ")
     body = f"\\{first}" if first in _GREEK else first
     return f"${body}_{{{rest}}}$" if rest else f"${body}$"
+
+
+def marker(kind: str) -> str:
+    """Return the marker of a kind of special point."""
+    return MARKERS.get(kind, OTHER_MARKER)

@@ -208,7 +208,8 @@ class _Integration:
     def event_scale(self, segment: Segment, t: float, y: Array) -> float:
         d = self.numeric.event(segment.event).derivatives(
             np.array([t]), y[: self.n, None], np.array(self.delays.values(t, y))[:, None], self.p)
-        return float(np.sum(np.abs(d.dx[0, :, 0] * y[: self.n]))) + float(np.max(np.abs(d.dx), initial=0.0)) + 1e-300
+        in_time = abs(float(d.dt[0, 0])) * (1.0 + abs(t))
+        return float(np.sum(np.abs(d.dx[0, :, 0] * y[: self.n]))) + float(np.max(np.abs(d.dx), initial=0.0)) + in_time + 1e-300
 
     def first_event(self, watched: list[Segment], level: dict[str, float], t0: float, t1: float,
                     dense: Callable[[float], Array]) -> tuple[float, Segment] | None:  # fmt: skip

@@ -13,6 +13,7 @@ from pddecont.simulate.trajectory import Arc, Trajectory
 
 Array = NDArray[np.float64]
 MAX_PERIODS = 64
+OFF_CENTRE = 0.4789
 CLOSE = 1e-4
 
 
@@ -47,7 +48,7 @@ def recognise(numeric: NumericModel, p: Array, trajectory: Trajectory) -> Cycle:
 
 
 def _forced(trajectory: Trajectory, period: float) -> Cycle:
-    end = trajectory.t_end
+    end = _between_events(trajectory, period)
     most = min(MAX_PERIODS, int(0.5 * (end - trajectory.t0) / period))
     if most < 1:
         raise SignatureError(f"the trajectory is shorter than two forcing periods ({period:.6g}); raise 't_end'")
@@ -64,15 +65,24 @@ def _forced(trajectory: Trajectory, period: float) -> Cycle:
     raise AssertionError
 
 
+def _between_events(trajectory: Trajectory, period: float) -> float:
+    """Return a time near the end, away from events: there a state has two values, and returns could not be compared."""
+    times = [e.t for e in trajectory.events if e.t > trajectory.t_end - 2.0 * period]
+    if len(times) < 2:
+        return trajectory.t_end
+    longest = int(np.argmax(np.diff(times)))
+    return float(times[longest] + OFF_CENTRE * (times[longest + 1] - times[longest]))
+
+
 def _cycle_of(trajectory: Trajectory, end: float, length: float, n_periods: int) -> Cycle | None:
     """Return the last ``length`` of the trajectory, from event to event; None if its events do not repeat."""
     events = trajectory.events
-    inside = [i for i, e in enumerate(events) if e.t > end - length]
+    inside = [i for i, e in enumerate(events) if end - length < e.t <= end]
     if not inside:
         arc = trajectory.arcs[-1]
         return Cycle((), np.array([end - length, end]), (arc,), n_periods, arc.mode)
     q = len(inside)
-    last = len(events) - 1
+    last = inside[-1]
     if last - q < 0 or abs(events[last].t - events[last - q].t - length) > 1e-3 * length:
         return None
     return _from_events(trajectory, last - q, last, n_periods)

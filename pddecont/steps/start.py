@@ -14,7 +14,6 @@ from pddecont.continuation.branch import State
 from pddecont.continuation.newton import NewtonSettings
 from pddecont.errors import ConvergenceError, InputError, RunError, SignatureError
 from pddecont.orbit.curve import Curve, settle, sizes_of
-from pddecont.orbit.meshing import transfer
 from pddecont.orbit.monitors import Monitor
 from pddecont.orbit.problem import OrbitProblem
 from pddecont.results.reader import Step as RecordedStep
@@ -116,10 +115,9 @@ def _switched(task: Task, problem: OrbitProblem, guess: Array, kind: str, record
     rule = task.context.rule_of(task.step)
     if kind == period_doubling.KIND:
         problem, x = _settled(task, problem, guess)
-        twice, guess, direction = period_doubling.doubled(problem, x, rule)
-        settled, x = _settled(task, twice, guess)
-        direction = _carried(twice, guess, direction, settled, x)
-        curve, x = _curve(task, settled, x)
+        # Taken twice the orbit has the multiplier +1, so it is not solved for again before the branch has left it.
+        twice, x, direction = period_doubling.doubled(problem, x, rule)
+        curve, x = _curve(task, twice, x)
         return Start(_state(task, curve, x, curve.metric().unit(np.append(direction, np.zeros(len(task.body.free))))))
     if kind == branch_point.KIND:
         curve, x = _curve(task, problem, guess)
@@ -128,14 +126,6 @@ def _switched(task: Task, problem: OrbitProblem, guess: Array, kind: str, record
             raise _wrong(task, ": a branch is switched at a BP point on the mesh and with the free parameter of the step that found it")
         return Start(_state(task, curve, x, branch_point.other_branch(curve, x, along)))
     raise _wrong(task, f": 'branch: switch' starts from a PD or BP point, not from {_named(kind)}")
-
-
-def _carried(old: OrbitProblem, old_x: Array, direction: Array, new: OrbitProblem, x: Array) -> Array:
-    """Return a direction at an orbit in the unknowns of another mesh."""
-    if new.mesh is old.mesh:
-        return direction
-    values, durations, start, _ = old.layout.split(direction)
-    return new.layout.join(transfer(old.mesh, old.theta(old_x), values, new.mesh, new.theta(x)), durations, start, np.zeros(0))
 
 
 def _entered(task: Task, problem: OrbitProblem, guess: Array, kind: str) -> Start:

@@ -1,0 +1,119 @@
+"""What a picture shows: the steps and the view that were asked for, or those that suit the file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from pddecont.errors import ResultsError
+from pddecont.plot.columns import default_height, free_of
+from pddecont.plot.diagram import special_rows
+from pddecont.plot.manifold import within_plane
+from pddecont.results.reader import Results, Step
+from pddecont.results.tables import has_multipliers
+
+# Views that show one step at a time.
+SINGLE = ("orbit", "profile", "trajectory", "multipliers")
+MAX_PANELS = 6
+
+
+@dataclass(frozen=True)
+class View:
+    """What to draw; what is left out is chosen by the file's contents."""
+
+    kind: str | None = None
+    steps: tuple[str, ...] = ()
+    x: str | None = None
+    y: str | None = None
+    z: str | None = None
+    labels: tuple[str, ...] = ()
+    indices: tuple[int, ...] = ()
+
+
+def kinds_for(step: Step) -> tuple[str, ...]:
+    """Return the views of a step, the one that suits it best first."""
+    if step.kind == "continue" and len(free_of(step)) == 2:
+        return "plane", "diagram", "manifold", "orbit", "profile", "multipliers"
+    return {"simulate": ("trajectory",), "orbit": ("orbit", "profile", "multipliers"),
+            "continue": ("diagram", "orbit", "profile", "multipliers", "manifold")}.get(step.kind, ())  # fmt: skip
+
+
+def choose(results: Results, view: View) -> tuple[str, list[Step]]:
+    """Return the kind of view and the steps it draws, the main one last.
+
+    Raises
+    ------
+    ResultsError
+        If there is nothing to draw so, or the steps asked for do not go with the view.
+    """
+    return _asked(results, view) if view.steps else _suitable(results, view)
+
+
+def _asked(results: Results, view: View) -> tuple[str, list[Step]]:
+    steps = [results.step(name) for name in dict.fromkeys(view.steps)]
+    kind = view.kind or next(iter(kinds_for(steps[-1])), "")
+    for step in steps:
+        if not len(step):
+            raise ResultsError(f"step '{step.name}' has no points yet")
+        if kind not in kinds_for(step):
+            free = f" in {len(free_of(step))} parameter{'s'[: len(free_of(step)) - 1]}" if free_of(step) else ""
+            raise ResultsError(f"step '{step.name}' is a {step.kind} step{free}; it can be drawn as "
+                               f"{', '.join(kinds_for(step)) or 'nothing yet'}, not as {kind}")  # fmt: skip
+    if kind in SINGLE and len(steps) > 1:
+        raise ResultsError(f"the view '{kind}' shows one step; choose one of {', '.join(s.name for s in steps)}")
+    if kind == "plane" and len({frozenset(free_of(s)) for s in steps}) > 1:
+        pairs = "; ".join(f"{s.name}: {', '.join(free_of(s))}" for s in steps)
+        raise ResultsError(f"the curves are in different parameters ({pairs}); choose steps with the same pair")
+    return kind, steps
+
+
+def _suitable(results: Results, view: View) -> tuple[str, list[Step]]:
+    full = [s for s in results.steps.values() if len(s) and kinds_for(s)]
+    full = [s for kind in ("simulate", "orbit", "continue") for s in full if s.kind == kind]
+    kind = view.kind or (kinds_for(full[-1])[0] if full else "")
+    fit = [s for s in full if kind in kinds_for(s)]
+    if not fit:
+        wanted = f" as {kind}" if kind else ""
+        raise ResultsError(f"{results.path} holds nothing to draw{wanted} (steps: {', '.join(results.steps) or 'none'})")
+    if kind == "multipliers":
+        fit = [s for s in fit if has_multipliers(s)] or fit
+    if kind in SINGLE:
+        return kind, fit[-1:]
+    if kind == "manifold":
+        found = within_plane(fit, *pair(fit, view))
+        if not found:
+            raise ResultsError(f"{results.path} has no branch or curve in {' and '.join(pair(fit, view))}")
+        return kind, found
+    fit = [s for s in fit if kind != "diagram" or len(free_of(s)) == 1] or fit
+    return kind, [s for s in fit if set(free_of(s)) == set(free_of(fit[-1]))]
+
+
+def pair(steps: list[Step], view: View) -> tuple[str, str]:
+    """Return the two parameters of a plane: those asked for, else the free parameters of the first curve."""
+    free = next((free_of(s) for s in steps if len(free_of(s)) == 2), [])
+    if not free and not (view.x and view.y):
+        raise ResultsError("there is no curve in two parameters to say which plane is meant; give -x and -y")
+    x = view.x or next(name for name in free if name != view.y)
+    return x, view.y or next(name for name in free if name != x)
+
+
+def height(steps: list[Step], view: View) -> str:
+    """Return what a view in three dimensions shows upwards."""
+    return view.z or default_height(steps[0])
+
+
+def chosen_rows(steps: list[Step], view: View, n: int = MAX_PANELS, *, ends: bool = True) -> list[tuple[Step, int]]:
+    """Return the points shown closely: those asked for, else the special points, else (``ends``) the first and the last."""
+    main = steps[-1]
+    asked = []
+    for name in view.labels:
+        step = next((s for s in reversed(steps) if name in s.labels), main)
+        asked.append((step, step.row(name)))
+    for i in view.indices:
+        if i >= len(main):
+            raise ResultsError(f"step '{main.name}' has {len(main)} points, no index {i}")
+        asked.append((main, i))
+    if asked:
+        return asked
+    special = [(step, i) for step in steps for i in special_rows(step)]
+    outer = [(main, int(i)) for i in dict.fromkeys((main.order[0], main.order[-1]))] if ends else []
+    return (special or outer)[:n]

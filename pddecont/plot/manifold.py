@@ -1,0 +1,67 @@
+"""Branches and the curves of their special points over the plane of two parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from pddecont.plot.columns import column, free_of
+from pddecont.plot.diagram import special_rows
+from pddecont.plot.plane import curve_colour, curve_handles
+from pddecont.plot.stretches import colouring, stretches, style_handles
+from pddecont.plot.style import label, marker
+from pddecont.plot.tags import Tag
+from pddecont.results.reader import Step
+
+# Apart from the colours of the curves' kinds.
+FAMILY_COLOURS = ("0.25", "#3aa0b5", "#c45f96", "#7d9b3c", "0.65")
+
+
+def within_plane(steps: Sequence[Step], x: str, y: str) -> list[Step]:
+    """Return the curves in the parameters ``x``, ``y`` and the branches in one of them that lie in the same plane.
+
+    A branch lies in a plane if its other parameters have the values that they have on the first curve (or, without curves, on
+    the last branch).
+    """
+    curves = [s for s in steps if set(free_of(s)) == {x, y}]
+    branches = [s for s in steps if len(free_of(s)) == 1 and free_of(s)[0] in (x, y)]
+    if not curves and not branches:
+        return []
+    first = (curves or branches[-1:])[0]
+    others = [name for name in first.meta["parameters"] if name not in (x, y)]
+    return [*(s for s in curves if _agree(s, first, others)), *(s for s in branches if _agree(s, first, others))]
+
+
+def _agree(step: Step, other: Step, names: Sequence[str]) -> bool:
+    return all(name in step.meta["parameters"] and np.isclose(column(step, name)[0], column(other, name)[0], rtol=1e-9, atol=1e-12)
+               for name in names)  # fmt: skip
+
+
+def draw_manifold(axes: Any, steps: Sequence[Step], x: str, y: str, z: str) -> tuple[list[Tag], list[Any]]:
+    """Draw curves in two parameters as thick lines and branches as thin ones, in three dimensions.
+
+    Returns the names of special points, placed as they are seen, and the handles of the legend.
+    """
+    from mpl_toolkits.mplot3d.proj3d import proj_transform
+
+    curves = [s for s in steps if len(free_of(s)) == 2]
+    branches = [s for s in steps if len(free_of(s)) == 1]
+    families = {stretch.family for branch in branches for stretch in stretches(branch)}
+    colours, handles = colouring(branches, FAMILY_COLOURS if len(families) > 1 else FAMILY_COLOURS[:1]) if branches else ({}, [])
+    special: list[tuple[str, list[float]]] = []
+    for step in steps:
+        thick = step in curves
+        xyz = [column(step, name) for name in (x, y, z)]
+        for s in stretches(step):
+            axes.plot(*(values[s.rows] for values in xyz), s.style, lw=2.8 if thick else 1.0,
+                      color=curve_colour(step) if thick else colours[step.name, s.family])  # fmt: skip
+        for i in special_rows(step):
+            axes.plot(*([values[i]] for values in xyz), marker(step.labels[i][:2]), color="black", ms=4)
+            special.append((step.labels[i], [float(values[i]) for values in xyz]))
+    for name, put in ((x, axes.set_xlabel), (y, axes.set_ylabel), (z, axes.set_zlabel)):
+        put(label(name))
+    seen = [(name, proj_transform(*place, axes.get_proj())) for name, place in special]
+    named = handles if len(families) > 1 else []
+    return [Tag(name, float(p[0]), float(p[1])) for name, p in seen], [*curve_handles(curves), *named, *style_handles(steps)]

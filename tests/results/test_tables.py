@@ -1,0 +1,161 @@
+"""Tables and summaries against what was put into the file."""
+
+import csv
+import io
+import json
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from pddecont.cli import group
+from pddecont.cli.export import to_csv
+from pddecont.errors import ResultsError
+from pddecont.results.reader import read_results
+from pddecont.results.summary import short_signature, step_summary, summary
+from pddecont.results.tables import multipliers, table
+from pddecont.results.writer import create
+from tests.plot.synthetic import add, gain, point, write_all, write_old
+
+
+@pytest.fixture(scope="module")
+def every(tmp_path_factory):
+    return read_results(write_all(tmp_path_factory.mktemp("every") / "every.h5"))
+
+
+@pytest.fixture(scope="module")
+def old(tmp_path_factory):
+    return read_results(write_old(tmp_path_factory.mktemp("old") / "old.h5"))
+
+
+def command(*args):
+    result = CliRunner().invoke(group, [str(a) for a in args], catch_exceptions=False, standalone_mode=False)
+    return result.output
+
+
+def test_points_keep_their_columns_in_order_with_the_new_ones_after_the_error(every):
+    rows = table(every.step("in_gain"), "points")
+    assert list(rows[0]) == ["index", "label", "kind", "omega", "K", "tau_d", "period", "stable", "admissible", "top", "error_estimate",
+                             "n_unstable", "note", "n_unknowns"]  # fmt: skip
+    assert [r["n_unstable"] for r in rows] == [sum(abs(m) > 1 for m in r["multipliers"]) for r in gain()]
+    assert rows[0]["note"] == ""
+
+
+def test_a_note_and_an_unknown_count(tmp_path):
+    create(tmp_path / "a.h5", "m", "r", "r", "{}")
+    add(tmp_path / "a.h5", "b", [point(0.0, 1, 3, 1, kind="UF", note="touches é", stable=-1)])
+    [row] = table(read_results(tmp_path / "a.h5").step("b"), "special")
+    assert (row["label"], row["note"], row["n_unstable"]) == ("UF1", "touches é", None)
+
+
+def test_files_without_the_new_columns_give_the_same_table(old):
+    rows = table(old.step("in_gain"), "points")
+    assert {(r["n_unstable"], r["note"]) for r in rows} == {(None, "")}
+    with pytest.raises(ResultsError, match="run it with 'stability: true'"):
+        table(old.step("in_gain"), "multipliers")
+    assert len(multipliers(old.step("in_gain"), 0)) == 0
+
+
+def test_multipliers_one_row_each(every):
+    rows = table(every.step("in_gain"), "multipliers")
+    assert len(rows) == 33 * 3
+    assert list(rows[0]) == ["index", "label", "K", "number", "multiplier", "modulus"]
+    for k, row in enumerate(rows):
+        expected = gain()[k // 3]["multipliers"][k % 3]
+        assert row["multiplier"] == expected
+        assert row["modulus"] == abs(expected)
+        assert row["number"] == k % 3 + 1
+    assert {r["label"] for r in rows} == {"", "LP1", "GR1"}
+    moduli = np.array([r["modulus"] for r in rows]).reshape(-1, 3)
+    assert np.all(np.diff(moduli, axis=1) <= 1e-15)
+
+
+def test_multipliers_of_one_point(every):
+    step = every.step("in_gain")
+    rows = table(step, "multipliers", step.row("GR1"))
+    assert [r["label"] for r in rows] == ["GR1"] * 3
+    assert rows[0]["K"] == pytest.approx(0.5)
+    with pytest.raises(ResultsError, match="33 points, no index 33"):
+        table(step, "multipliers", 33)
+    with pytest.raises(ResultsError, match=r"has no table 'events' \(it has: points, special, orbit, multipliers\)"):
+        table(step, "events")
+
+
+def test_export_of_complex_numbers(every):
+    data = json.loads(command("export", every.path, "--step", "in_gain", "--table", "multipliers", "--index", "0", "--format", "json"))
+    expected = gain()[0]["multipliers"]
+    assert [r["multiplier"] for r in data] == [[m.real, m.imag] for m in expected]
+    assert "re" not in data[0]
+    text = command("export", every.path, "--step", "in_gain", "--table", "multipliers", "--label", "LP1")
+    rows = list(csv.DictReader(io.StringIO(text)))
+    assert list(rows[0]) == ["index", "label", "K", "number", "re", "im", "modulus"]
+    assert [complex(float(r["re"]), float(r["im"])) for r in rows] == list(gain()[8]["multipliers"])
+
+
+def test_export_takes_the_last_step_that_has_multipliers(every, old):
+    rows = list(csv.DictReader(io.StringIO(command("export", every.path, "--table", "multipliers"))))
+    assert len(rows) == 12
+    assert {float(r["re"]) for r in rows} == {-0.4}
+    with pytest.raises(ResultsError, match="step 'in_gain' has no multipliers"):
+        command("export", old.path, "--table", "multipliers")
+
+
+def test_a_parameter_may_be_called_re():
+    assert to_csv([{"re": 100.0, "multiplier": 1 + 2j}]) == "re,multiplier_re,multiplier_im\n100.0,1.0,2.0\n"
+
+
+def test_a_curves_table_names_both_parameters(tmp_path):
+    create(tmp_path / "a.h5", "m", "r", "r", "{}")
+    add(tmp_path / "a.h5", "c", [point(0.0, 1, 3, 1, multipliers=[1.0])], free=("tau_d", "K"), curve="LP")
+    [row] = table(read_results(tmp_path / "a.h5").step("c"), "multipliers")
+    assert (row["tau_d"], row["K"]) == (3.0, 1.0)
+
+
+def test_summary_of_stability_signatures_and_curves(every, old):
+    branch = step_summary(every.step("in_gain"))
+    assert branch["stability"] == {"stable": 8, "unstable": 25, "unknown": 0}
+    assert branch["signatures"] == ["NC C", "NC"]
+    assert not {"trivial_error", "warning", "curve"} & set(branch)
+    curve = step_summary(every.step("grazing"))
+    assert (curve["curve"], curve["free"]) == ("GR", ["tau_d", "K"])
+    assert not {"stability", "trivial_error", "warning", "curve"} & set(step_summary(old.step("in_gain")))
+    assert [s["name"] for s in summary(every)["steps"]][-1] == "folds"
+
+
+@pytest.mark.parametrize(("error", "warned"), [(9e-5, False), (2e-4, True)])
+def test_a_wrong_trivial_multiplier_is_warned_of(tmp_path, error, warned):
+    create(tmp_path / "a.h5", "m", "r", "r", "{}")
+    errors = [1e-9, np.nan, error]
+    add(tmp_path / "a.h5", "b", [point(float(k), 1, 3, 1, trivial_error=e) for k, e in enumerate(errors)])
+    data = step_summary(read_results(tmp_path / "a.h5").step("b"))
+    assert data["trivial_error"] == error
+    assert ("warning" in data) == warned
+    text = command("info", tmp_path / "a.h5")
+    assert f"trivial_error: {error:.6g}" in text
+    assert ("WARNING: the trivial multiplier is off by 0.0002 at index 2" in text) == warned
+
+
+def test_info_in_words(every):
+    text = command("info", every.path)
+    assert "curve: GR (grazing)" in text
+    assert "signatures: NC C, NC\n" in text
+    assert "signatures: (NC C)×2\n" in text
+    assert "unstable: 25" in text
+    data = json.loads(command("info", every.path, "--json"))
+    assert next(s for s in data["steps"] if s["name"] == "doubled")["signatures"] == ["NC C NC C"]
+
+
+@pytest.mark.parametrize(("names", "short"), [
+    ("", ""), ("NC", "NC"), ("NC C", "NC C"), ("NC NC NC", "NC×3"), ("NC C NC C NC", "(NC C)×2 NC"), ("a b b a b b", "(a b b)×2"),
+    ("a b b c", "a b×2 c"),
+])  # fmt: skip
+def test_short_signatures(names, short):
+    assert short_signature(names) == short
+
+
+def test_long_signatures_are_cut_in_the_middle():
+    text = " ".join(f"segment_{k}" for k in range(30))
+    short = short_signature(text)
+    assert short.startswith("segment_0 ")
+    assert short.endswith("segment_29 (30 segments)")
+    assert len(short) < 65
