@@ -40,7 +40,7 @@ def draw_multipliers(axes: Any, step: Step, rows: Sequence[int]) -> Any:
         shape, colour = marker(step.labels[row][:2]) if step.labels[row] else OTHER_MARKER, COLOURS[k % len(COLOURS)]
         z = multipliers(step, row)
         look: dict[str, Any] = {"color": colour} if shape in "x|" else {"facecolor": "none", "edgecolor": colour}
-        axes.scatter(z.real, z.imag, s=52, marker=shape, linewidth=1.4, zorder=4, label=title(step, row) or f"index {row}", **look)
+        axes.scatter(z.real, z.imag, s=40 + 26 * k, marker=shape, linewidth=1.4, zorder=4, label=title(step, row) or f"index {row}", **look)
     _set_limits(axes, np.concatenate(values))
     return dots
 

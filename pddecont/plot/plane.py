@@ -8,11 +8,12 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from pddecont.plot.columns import column, free_of
-from pddecont.plot.diagram import mark_special
+from pddecont.plot.diagram import mark_special, special_rows
 from pddecont.plot.stretches import family, stretches, style_handles
-from pddecont.plot.style import KIND_COLOURS, label
+from pddecont.plot.style import KIND_COLOURS, label, marker
 from pddecont.plot.tags import Tag
 from pddecont.results.reader import Step
 from pddecont.results.summary import WORDS, short_signature, signature
@@ -21,6 +22,7 @@ from pddecont.results.tables import note
 Array = NDArray[np.float64]
 BAND = 0.055
 SHADES = (1.0, 0.66, 0.33)
+WIDTHS = np.linspace(1.0, 0.05, 20)
 OTHER = "0.45"
 # What the shaded side of a curve keeps.
 SIDES = {"GR": "signature kept", "VS": "signature kept", "LP": "orbits exist", "PD": "stable", "TR": "stable"}
@@ -45,7 +47,7 @@ def draw_plane(axes: Any, steps: Sequence[Step], x: str, y: str) -> tuple[list[T
     shaded = [step for step in steps if _shade(axes, step, x, y)]
     axes.set_xlabel(label(x))
     axes.set_ylabel(label(y))
-    return tags, [*curve_handles(steps), *style_handles(steps), *_side_handles(shaded)]
+    return tags, [*curve_handles(steps), *style_handles(steps), *_point_handles(steps), *_side_handles(shaded)]
 
 
 def kind_of(step: Step) -> str:
@@ -72,6 +74,13 @@ def _words(kind: str, steps: Sequence[Step]) -> str:
         return words
     names = dict.fromkeys(note(step, i) for step in steps if kind_of(step) == kind for i in range(len(step)))
     return f"{words} {', '.join(n for n in names if n)}".strip()
+
+
+def _point_handles(steps: Sequence[Step]) -> list[Any]:
+    from matplotlib.lines import Line2D
+
+    kinds = sorted({step.labels[i][:2] for step in steps for i in special_rows(step)})
+    return [Line2D([], [], color="black", ls="", marker=marker(kind), ms=5, label=f"{kind}: {WORDS.get(kind, kind)}") for kind in kinds]
 
 
 def _side_handles(steps: Sequence[Step]) -> list[Any]:
@@ -112,7 +121,7 @@ def _shade(axes: Any, step: Step, x: str, y: str) -> bool:
     for first, last in bands:
         edge = places[first:last]
         for share in SHADES:
-            far = edge + share * width * (towards[first:last, None] * normals[first:last])
+            far = _beside(edge, towards[first:last, None] * normals[first:last], share * width, places)
             axes.fill(*(np.vstack([edge, far[::-1]]) / paper).T, color=curve_colour(step), alpha=0.11, linewidth=0, zorder=0.5)
     return bool(bands)
 
@@ -126,6 +135,19 @@ def _normals(places: Array) -> Array:
     sizes = np.hypot(*tangents.T)
     tangents /= np.where(sizes > 0.0, sizes, 1.0)[:, None]
     return np.column_stack([-tangents[:, 1], tangents[:, 0]])
+
+
+def _beside(edge: Array, directions: Array, width: float, curve: Array) -> Array:
+    """Return the points ``width`` away from ``edge``, or less where another part of the curve is nearer to them."""
+    steps = np.hypot(*np.diff(curve, axis=0).T)
+    along = np.concatenate([[0.0], np.cumsum(steps)])
+    fine = np.linspace(0.0, along[-1], int(min(20000.0, 8.0 * along[-1] / width)) + 2)
+    tree = cKDTree(np.column_stack([np.interp(fine, along, curve[:, k]) for k in (0, 1)]))
+    shares = np.zeros(len(edge))
+    for share in WIDTHS:
+        free = tree.query(edge + share * width * directions)[0] > 0.85 * share * width
+        shares = np.where(free & (shares == 0.0), share, shares)
+    return edge + (width * shares)[:, None] * directions
 
 
 def _filled(signs: Array, special: Sequence[bool]) -> Array:

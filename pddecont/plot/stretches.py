@@ -40,21 +40,25 @@ class Stretch:
 def stretches(step: Step) -> list[Stretch]:
     """Return the stretches of a branch in order; neighbours share the point where they meet.
 
-    A special point lies on a border and says nothing of the sides: a line that ends there looks as its other end says.
+    A special point lies on a border and says nothing of the sides: a line that ends there looks as its other end says. Nothing
+    joins points with different numbers of periods: what is recorded of a whole orbit jumps there.
     """
     order = step.order
     if len(order) == 1:
         return [Stretch(order, _style(step, order), family(step, int(order[0])))]
     looks = [_look(step, a, b) for a, b in pairwise(order)]
     result, start = [], 0
-    for (style, kin), same in groupby(looks):
+    for look, same in groupby(looks):
         n = len(list(same))
-        result.append(Stretch(order[start : start + n + 1], style, kin))
+        if look is not None:
+            result.append(Stretch(order[start : start + n + 1], *look))
         start += n
     return result
 
 
-def _look(step: Step, a: int, b: int) -> tuple[str, Family]:
+def _look(step: Step, a: int, b: int) -> tuple[str, Family] | None:
+    if family(step, a).n_periods != family(step, b).n_periods:
+        return None
     inner = np.array([i for i in (a, b) if step.labels[i][:2] in INNER], dtype=int)
     if len(inner):
         return _style(step, inner), family(step, int(inner[0]))

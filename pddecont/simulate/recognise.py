@@ -67,7 +67,7 @@ def _forced(trajectory: Trajectory, period: float) -> Cycle:
 
 def _between_events(trajectory: Trajectory, period: float) -> float:
     """Return a time near the end, away from events: there a state has two values, and returns could not be compared."""
-    times = [e.t for e in trajectory.events if e.t > trajectory.t_end - 2.0 * period]
+    times = [e.t for e in trajectory.events if e.t > trajectory.t_end - 3.0 * period]
     if len(times) < 2:
         return trajectory.t_end
     longest = int(np.argmax(np.diff(times)))

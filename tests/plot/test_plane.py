@@ -29,7 +29,8 @@ def test_kinds_and_sides_are_named_in_words(every, show):
     names = legend(show(every))
     assert names["grazing"] == KIND_COLOURS["GR"]
     assert names["fold"] == KIND_COLOURS["LP"]
-    assert list(names)[2:] == ["stable", "unstable", "shaded side: signature NC C kept (grazing), orbits exist (fold)"]
+    assert list(names)[2:-1] == ["stable", "unstable", "GG: double grazing", "R1: resonance 1:1", "R2: resonance 1:2"]
+    assert list(names)[-1] == "shaded side: signature NC C kept (grazing), orbits exist (fold)"
     assert "shaded side: orbits exist" in legend(show(every, steps=("folds",)))
 
 
@@ -100,3 +101,15 @@ def test_a_branch_is_no_curve_and_pairs_are_not_mixed(every, show, tmp_path):
     with pytest.raises(ResultsError, match=r"different parameters \(a: K, tau_d; b: K, omega\)"):
         show(results, "plane", ("a", "b"))
     assert len(lines(show(results).axes[0], "-")) == 1
+
+
+def test_the_band_stays_on_its_side_inside_a_sharp_bend(tmp_path, show):
+    create(tmp_path / "a.h5", "m", "r", "r", "{}")
+    # A narrow peak, the orbit kept below it: a band of full width would come out on the other flank.
+    x = np.linspace(-1, 1, 201)
+    rows = [point(float(k), a, 3 + 1 / (1 + 2000 * a * a), 1, side=(0.0, -1.0)) for k, a in enumerate(x)]
+    add(tmp_path / "a.h5", "c", rows, free=("K", "tau_d"), curve="GR", side=True)
+    bands = shaded(show(read_results(tmp_path / "a.h5")).axes[0])
+    for a in np.concatenate([x[1:97], x[104:-1]]):
+        assert not any(b.contains_point((a, 3 + 1 / (1 + 2000 * a * a) + 0.02)) for b in bands), a
+        assert bands[0].contains_point((a, 3 + 1 / (1 + 2000 * a * a) - 0.005)), a

@@ -55,3 +55,8 @@ def test_rows_are_taken_in_order_along_the_branch(tmp_path):
     step = branch(tmp_path, [point(a, a, 3, 0) for a in (0.0, 2.0, -1.0)])
     [only] = stretches(step)
     assert np.array_equal(step.points["arclength"][only.rows], [-1, 0, 2])
+
+
+def test_nothing_joins_orbits_of_different_numbers_of_periods(tmp_path):
+    rows = [point(float(k), k, 3, 0, n_periods=2 if k < 2 else 1, kind="PD" if k == 2 else "") for k in range(4)]
+    assert [(s.family.n_periods, list(s.rows)) for s in stretches(branch(tmp_path, rows))] == [(2, [0, 1]), (1, [2, 3])]
