@@ -70,7 +70,7 @@ def _best(place: Array, text: str, taken: Sequence[Array], curves: Array, room: 
             way = np.array([np.cos(angle), np.sin(angle)])
             corner = place + distance * way + np.where(way < -0.1, -size, np.where(way > 0.1, 0.0, -0.5 * size))
             box = np.concatenate([corner, corner + size])
-            cost = 0.0 * _overlap(box, boxes) / np.prod(size) + 0.05 * distance
+            cost = 10.0 * _overlap(box, boxes) / np.prod(size) + 0.05 * distance
             cost += 0.5 * np.count_nonzero(np.all((curves > box[:2]) & (curves < box[2:]), axis=1))
             cost += 20.0 * bool(np.any(box[:2] < room[:2]) or np.any(box[2:] > room[2:]))
             if best is None or cost < best[0]:
