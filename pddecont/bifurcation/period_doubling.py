@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from pddecont.bifurcation.conditioned import solve_special
 from pddecont.continuation.arclength import Metric, tangent
 from pddecont.continuation.locate import Located
-from pddecont.orbit.curve import Curve
+from pddecont.errors import ConvergenceError
+from pddecont.orbit.curve import Curve, settle
 from pddecont.orbit.mesh import Places
 from pddecont.orbit.meshing import MeshRule
 from pddecont.orbit.problem import OrbitProblem
@@ -25,6 +26,8 @@ Array = NDArray[np.float64]
 KIND = "PD"
 EQUAL = 1e-5
 NEAR = 0.3
+OPPOSITE = 0.8
+FAR = 3.0
 
 
 def passing(m: Multipliers) -> float:
@@ -100,28 +103,58 @@ def halves(problem: OrbitProblem, x: Array) -> Array:
 
 def equal_halves(problem: OrbitProblem, x: Array, metric: Metric) -> bool:
     """Whether the orbit ``x`` is a single one taken twice."""
-    size = float(np.max(metric.scale[problem.layout.values.start : problem.layout.start.start]))
     difference = halves(problem, x)
-    return len(difference) > 0 and float(np.max(np.abs(difference))) < EQUAL * size
+    return len(difference) > 0 and float(np.max(np.abs(difference))) < EQUAL * _size(metric, problem)
 
 
 def halved(problem: OrbitProblem, x: Array, rule: MeshRule) -> tuple[OrbitProblem, Array]:
-    """Return the first half of an orbit as an orbit of its own, and its unknowns."""
+    """Return the mean of an orbit's two halves as an orbit of its own, as a guess."""
     bare, x = problem.with_free(x, ())
-    ends = np.concatenate([[0.0], np.cumsum(bare.layout.split(x)[1])])
+    values, durations, start, _ = bare.layout.split(x)
+    ends = np.concatenate([[0.0], np.cumsum(durations)])
+    half = len(bare.segments) // 2
     if not bare.segments[0].event:
-        parts = [Part(bare.segments[0], 0.0, 0.5 * ends[-1])]
+        first, second = ([Part(bare.segments[0], k * ends[-1] / 2, (k + 1) * ends[-1] / 2)] for k in (0, 1))
     else:
-        parts = [Part(bare.segments[s], ends[s], ends[s + 1]) for s in range(len(bare.segments) // 2)]
-    return reshape(bare, x, parts, rule, max(1, bare.n_periods // 2))
+        first, second = ([Part(bare.segments[s], ends[s], ends[s + 1]) for s in range(k * half, (k + 1) * half)] for k in (0, 1))
+    single, guess = reshape(bare, x, first, rule, max(1, bare.n_periods // 2))
+    layout = single.layout
+    one, other = (sampled(bare, x, values, parts, single, guess) for parts in (first, second))
+    guess[layout.values] = 0.5 * (one + other).ravel()
+    if bare.segments[0].event:
+        guess[layout.durations] = 0.5 * (durations[:half] + durations[half:])
+        # The second half begins half of all forcing periods later, but for what differs.
+        guess[layout.start] = start + 0.5 * (ends[half] - 0.5 * ends[-1])
+    if single.reference is not None:
+        single = replace(single, reference=layout.split(guess)[0])
+    return single, guess
 
 
-def collapsed(curve: Curve, x: Array, rule: MeshRule, known: Known) -> Located:
-    """Return the single orbit with the multiplier -1 near the doubled one ``x`` (with one free parameter) whose halves are equal."""
-    problem, guess = halved(curve.problem, x, rule)
-    problem, guess = problem.with_free(guess, curve.problem.free)
-    single = Curve(problem, curve.sizes, rule)
-    special, solution = solve_special(single, guess, Doubling(known))
+def collapsed(a: Located, b: Located, rule: MeshRule, known: Known) -> Located | None:
+    """Return the single orbit with the multiplier -1 onto which a branch of doubled orbits falls between ``a`` and ``b``.
+
+    None if it does not: there all that differs between the halves of ``a`` differs the other way in ``b``, or no longer.
+    """
+    curve, x = a.problem, a.x
+    before, after = halves(curve.problem, x), halves(b.problem.problem, b.x)
+    least = b if np.linalg.norm(after) < np.linalg.norm(before) else a
+    size = _size(curve.metric(), curve.problem)
+    fallen = float(np.max(np.abs(after))) < EQUAL * size
+    if not fallen and before @ after > -OPPOSITE * np.linalg.norm(before) * np.linalg.norm(after):
+        return None
+    try:
+        problem, solution = settle(*halved(least.problem.problem, least.x, rule), rule)
+        problem, guess = problem.with_free(solution.x, curve.problem.free)
+        single = Curve(problem, curve.sizes, rule)
+        special, solution = solve_special(single, guess, Doubling(known))
+    except ConvergenceError:
+        return None
+    if np.max(np.abs(special.outline(solution.x) - single.outline(guess))) > FAR * float(np.max(np.abs(before))) + EQUAL * size:
+        return None
     towards = np.zeros(len(solution.x))
     towards[special.problem.layout.free.start] = 1.0
     return Located(special.curve, solution.x, solution, tangent(special.curve, solution.x, special.metric(), towards))
+
+
+def _size(metric: Metric, problem: OrbitProblem) -> float:
+    return float(np.max(metric.scale[: problem.layout.start.start]))

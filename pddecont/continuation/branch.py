@@ -92,8 +92,8 @@ class Followed(Problem, Protocol):
 class TestFunction:
     """A function along the branch whose zero is a special point of ``kind``; ``stops`` if the branch ends there.
 
-    ``note`` says more of the point; ``really`` may turn a zero down; ``refine`` may find the point itself more exactly, where the
-    branch meets another one and no census can be trusted.
+    ``note`` says more of the point. ``meeting`` finds the point itself between two orbits with a change of sign, or None: where a branch
+    meets another one, no orbit between the two can be found on the way and no census can be trusted.
     """
 
     __test__ = False
@@ -101,8 +101,7 @@ class TestFunction:
     value: Callable[[Located], float]
     stops: bool = False
     note: str = ""
-    really: Callable[[Located], bool] = lambda _: True
-    refine: Callable[[Located], Located] | None = None
+    meeting: Callable[[Located, Located], Located | None] | None = None
 
 
 Counts = tuple[int, ...]
@@ -331,17 +330,17 @@ def _specials(chord: Chord, watch: Watch, before: _Seen, after: _Seen) -> list[_
     for test, f0, f1 in zip(watch.tests, before.values, after.values, strict=True):
         if f0 * f1 < 0.0 or (f1 == 0.0 and f0 != 0.0):
             found += _zero(chord, test, 0.0, 1.0, f0, f1)
-    if watch.census is not None and not any(f.test.refine for f in found):
+    if watch.census is not None and not any(f.test.meeting for f in found):
         found += _counted(chord, watch.census, 0.0, 1.0, before.counts, after.counts, MAX_CUTS)
     return sorted(found, key=lambda f: (round(f.fraction, 6), not f.test.stops, f.fraction))
 
 
 def _zero(chord: Chord, test: TestFunction, low: float, high: float, f_low: float, f_high: float) -> list[_Found]:
+    if test.meeting is not None:
+        met = test.meeting(chord.at(low), chord.at(high))
+        return [] if met is None else [_Found(test, met, low + (high - low) * f_low / (f_low - f_high))]
     fraction = chord.zero(test.value, low, high, f_low, f_high)
-    if fraction is None or not test.really(chord.at(fraction)):
-        return []
-    point = chord.at(fraction)
-    return [_Found(test, test.refine(point) if test.refine else point, fraction)]
+    return [] if fraction is None else [_Found(test, chord.at(fraction), fraction)]
 
 
 def _counted(chord: Chord, census: Census, low: float, high: float, before: Counts, after: Counts, cuts: int) -> list[_Found]:

@@ -70,7 +70,7 @@ def _density(problem: OrbitProblem, x: Array, parts: Sequence[Part], durations: 
 def sampled(problem: OrbitProblem, x: Array, values: Array, parts: Sequence[Part], new: OrbitProblem, guess: Array) -> Array:
     """Return base ``values`` on the mesh of the orbit ``x`` at the base points of the new orbit, shape (n_base, n_states).
 
-    At a segment's ends the side that lies inside it is taken.
+    A part's times are stretched to the new segment's duration; at a segment's ends the side that lies inside it is taken.
     """
     theta = problem.theta(x)
     period = problem.period(x)
@@ -80,7 +80,7 @@ def sampled(problem: OrbitProblem, x: Array, values: Array, parts: Sequence[Part
     result = np.empty((new.mesh.n_base, values.shape[1]))
     for s, part in enumerate(parts):
         rows = np.arange(new.mesh.first_base[s], new.mesh.last_base[s] + 1)
-        at = part.begin + (times[rows] - offsets[s])
+        at = part.begin + (times[rows] - offsets[s]) * (part.end - part.begin) / (offsets[s + 1] - offsets[s])
         inner = np.clip(at, part.begin + INSIDE * (part.end - part.begin), part.end - INSIDE * (part.end - part.begin))
         wraps = np.floor(inner / period)
         interval = np.clip(np.searchsorted(edges, inner - wraps * period, side="right") - 1, 0, len(edges) - 1)

@@ -53,7 +53,7 @@ class Step:
 
     @cached_property
     def labels(self) -> tuple[str, ...]:
-        """Label of each row: kind and number along the branch; empty for ordinary points."""
+        """Label of each row: kind and number along the branch (``GR1``, ``R4_1``); empty for ordinary points."""
         labels = [""] * len(self)
         if "kind" in self.points:
             counts: dict[str, int] = {}
@@ -61,7 +61,7 @@ class Step:
                 kind = self.points["kind"][i].decode()
                 if kind:
                     counts[kind] = counts.get(kind, 0) + 1
-                    labels[i] = f"{kind}{counts[kind]}"
+                    labels[i] = f"{kind}{'_' if kind[-1].isdigit() else ''}{counts[kind]}"
         return tuple(labels)
 
     def row(self, label: str) -> int:

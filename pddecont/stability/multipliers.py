@@ -55,7 +55,7 @@ class Multipliers:
 
 def describe(m: Multipliers) -> str:
     """Return stability in words, with a warning where the trivial multiplier is far from 1."""
-    leading = ", ".join(f"{v.real:.6g}" if v.imag == 0.0 else f"{v.real:.6g} {'+' if v.imag > 0 else '-'} {abs(v.imag):.6g}i" for v in m.own[:2])
+    leading = ", ".join(f"{v.real:.6g}" if v.imag == 0.0 else f"{v.real:.6g} {v.imag:+.6g}i" for v in m.own[:2])
     text = f"{'stable' if m.stable else f'unstable ({m.n_unstable} multipliers outside the unit circle)'}, leading {leading or 'none'}"
     if np.isfinite(m.trivial_error):
         text += f", trivial multiplier off by {m.trivial_error:.1e}"

@@ -22,7 +22,7 @@ from pddecont.steps.context import Context, known_multipliers, mesh_settings, se
 from pddecont.steps.points import orbit_row, orbit_spec
 from pddecont.steps.schema import Step
 from pddecont.steps.signatures import go_on
-from pddecont.steps.start import Task, condition_of, start_of
+from pddecont.steps.start import Start, Task, condition_of, start_of
 from pddecont.steps.watch import followed, watch_of
 
 Array = NDArray[np.float64]
@@ -68,20 +68,30 @@ class _Branch:
     def follow(self, state: State, way: int) -> str:
         """Follow one direction through all its signatures; return how it ended."""
         rule = self.task.context.rule_of(self.task.step)
-        changes: list[str] = []
-        while True:
+        for _ in range(MAX_SIGNATURES):
             self.last, self.ordinary = Point(state, "", 0), state
             end = follow(state, self.limits(state), watch_of(self.task, state), self.settings, self.record, way)
-            if end.end not in (End.SPECIAL, End.IMPOSSIBLE) or self.task.body.signature_change == "stop" or len(changes) == MAX_SIGNATURES:
-                return _ending(end, way, changes)
+            if end.end not in (End.SPECIAL, End.IMPOSSIBLE) or self.task.body.signature_change == "stop":
+                break
             try:
                 following = go_on(end, self.last, self.ordinary, rule, self.record, way)
             except ConvergenceError as exc:
-                return _ending(end, way, changes) + f"; the orbit of the next signature was not found: {exc}"
+                return self.ending(end, way) + f"; the orbit of the next signature was not found: {exc}"
             if following is None:
-                return _ending(end, way, changes)
-            changes.append(" ".join(s.name for s in following.problem.problem.segments))
+                break
             state = following
+        return self.ending(end, way)
+
+    def ending(self, end: Termination, way: int) -> str:
+        """Return how a direction ended, with the signatures that it went through."""
+        done = self.task.context.results().step(self.task.step.name)
+        names: list[str] = []
+        for i in done.order[::way]:
+            if done.points["arclength"][i] * way >= 0 and done.points["kind"][i] in (b"", b"EP"):
+                name = done.orbit(i)["signature"].tobytes().decode()
+                names += [name] if names[-1:] != [name] else []
+        through = f", through the signatures [{'], ['.join(names)}]" if len(names) > 1 else ""
+        return f"{'down' if way < 0 else 'up'}: {end}{through}"
 
 
 def run_continue(context: Context, step: Step, recorded: RecordedStep | None = None) -> None:
@@ -93,13 +103,13 @@ def run_continue(context: Context, step: Step, recorded: RecordedStep | None = N
     users = tuple(parse_monitor(plan.numeric, name, text, named) for name, text in body.events_along.items())
     bounds = tuple((plan.number(body.range[name][0]), plan.number(body.range[name][1])) for name in body.free)
     task = Task(context, step, body, bounds, users, known_multipliers(body.stability))
-    ways = WAYS[body.direction]
     start = start_of(task)
+    ways = ways_of(task, start)
     meta = {"free": list(body.free), "directions": len(ways), "settings": settings_text(plan, step), "curve": start.curve,
             "mesh_settings": mesh_settings(plan, step)}  # fmt: skip
     spec = orbit_spec(step.name, "continue", plan.numeric, monitors, meta)
     if recorded is not None and len(recorded):
-        states, ended, kept = _resume(task, recorded, start.state)
+        states, ended, kept = _resume(task, recorded, start.state, ways)
         rows = {name: int(recorded.orbits[f"{name}_end"][kept - 1]) for name in spec.orbits}
         writer = StepWriter(context.path, spec, kept=kept, kept_rows=rows)
     else:
@@ -122,18 +132,17 @@ def run_continue(context: Context, step: Step, recorded: RecordedStep | None = N
                           + "; ".join(terminations))  # fmt: skip
 
 
-def _ending(end: Termination, way: int, changes: list[str]) -> str:
-    through = f", through the signatures [{'], ['.join(changes)}]" if changes else ""
-    return f"{'down' if way < 0 else 'up'}: {end}{through}"
+def ways_of(task: Task, start: Start) -> tuple[int, ...]:
+    """Return the signs of the directions that the branch is followed in."""
+    return (1,) if start.one_way else WAYS[task.body.direction]
 
 
 def _turned(start: State, way: int) -> State:
     return State(start.problem, start.x, way * start.tangent, 0.0, start.step, 1)
 
 
-def _resume(task: Task, recorded: RecordedStep, start: State) -> tuple[dict[int, State], dict[int, str], int]:
+def _resume(task: Task, recorded: RecordedStep, start: State, ways: tuple[int, ...]) -> tuple[dict[int, State], dict[int, str], int]:
     """Return where each direction stands, the directions that have ended, and how many rows to keep."""
-    ways = WAYS[task.body.direction]
     ended = {way: text for way in ways for text in recorded.termination if text.startswith(_ending_word(way))}
     states = {way: _turned(start, way) for way in ways}
     kept = len(recorded)
@@ -144,7 +153,8 @@ def _resume(task: Task, recorded: RecordedStep, start: State) -> tuple[dict[int,
         while rows and recorded.points["kind"][rows[-1]]:
             rows.pop()
         if rows:
-            states[way] = _state(task, recorded, rows[-1], start, len(rows) + 1)
+            ordinary = sum(not recorded.points["kind"][i] for i in rows)
+            states[way] = _state(task, recorded, rows[-1], start, ordinary + 1)
             kept = rows[-1] + 1
         else:
             kept = min(kept, 1 + max((i for i in range(len(recorded)) if recorded.points["arclength"][i] * way <= 0), default=0))

@@ -47,10 +47,14 @@ class Task:
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """A branch's first point with its direction, and what kind of special point it follows (empty: orbits)."""
+    """A branch's first point with its direction, and what kind of special point it follows (empty: orbits).
+
+    ``one_way`` where the branch begins at its first point, or goes on as its own mirror image.
+    """
 
     state: State
     curve: str = ""
+    one_way: bool = False
 
 
 def start_of(task: Task) -> Start:
@@ -118,7 +122,7 @@ def _switched(task: Task, problem: OrbitProblem, guess: Array, kind: str, record
         # Taken twice the orbit has the multiplier +1, so it is not solved for again before the branch has left it.
         twice, x, direction = period_doubling.doubled(problem, x, rule)
         curve, x = _curve(task, twice, x)
-        return Start(_state(task, curve, x, curve.metric().unit(np.append(direction, np.zeros(len(task.body.free))))))
+        return Start(_state(task, curve, x, curve.metric().unit(np.append(direction, np.zeros(len(task.body.free))))), one_way=True)
     if kind == branch_point.KIND:
         curve, x = _curve(task, problem, guess)
         along = recorded.orbit(row)["tangent"]
@@ -140,7 +144,7 @@ def _entered(task: Task, problem: OrbitProblem, guess: Array, kind: str) -> Star
     if not is_rotation(found, task.body.signature):
         raise SignatureError(f"step '{task.step.name}' asks for the signature [{', '.join(task.body.signature)}], but the grazing leads to "
                              f"[{', '.join(found)}]")  # fmt: skip
-    return Start(_state(task, entered.curve, entered.x, entered.tangent))
+    return Start(_state(task, entered.curve, entered.x, entered.tangent), one_way=True)
 
 
 def _special(task: Task, problem: OrbitProblem, guess: Array, kind: str, note: str) -> Start:

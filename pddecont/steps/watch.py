@@ -53,10 +53,7 @@ def _collapse(task: Task, state: State) -> list[TestFunction]:
             return 0.0
         return float(period_doubling.halves(at.problem.problem, at.x)[most])
 
-    def really(at: Located) -> bool:
-        return period_doubling.equal_halves(at.problem.problem, at.x, at.problem.metric())
+    def meeting(a: Located, b: Located) -> Located | None:
+        return period_doubling.collapsed(a, b, rule, task.known or Known())
 
-    def refine(at: Located) -> Located:
-        return period_doubling.collapsed(at.problem, at.x, rule, task.known or Known())
-
-    return [TestFunction(period_doubling.KIND, value, True, "halves become equal", really, refine)]
+    return [TestFunction(period_doubling.KIND, value, True, "halves become equal", meeting)]

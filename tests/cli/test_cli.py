@@ -118,8 +118,8 @@ def test_resume_gives_the_same_numbers_as_an_uninterrupted_run(done, tmp_path, k
     count = {"n": 0}
     record = continuation._Branch.record
 
-    def stop(self, writer, point):
-        record(self, writer, point)
+    def stop(self, point):
+        record(self, point)
         count["n"] += 1
         if count["n"] == keep:
             raise KeyboardInterrupt

@@ -43,8 +43,8 @@ def test_resume(whole, tmp_path, monkeypatch, name, share):
     keep = max(1, int(share * len(whole[name])))
     record, count = continuation._Branch.record, []
 
-    def stop(self, writer, point):
-        record(self, writer, point)
+    def stop(self, point):
+        record(self, point)
         count.append(1)
         if len(count) == keep:
             raise KeyboardInterrupt

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pddecont.continuation.arclength import Metric, tangent
-from pddecont.continuation.branch import End, State, StepSettings, TestFunction, follow
+from pddecont.continuation.branch import Census, End, State, StepSettings, TestFunction, Watch, follow
 from pddecont.continuation.newton import newton
 from pddecont.errors import ConvergenceError
 
@@ -43,12 +43,12 @@ class Circle:
         return self
 
 
-def run(bounds, tests=(), sign=1, **settings):
+def run(bounds, tests=(), sign=1, census=None, **settings):
     problem, points = Circle(), []
     x = np.array([-1.0, 0.0])
     direction = tangent(problem, x, problem.metric(), np.array([0.0, sign]))
     options = StepSettings(max_points=settings.pop("max_points", 200), **settings)
-    end = follow(State(problem, x, direction, 0.0, options.initial, 1), bounds, list(tests), options, points.append, sign)
+    end = follow(State(problem, x, direction, 0.0, options.initial, 1), bounds, Watch(list(tests), census), options, points.append, sign)
     return points, end
 
 
@@ -72,7 +72,7 @@ def test_it_passes_folds_and_ends_exactly_at_the_bound():
 
 
 def test_a_test_function_is_located():
-    test = TestFunction("GR", lambda _, x: x[0] - 0.3, stops=True)
+    test = TestFunction("GR", lambda at: at.x[0] - 0.3, stops=True)
     points, end = run([(0, -2.0, 2.0)], [test])
     assert end.end is End.SPECIAL
     assert points[-1].kind == "GR"
@@ -80,16 +80,35 @@ def test_a_test_function_is_located():
 
 
 def test_a_jump_through_zero_is_not_a_special_point():
-    test = TestFunction("GR", lambda _, x: 1.0 if x[0] > 0.3 else -1.0, stops=True)
+    test = TestFunction("GR", lambda at: 1.0 if at.x[0] > 0.3 else -1.0, stops=True)
     points, end = run([(0, -2.0, 0.9)], [test])
     assert end.end is End.RANGE
     assert [p.kind for p in points if p.kind] == ["EP"]
 
 
 def test_two_specials_in_one_step_come_in_order():
-    tests = [TestFunction("B", lambda _, x: x[0] - 0.02), TestFunction("A", lambda _, x: x[0] + 0.02)]
+    tests = [TestFunction("B", lambda at: at.x[0] - 0.02), TestFunction("A", lambda at: at.x[0] + 0.02)]
     points, _ = run([(0, -2.0, 0.9)], tests, max=0.2)
     assert [p.kind for p in points if p.kind] == ["A", "B", "EP"]
+
+
+def crossings(*places):
+    """Return a census of how many of ``places`` in y lie below the point, each change of one explained, and its calls."""
+    def count(at):
+        return (sum(at.x[1] > y for y in places),)
+
+    def nearest(at):
+        passed = sum(at.x[1] > y for y in places)
+        return (-1.0) ** passed * min(abs(at.x[1] - y) for y in places)
+
+    return Census(count, lambda a, b: [TestFunction("N", nearest)] if abs(a[0] - b[0]) == 1 else None)
+
+
+@pytest.mark.parametrize("places", [(0.2,), (0.2, 0.21), (0.2, 0.2001, 0.201), (0.35, 0.1, 0.1004)])
+def test_the_census_is_explained_even_where_several_changes_fall_in_one_step(places):
+    points, _ = run([(0, -2.0, 0.0)], census=crossings(*places), max=0.4, initial=0.4)
+    found = [p.state.x[1] for p in points if p.kind == "N"]
+    assert found == pytest.approx(sorted(places), abs=1e-11)
 
 
 def test_a_branch_that_stops_existing_says_so():
@@ -100,7 +119,7 @@ def test_a_branch_that_stops_existing_says_so():
     problem, points = Ends(), []
     x = np.array([-1.0, 0.0])
     settings = StepSettings()
-    end = follow(State(problem, x, np.array([0.0, 1.0]), 0.0, 0.02, 1), [(0, -2.0, 2.0)], [], settings, points.append, 1)
+    end = follow(State(problem, x, np.array([0.0, 1.0]), 0.0, 0.02, 1), [(0, -2.0, 2.0)], Watch(), settings, points.append, 1)
     assert end.end is End.STEP_TOO_SMALL
     assert "refine 'mesh'" in str(end)
     assert -1e-4 < points[-1].state.x[0] <= 0

@@ -1,0 +1,214 @@
+"""Floquet multipliers against closed forms, exact shooting and measured decay."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scipy.linalg
+import scipy.special
+
+from benchmarks import tracking
+from pddecont.delay.chain import Chain
+from pddecont.delay.chebyshev import Chebyshev
+from pddecont.delay.direct import Direct
+from pddecont.orbit.curve import settle
+from pddecont.orbit.mesh import Mesh, equal_cuts, segment_pieces
+from pddecont.orbit.meshing import MeshRule
+from pddecont.orbit.problem import OrbitProblem, eventless
+from pddecont.simulate.integrate import Tolerances, simulate
+from pddecont.stability.multipliers import Known, describe, eigenvector, multipliers
+from pddecont.stability.period import linearise
+from tests.conftest import numeric_from
+from tests.orbits import decay, orbit
+
+# Orbits computed apart from this program: piecewise linear flows by matrix exponentials, shooting in the contact times.
+CHAIN_IMPACT = (0.358308645167, 0.167173792274)  # fig. 4.7, N = 15, M = 2, K = 0.12
+TWO_IMPACTS = complex(0.70579785930, 0.48192538100)  # K = 0, beta = 29, two impacts in two periods
+# Impact oscillator with direct delays, tau_d 3.8, K 0.12 (shared design, section 5.3).
+IMPACT = (0.327612842, 0.153421582)
+# Mackey-Glass, n = 10, by an independent spectral collocation with step doubling.
+MACKEY_GLASS = {1.2: (-0.811229553589, 0.009459062559 + 0.041890997732j), 1.32: (-0.992265846574, 0.049170250738 + 0.045803005762j)}
+
+
+def own(problem, x, n=None):
+    return multipliers(problem, x, n).own
+
+
+def test_the_impact_oscillator():
+    assert own(*tracking.soft())[:2] == pytest.approx(IMPACT, abs=1e-9)
+
+
+def test_the_chain_against_exact_shooting():
+    problem, x = orbit("impact_oscillator", t_end=900, mesh="degree: 8, intervals: 40", delay="method: chain, order: 2, n: 15")
+    assert own(problem, x)[:2] == pytest.approx(CHAIN_IMPACT, abs=1e-9)
+
+
+def test_two_impacts_against_exact_shooting():
+    problem, x = orbit("impact_oscillator", "K: 0", 900, initial="x: -0.26, v: 1.74")
+    assert own(problem, x)[0] == pytest.approx(TWO_IMPACTS, abs=1e-8)
+
+
+def test_the_wall():
+    """Textbook saltation matrix at the orbit of the shared table (impact at 1.0849389538, outgoing speed -2.4554898724).
+
+    The table's multipliers .716444, .652469 have the same product, e^(-c pi) r^2, but another sum; the sum here is that of the saltation
+    matrix, and of differences of the simulated flow over a period (0.6829504 +- 0.0321948 i).
+    """
+    c, r, t, out = 0.1, 0.8, 1.0849389538, -2.4554898724
+    into = -out / r
+
+    def field(v):
+        return np.array([v, math.cos(2 * t) - c * v - 0.2])
+
+    jump = np.diag([1.0, -r])
+    saltation = jump + np.outer(field(out) - jump @ field(into), [1.0, 0.0]) / into
+    exact = scipy.linalg.eigvals(saltation @ scipy.linalg.expm(np.array([[0.0, 1.0], [-1.0, -c]]) * math.pi))
+    found = own(*orbit("wall_oscillator", t_end=120))
+    assert found == pytest.approx(sorted(exact, key=lambda z: -z.imag), abs=1e-8)
+
+
+def test_the_bouncing_ball():
+    """From the impact map's trace and its determinant r^2, in closed form at G = 0.6, r = 0.8."""
+    found = own(*orbit("bouncing_ball", t_end=1200))
+    assert found[0] == pytest.approx(0.0294250083611898 + 0.799458672404611j, abs=1e-10)
+    assert found[0] * found[1] == pytest.approx(0.64, abs=1e-10)
+
+
+def at_delay(tau):
+    """Return the Mackey-Glass orbit at a delay near its period doubling, where simulations settle slowly."""
+    problem, x = orbit("mackey_glass", "n: 10, tau: 1.28", 500)
+    p = problem.parameters.copy()
+    p[problem.numeric.parameter_index("tau")] = tau
+    problem, solution = settle(replace(problem, parameters=p), x, MeshRule(10, tol=1e-11))
+    return problem, solution.x
+
+
+@pytest.mark.parametrize("tau", [1.2, 1.32])
+def test_mackey_glass(tau):
+    problem, x = at_delay(tau)
+    m = multipliers(problem, x)
+    assert m.own[:2] == pytest.approx(MACKEY_GLASS[tau], abs=1e-9)
+    assert m.trivial_error < 1e-9
+    assert "trivial multiplier" in describe(m)
+
+
+def test_mackey_glass_at_its_period_doubling():
+    assert own(*at_delay(1.3249215258))[0] == pytest.approx(-1.0, abs=1e-9)
+
+
+@pytest.mark.parametrize(("model", "changes"), [("relay", "a: 0.5, tau: 1"), ("on_off_control", "tau: 0.8"), ("spiking_neuron", "tau: 0.4")])
+def test_switching_between_exact_arcs_forgets_everything(model, changes):
+    problem, x = orbit(model, changes, 80)
+    assert np.max(np.abs(own(problem, x))) < 1e-8
+
+
+def test_pulsed_control():
+    """x' = b x(t - 1), x -> q x at whole numbers: multipliers b / W_k(b / q)."""
+    problem, x = orbit("pulsed_control", "b: 0.5, q: 0.55", 400)
+    exact = [0.5 / scipy.special.lambertw(0.5 / 0.55, k) for k in (0, 1, -1)]
+    assert exact[0] == pytest.approx(0.9375213103, abs=1e-10)
+    assert own(problem, x)[0] == pytest.approx(exact[0], abs=1e-10)
+    problem, x = orbit("pulsed_control", "b: -1.2, q: 0.8", 300)
+    exact = sorted((-1.2 / scipy.special.lambertw(-1.5, k) for k in range(-4, 4)), key=lambda z: (-abs(z), -z.imag))
+    assert own(problem, x, 6) == pytest.approx(exact[:6], abs=1e-9)
+
+
+def test_the_delayed_cosine():
+    """x' = -(pi/2) x(t - 1): exp(4 W_k(-pi/2)). The unit pair is one defective double multiplier, so its digits are worth half."""
+    numeric = numeric_from("name: m\nstates: [x]\nparameters: {k: 1}\nmodes: {m: {x': -k*pi/2*x(t - 1)}}\n")
+    mesh = Mesh(12, 1, segment_pieces(1, 2, equal_cuts([16])))
+    theta = np.array([4.0, 1.0])
+    values = np.cos(math.pi / 2 * mesh.base_times(theta))[:, None]
+    problem = OrbitProblem(numeric, (eventless("m"),), mesh, Direct(), np.array([1.0]), (), 1, values)
+    x = problem.layout.join(values, [4.0], 0.0, np.zeros(0))
+    m = multipliers(problem, x, 6)
+    exact = sorted((abs(np.exp(4 * scipy.special.lambertw(-math.pi / 2, k))) for k in range(-4, 4)), reverse=True)
+    assert exact[2:6] == pytest.approx([1.63e-3, 1.63e-3, 1.52e-4, 1.52e-4], rel=0.01)
+    assert np.abs(m.values[2:6]) == pytest.approx(exact[2:6], abs=1e-10)
+    assert np.abs(m.values[:2]) == pytest.approx([1.0, 1.0], abs=1e-6)
+    # What the trivial one leaves of the pair's sum is good to rounding.
+    assert m.own[0] == pytest.approx(1.0, abs=1e-10)
+
+
+def on_mesh(model, changes, delay, t_end, mesh="degree: 8, intervals: 24"):
+    problem, x = orbit(model, changes, t_end, mesh=mesh, delay=delay)
+    return own(problem, x)
+
+
+def test_the_three_ways_to_discretise_the_delay_agree_as_n_grows():
+    exact = np.array([-0.811229553589])
+    direct = own(*orbit("mackey_glass", "n: 10, tau: 1.2", 400))[:1]
+    chains = [on_mesh("mackey_glass", "n: 10, tau: 1.2", f"method: chain, order: 2, n: {n}", 400)[:1] for n in (40, 80)]
+    lines = [on_mesh("mackey_glass", "n: 10, tau: 1.2", f"method: chebyshev, n: {n}", 400)[:1] for n in (12, 18, 24)]
+    assert direct == pytest.approx(exact, abs=1e-10)
+    errors = [float(abs(c[0] - exact[0])) for c in chains]
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(2, abs=0.15)
+    distances = [float(abs(c[0] - exact[0])) for c in lines]
+    assert distances[0] > 1e3 * distances[1] > 1e3 * distances[2] or distances[2] < 1e-10
+
+
+@pytest.mark.parametrize(("model", "changes", "n_periods"), [
+    ("impact_oscillator", "", 24), ("mackey_glass", "n: 10, tau: 1.2", 130), ("bouncing_ball", "G: 0.5", 120),
+    ("pulsed_control", "b: 0.5, q: 0.55", 420), ("wright", "alpha: 1.7", 60), ("impact_oscillator", "K: 0.16", 40),
+])  # fmt: skip
+def test_decay_measured_by_simulation(model, changes, n_periods):
+    problem, x = orbit(model, changes, 900, mesh="degree: 8, tol: 1e-9")
+    assert abs(decay(problem, x, n_periods)[0]) == pytest.approx(abs(own(problem, x)[0]), rel=0.01)
+
+
+def test_decay_where_the_history_jumps():
+    """A hard wall with delayed velocity feedback: velocities that jump are read again, and carry the impact times with them."""
+    problem, x = tracking.hard()
+    found, measured = own(problem, x)[:2], decay(problem, x, 80)
+    assert measured[0] == pytest.approx(found[0] if measured[0].imag > 0 else np.conj(found[0]), rel=0.01)
+
+
+def test_many_delayed_events_under_way():
+    """The neuron's kicks of several earlier spikes are under way: a perturbed spike time comes back tau later, and no sooner."""
+    problem, x = orbit("spiking_neuron", "tau: 2.3", 200)
+    assert problem.timers[0][2] >= 1
+    period, wraps = problem.period(x), problem.timers[0][2]
+    m = own(problem, x, 4)
+    assert np.max(np.abs(m)) < 1.0
+    assert linearise(problem, x).size >= wraps
+    assert period > 0
+
+
+def test_the_number_of_multipliers_is_the_users():
+    problem, x = orbit("mackey_glass", "n: 10, tau: 1.2", 300)
+    for n in (1, 3, 7):
+        values = multipliers(problem, x, n).values
+        # A conjugate pair is not torn apart.
+        assert len(values) in (n, n + 1)
+        assert np.all(np.diff(np.abs(values)) < 1e-9)
+    assert np.all(np.abs(multipliers(problem, x).values) >= 1e-3)
+
+
+def test_arnoldi_and_the_whole_spectrum_agree(monkeypatch):
+    from pddecont.stability import multipliers as module
+
+    problem, x = orbit("impact_oscillator", t_end=900, mesh="degree: 6, intervals: 30", delay="method: chain, order: 2, n: 40")
+    whole = multipliers(problem, x, 4).values
+    monkeypatch.setattr(module, "DENSE", 0)
+    assert multipliers(problem, x, 4).values == pytest.approx(whole, abs=1e-9)
+
+
+def test_an_eigenvector_is_one():
+    problem, x = tracking.soft()
+    period = linearise(problem, x)
+    leading = own(problem, x)[0]
+    v = eigenvector(problem, x, leading.real)
+    assert np.max(np.abs(v)) == 1.0
+    values, vectors = np.linalg.eig(period.matrix())
+    history = vectors[:, np.argmin(np.abs(values - leading))].real
+    now, later = period.step(history)
+    after = period.step(later)[0]
+    assert after == pytest.approx(leading.real * now, abs=1e-9 * np.max(np.abs(now)))
+
+
+def test_multipliers_are_computed_once():
+    problem, x = tracking.hard()
+    known = Known()
+    assert known(problem, x) is known(problem, x)
+    assert known(problem, x.copy()) is not known(problem, x)
