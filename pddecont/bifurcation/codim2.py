@@ -20,7 +20,7 @@ from pddecont.bifurcation.conditioned import SpecialCurve
 from pddecont.bifurcation.fold import Fold
 from pddecont.bifurcation.grazing import Graze, clearance
 from pddecont.bifurcation.torus import Torus
-from pddecont.continuation.branch import Census, Counts, TestFunction, Watch
+from pddecont.continuation.branch import Census, Counts, End, TestFunction, Watch
 from pddecont.continuation.locate import Located
 from pddecont.stability.multipliers import Known, Multipliers
 
@@ -36,7 +36,7 @@ def watch_curve(special: SpecialCurve, known: Known | None) -> Watch:
     if isinstance(special.condition, Fold):
         tests.append(TestFunction("CP", cusp))
     if isinstance(special.condition, Torus):
-        tests += [TestFunction(name, _resonance(level), stops) for name, level, stops in RESONANCES]
+        tests += [TestFunction(name, _resonance(level), stops, end=End.RESONANCE) for name, level, stops in RESONANCES]
     if isinstance(special.condition, Graze):
         tests.append(TestFunction("GG", lambda at: at.problem.condition.others(at.problem.curve, at.x)))
     elif kind not in ("UF",):

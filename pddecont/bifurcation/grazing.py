@@ -68,11 +68,12 @@ class Graze:
         """Return (distance, value, fraction) of each extremum that could be the one meant."""
         durations = x[problem.layout.durations]
         begin = float(np.sum(durations[: self.segment]))
-        found = []
+        found, closed = [], not problem.segments[0].event
         for e in profile(problem, x, problem.numeric.event(self.event)).extrema():
             if e.segment == self.segment and e.is_max == self.is_max:
                 fraction = (e.time - begin) / float(durations[self.segment])
-                found.append((abs(fraction - self.fraction), e.value, fraction))
+                apart = abs(fraction - self.fraction)
+                found.append((min(apart, 1.0 - apart) if closed else apart, e.value, fraction))
         return found
 
 

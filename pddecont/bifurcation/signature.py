@@ -110,9 +110,8 @@ def _begin(curve: Curve, problem: OrbitProblem, guess: Array, rule: MeshRule, wh
         towards[place_of(made, where + 1)] = 1.0
         return Entered(made, solution.x, tangent(made, solution.x, made.metric(), towards))
     # A hard impact of speed zero leaves the grazing orbit a solution of the new equations; go to where the speed grows.
-    towards = np.zeros(len(guess))
-    towards[place_of(made, where)] = -1.0
-    direction = tangent(made, guess, made.metric(), towards)
+    metric = made.metric()
+    direction = tangent(made, guess, metric, np.random.default_rng(1).standard_normal(len(guess)) * metric.scale)
     before, after = (rate(problem, guess + k * STEP * direction, where) for k in (-1.0, 1.0))
     return Entered(made, guess, direction if after > before else -direction)
 

@@ -35,6 +35,7 @@ class End(Enum):
                       "fold, refine 'mesh', or lower 'step: {min}'")  # fmt: skip
     IMPOSSIBLE = "can go no further with this signature"
     SPECIAL = "stopped at a special point where the signature of the orbit changes"
+    RESONANCE = "the curve ends where its pair of multipliers meets on the real axis"
 
 
 @dataclass(frozen=True)
@@ -90,7 +91,7 @@ class Followed(Problem, Protocol):
 
 @dataclass(frozen=True)
 class TestFunction:
-    """A function along the branch whose zero is a special point of ``kind``; ``stops`` if the branch ends there.
+    """A function along the branch whose zero is a special point of ``kind``; ``stops`` if the branch ends there, with ``end``.
 
     ``note`` says more of the point. ``meeting`` finds the point itself between two orbits with a change of sign, or None: where a branch
     meets another one, no orbit between the two can be found on the way and no census can be trusted.
@@ -101,6 +102,7 @@ class TestFunction:
     value: Callable[[Located], float]
     stops: bool = False
     note: str = ""
+    end: End = End.SPECIAL
     meeting: Callable[[Located, Located], Located | None] | None = None
 
 
@@ -216,7 +218,7 @@ def follow(state: State, bounds: Sequence[tuple[int, float, float]], watch: Watc
                          arclength=state.arclength + sign * found.fraction * length)  # fmt: skip
             emit(Point(at, found.test.kind, found.point.n_iterations, found.test.note))
             if found.test.stops:
-                return Termination(End.SPECIAL, found.test.kind)
+                return Termination(found.test.end, found.test.kind)
         cosine = metric.dot(direction, chord) / length
         state = State(reached.problem, reached.x, direction, state.arclength + sign * length,
                       _next_step(step, reached.n_iterations, cosine, settings), state.n_points + 1)  # fmt: skip

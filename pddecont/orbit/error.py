@@ -20,6 +20,8 @@ from pddecont.orbit.mesh import Places
 from pddecont.orbit.problem import OrbitProblem, read
 
 Array = NDArray[np.float64]
+STILL = 1e-5
+ZERO = 1e-13
 
 
 def interval_errors(problem: OrbitProblem, x: Array) -> Array:
@@ -58,11 +60,15 @@ def rounding_error(problem: OrbitProblem, x: Array) -> float:
 
 
 def state_sizes(values: Array) -> Array:
-    """Return each state's size along the orbit: its largest modulus about its middle, never zero; shape (n_states,)."""
+    """Return each state's size along the orbit: its largest modulus about its middle, never zero; shape (n_states,).
+
+    A state that hardly moves counts by its largest modulus, since rounding leaves no digits of so small a swing; one that stays at
+    zero, up to ``ZERO``, has size one.
+    """
     swing = 0.5 * np.ptp(values, axis=0)
     largest = np.max(np.abs(values), axis=0)
-    fallback = np.where(largest > 0.0, largest, 1.0)
-    return np.where(swing > 1e-8 * largest, swing, fallback)
+    fallback = np.where(largest > ZERO, largest, 1.0)
+    return np.where((swing > STILL * largest) & (largest > ZERO), swing, fallback)
 
 
 @cache

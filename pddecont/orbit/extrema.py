@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,7 +33,8 @@ class Extremum:
 class Profile:
     """A function along an orbit as one polynomial a mesh interval.
 
-    ``values`` (n_intervals, degree + 1) are taken at the base points of the basis of ``degree``.
+    ``values`` (n_intervals, degree + 1) are taken at the base points of the basis of ``degree``. The only segment of a ``closed``
+    orbit goes on into itself, so that an extremum may lie where it begins.
     """
 
     degree: int
@@ -40,6 +42,7 @@ class Profile:
     segment: NDArray[np.intp]
     start: Array
     h: Array
+    closed: bool = False
 
     def ends(self, s: int) -> tuple[float, float]:
         """Return the values at the start and the end of segment ``s``."""
@@ -68,7 +71,7 @@ def profile(problem: OrbitProblem, x: Array, function: ArrayFunction, row: int =
     places = Places(np.repeat(np.arange(mesh.n_intervals), len(base)), np.tile(base, mesh.n_intervals))
     reads = read(problem, x, places, delays=function.uses_delayed)
     values = function.value(reads.t, reads.x, reads.xd, reads.p)[row].reshape(mesh.n_intervals, -1)
-    return Profile(degree, values, mesh.segment, mesh.start @ reads.theta, reads.h)
+    return Profile(degree, values, mesh.segment, mesh.start @ reads.theta, reads.h, not problem.segments[0].event)
 
 
 def _extrema(profile: Profile) -> Iterator[Extremum]:
@@ -76,11 +79,33 @@ def _extrema(profile: Profile) -> Iterator[Extremum]:
     slopes = profile.values @ basis.differentiate.T
     to_power = np.linalg.inv(np.vander(basis.base, increasing=True))
     to_power_slope = (np.diag(np.arange(1.0, profile.degree + 1), 1)[:-1] @ to_power)
+    series = slopes @ _to_chebyshev(profile.degree).T
+    may_turn = np.abs(series[:, 0]) <= np.sum(np.abs(series[:, 1:]), axis=1)
+    n = len(profile.values)
     for j, values in enumerate(profile.values):
-        yield from _inside(profile, j, values, to_power_slope @ values)
-        last = j + 1 == len(profile.values) or profile.segment[j + 1] != profile.segment[j]
-        if not last and slopes[j, -1] * slopes[j + 1, 0] < 0.0:
-            yield _make(profile, j, 1.0, float(values[-1]), bool(slopes[j, -1] > 0))
+        if may_turn[j]:
+            yield from _inside(profile, j, values, to_power_slope @ values)
+        if j + 1 == n and not profile.closed:
+            continue
+        following = (j + 1) % n
+        if profile.segment[following] == profile.segment[j]:
+            left, right = (_sign(slopes[k], end) for k, end in ((j, -1), (following, 0)))
+            if left * right < 0:
+                yield _make(profile, j, 1.0, float(values[-1]), left > 0)
+
+
+def _sign(slopes: Array, end: int) -> int:
+    """Return the sign of the slope at an interval's end, or where it is zero there that of the nearest base point where it is not."""
+    inward = slopes[::-1] if end == -1 else slopes
+    signs = np.sign(inward[np.flatnonzero(inward)[:1]])
+    return int(signs[0]) if len(signs) else 0
+
+
+@cache
+def _to_chebyshev(degree: int) -> Array:
+    """Return the matrix from values at the base points to Chebyshev coefficients: a slope whose first outweighs the rest has no zero."""
+    vander = np.polynomial.chebyshev.chebvander(2.0 * make_basis(degree).base - 1.0, degree)
+    return np.asarray(np.linalg.inv(vander), dtype=np.float64)
 
 
 def _inside(profile: Profile, j: int, values: Array, slope: Array) -> Iterator[Extremum]:

@@ -56,4 +56,4 @@ def _collapse(task: Task, state: State) -> list[TestFunction]:
     def meeting(a: Located, b: Located) -> Located | None:
         return period_doubling.collapsed(a, b, rule, task.known or Known())
 
-    return [TestFunction(period_doubling.KIND, value, True, "halves become equal", meeting)]
+    return [TestFunction(period_doubling.KIND, value, True, "halves become equal", meeting=meeting)]

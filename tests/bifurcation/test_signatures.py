@@ -1,0 +1,191 @@
+"""The signature changes by itself at grazings and where segments vanish."""
+
+import math
+
+import numpy as np
+import pytest
+
+from tests.bifurcation.test_special_points import CHAIN_COLLAPSE, CHAIN_GRAZING, TWO_IMPACT_FOLD_CHAIN
+from tests.problems import GRAZING_TAU
+from tests.runs import labels, monitor, multipliers, parameter, run
+
+FREE_GRAZING_CHAIN = 0.175337013230  # closed form of the linear orbit, N = 15, M = 2, tau_d = 3.8
+CHAIN = "model: impact_oscillator\nset: {K: 0.12, tau_d: 3.8}\ndelay: {method: chain, order: 2, n: 15}\nmesh: {degree: 8, intervals: 40}\n"
+
+
+def signatures(step):
+    """Return the signatures along a branch, each once where it goes on."""
+    names = [step.orbit(i)["signature"].tobytes().decode() for i in step.order if not step.points["kind"][i]]
+    return [a for a, b in zip(names, [None, *names], strict=False) if a != b]
+
+
+@pytest.fixture(scope="module")
+def fig4_7(tmp_path_factory):
+    text = CHAIN + """\
+monitors: {contact_time: time_in(C), x_max: max(x)}
+steps:
+  - {name: t, simulate: {t_end: 60*2*pi/omega}}
+  - {name: o, orbit: {from: t}}
+  - {name: c, continue: {from: o, free: [K], range: {K: [0.1, 0.3]}, step: {max: 0.05}, stability: true, direction: up}}
+  - {name: stop, continue: {from: o, free: [K], range: {K: [0.1, 0.3]}, step: {max: 0.05}, direction: up, signature_change: stop}}
+  - {name: by_hand, continue: {from: {step: stop, point: GR1}, free: [K], range: {K: [0.1, 0.3]}, signature: [NC, C, NC, C]}}
+"""
+    return run(text, tmp_path_factory.mktemp("fig4_7") / "a.h5")
+
+
+def test_from_impacts_to_none_without_user_action(fig4_7):
+    step = fig4_7.step("c")
+    assert labels(step) == ["GR1", "PD1", "VS1"]
+    assert signatures(step) == ["NC C", "NC C NC C", "NC C", "(NC)"]
+    assert step.termination[0] == ("up: reached the end of the range; widen 'range' to go on, through the signatures [NC C], "
+                                   "[NC C NC C], [NC C], [(NC)]")  # fmt: skip
+    assert np.all(step.points["admissible"] == 1)
+    assert parameter(step, "K", "GR1") == pytest.approx(CHAIN_GRAZING, abs=1e-10)
+    assert parameter(step, "K", "PD1") == pytest.approx(CHAIN_COLLAPSE, abs=1e-10)
+    assert parameter(step, "K", "VS1") == pytest.approx(FREE_GRAZING_CHAIN, abs=1e-10)
+    assert parameter(step, "K")[-1] == 0.3
+    assert step.points["note"][step.row("VS1")] == b"C vanishes"
+
+
+def test_the_doubling_met_from_the_doubled_side(fig4_7):
+    """Contact time and multipliers of the period-1 orbit at its doubling, from shooting with matrix exponentials."""
+    step = fig4_7.step("c")
+    assert monitor(step, "contact_time", "PD1") == pytest.approx(0.091210359937, abs=1e-9)
+    assert multipliers(step, step.row("PD1"))[:3] == pytest.approx([-1.0, -0.24105926, 0.03017588], abs=1e-7)
+    assert monitor(step, "x_max", "VS1") == pytest.approx(1.26, abs=1e-12)
+
+
+def test_both_signatures_meet_in_the_grazing_orbit(fig4_7):
+    """Just past the grazing K grows as the square of the small contact's duration, as shooting gives it: d = .01 and .05."""
+    step = fig4_7.step("c")
+    past = [i for i in step.order if step.orbit(i)["signature"].tobytes() == b"NC C NC C"]
+    d = np.array([min(step.orbit(i)["unknowns"][[1, 3]]) for i in past])
+    K = step.points["parameters"][past, step.meta["parameters"].index("K")]
+    shooting_d = np.array([0.0, 0.01, 0.03, 0.05, 0.075, 0.085])
+    shooting_K = np.array([CHAIN_GRAZING, 0.174752343075, 0.174785826696, 0.174832023855, 0.1748804862573, 0.1748902696928])
+    expected = np.polynomial.Polynomial.fit(shooting_d, shooting_K, 5)(d)
+    inside = d < 0.085
+    assert np.sum(inside) > 0
+    assert K[inside] == pytest.approx(expected[inside], abs=2e-8)
+
+
+def test_stop_and_go_by_hand(fig4_7):
+    stop, hand = fig4_7.step("stop"), fig4_7.step("by_hand")
+    assert labels(stop) == ["GR1"]
+    assert stop.termination[0].startswith("up: stopped at a special point where the signature of the orbit changes (GR)")
+    assert signatures(hand)[0] == "NC C NC C"
+    assert labels(hand) == ["PD1", "VS1"]
+    assert parameter(hand, "K", "PD1") == pytest.approx(CHAIN_COLLAPSE, abs=1e-10)
+
+
+def test_another_signature_than_the_grazings_is_refused(tmp_path, fig4_7):
+    from pddecont.errors import SignatureError
+
+    text = CHAIN + f"""\
+steps:
+  - {{name: c, continue: {{from: {{file: {fig4_7.path}, step: stop, point: GR1}}, free: [K], range: {{K: [0.1, 0.3]}}, signature: [SIG]}}}}
+"""
+    with pytest.raises(SignatureError, match=r"the grazing leads to \[NC, C, NC, C\]"):
+        run(text.replace("SIG", "NC, C, NC, C, NC, C"), tmp_path / "a.h5")
+
+
+def test_in_the_delay_through_both_grazings_to_the_free_orbit_and_back(tmp_path):
+    text = """\
+model: impact_oscillator
+mesh: {degree: 9, tol: 1e-10}
+monitors: {contact_time: time_in(C)}
+steps:
+  - {name: t, simulate: {t_end: 60*2*pi/omega}}
+  - {name: o, orbit: {from: t}}
+  - {name: c, continue: {from: o, free: [tau_d], range: {tau_d: [3, 6.5]}, step: {max: 0.05}}}
+"""
+    step = run(text, tmp_path / "a.h5").step("c")
+    assert labels(step) == ["PD1", "GR1", "GR2", "PD2", "VS1", "GR3"]
+    assert signatures(step) == ["NC C", "NC C NC C", "NC C", "NC C NC C", "NC C", "(NC)", "NC C"]
+    assert [parameter(step, "tau_d", x) for x in ("GR1", "GR2")] == pytest.approx([3.2164416411, 4.6951888028], abs=2e-9)
+    assert [parameter(step, "tau_d", x) for x in ("VS1", "GR3")] == pytest.approx(GRAZING_TAU, abs=1e-9)
+    assert np.all(step.points["admissible"] == 1)
+
+
+WALL = """\
+model: wall_oscillator
+mesh: {degree: 8, tol: 1e-10}
+monitors: {x_max: max(x)}
+steps:
+  - {name: t, simulate: {t_end: 300}}
+  - {name: o, orbit: {from: t}}
+  - {name: c, continue: {from: o, free: [FREE], range: {FREE: RANGE}, step: {max: 0.05}, stability: true, direction: both}}
+"""
+
+
+def free_amplitude(omega):
+    return 1 / math.hypot(1 - omega**2, 0.1 * omega)
+
+
+@pytest.mark.parametrize(("free", "limits"), [("wall", [0.1, 1]), ("omega", [1.9, 3])])
+def test_a_hard_impact_dies_at_speed_zero_where_the_free_orbit_grazes(tmp_path, free, limits):
+    text = WALL.replace("FREE", free).replace("RANGE", str(limits))
+    step = run(text, tmp_path / "a.h5").step("c")
+    assert "VS1" in labels(step)
+    at = parameter(step, free, "VS1")
+    if free == "wall":
+        assert at == pytest.approx(free_amplitude(2.0), abs=1e-10)
+    else:
+        assert free_amplitude(at) == pytest.approx(0.2, abs=1e-10)
+    assert step.points["note"][step.row("VS1")] == b"event turns tangential"
+    assert signatures(step) == ["flight", "(free)"]
+    assert np.all(step.points["admissible"] == 1)
+    # The multipliers of a hard impact are unbounded at speed zero, so the impacting orbit loses its stability before.
+    assert labels(step).index("PD1") < labels(step).index("VS1")
+
+
+def test_the_free_orbit_grazes_a_hard_wall_and_the_new_family_turns_back(tmp_path):
+    text = WALL.replace("model: wall_oscillator", "model: wall_oscillator\nset: {wall: 0.5}")
+    text = text.replace("FREE", "wall").replace("RANGE", "[0.1, 0.6]").replace("direction: both", "direction: down")
+    step = run(text, tmp_path / "a.h5").step("c")
+    assert labels(step) == ["PD1", "GR1"]
+    assert parameter(step, "wall", "GR1") == pytest.approx(free_amplitude(2.0), abs=1e-10)
+    assert signatures(step) == ["flight", "(free)"]
+    speeds = [step.orbit(i)["states"][-1, 1] for i in step.order if step.orbit(i)["signature"].tobytes() == b"flight"]
+    assert min(speeds) > 0
+
+
+def test_chattering_adds_impacts_one_by_one(tmp_path):
+    """Down in the wall's place ever more low impacts are born at grazings; each orbit is admissible."""
+    text = WALL.replace("FREE", "wall").replace("RANGE", "[-1, 0.3]").replace("direction: both", "direction: down, max_points: 100")
+    step = run(text, tmp_path / "a.h5").step("c")
+    counts = [len(name.split()) for name in signatures(step)]
+    assert max(counts) >= 4
+    assert np.all(np.abs(np.diff(counts)) == 1)
+    assert np.mean(step.points["admissible"] == 1) == 1
+
+
+def test_two_events_that_meet_are_named(tmp_path):
+    """The kick that comes tau after a spike meets the next spike: drive (1 - e^-tau) + kick = 1."""
+    text = """\
+model: spiking_neuron
+mesh: {degree: 9, tol: 1e-11}
+steps:
+  - {name: t, simulate: {t_end: 60}}
+  - {name: o, orbit: {from: t}}
+  - {name: c, continue: {from: o, free: [tau], range: {tau: [0.2, 2]}, direction: up, step: {max: 0.05}}}
+"""
+    step = run(text, tmp_path / "a.h5").step("c")
+    assert labels(step) == ["VS1"]
+    assert b"meets" in step.points["note"][step.row("VS1")]
+    assert parameter(step, "tau", "VS1") == pytest.approx(math.log(1.5 / 0.4), abs=1e-7)
+    assert "vanishes" in step.termination[0]
+
+
+def test_the_orbit_with_two_impacts_in_the_gain(tmp_path):
+    """Fig. 4.2: by brute force it is lost near K = 0.0027; followed, it ends in a fold."""
+    text = CHAIN.replace("K: 0.12, ", "K: 0, ") + """\
+steps:
+  - {name: t, simulate: {initial: {x: -0.26, v: 1.74}, t_end: 150*2*pi/omega}}
+  - {name: o, orbit: {from: t, signature: [NC, C, NC, C]}}
+  - {name: c, continue: {from: o, free: [K], range: {K: [0, 0.3]}, step: {max: 0.02}, direction: up, stability: true}}
+"""
+    step = run(text, tmp_path / "a.h5").step("c")
+    assert labels(step) == ["LP1"]
+    assert parameter(step, "K", "LP1") == pytest.approx(TWO_IMPACT_FOLD_CHAIN, abs=1e-10)
+    assert multipliers(step, step.row("LP1"))[:2] == pytest.approx([1.0, 0.697689695264], abs=1e-5)
