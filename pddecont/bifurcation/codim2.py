@@ -64,9 +64,9 @@ def _resonance(level: float) -> Callable[[Located], float]:
 
 
 def without_critical(m: Multipliers, kind: str) -> Multipliers:
-    """Return the multipliers without those that the curve keeps on the unit circle."""
+    """Return the multipliers without those that a special point of ``kind`` has on the unit circle."""
     own = m.own
-    if kind == fold.KIND and len(own):
+    if kind in (fold.KIND, branch_point.KIND) and len(own):
         own = np.delete(own, np.argmin(np.abs(own - 1.0)))
     elif kind == period_doubling.KIND and len(own):
         own = np.delete(own, np.argmin(np.abs(own + 1.0)))

@@ -20,7 +20,8 @@ KINDS = ("diagram", "plane", "manifold", "multipliers", "orbit", "profile", "tra
 @click.option("--view", "kind", type=click.Choice(KINDS), help="What to draw  [default: what suits the step]")
 @click.option("-x", "x", metavar="NAME", help="Horizontal axis: a parameter, monitor or state.")
 @click.option("-y", "y", metavar="NAME", help="Vertical axis (in a manifold the second parameter).")
-@click.option("-z", "z", metavar="NAME", help="What a manifold shows upwards: a monitor or another number of a point.")
+@click.option("-z", "z", metavar="NAME",
+              help="What a manifold shows upwards: a monitor, or a parameter where -x and -y are states or delayed values.")
 @click.option("--label", "labels", multiple=True, metavar="LABEL", help="Point whose orbit is shown; may be repeated.")
 @click.option("--index", "indices", multiple=True, type=click.IntRange(0), help="The same by index; may be repeated.")
 def command(file: str, output: Path | None, steps: tuple[str, ...], kind: str | None, x: str | None, y: str | None, z: str | None,

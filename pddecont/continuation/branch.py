@@ -333,7 +333,10 @@ def _specials(chord: Chord, watch: Watch, before: _Seen, after: _Seen) -> list[_
         if f0 * f1 < 0.0 or (f1 == 0.0 and f0 != 0.0):
             found += _zero(chord, test, 0.0, 1.0, f0, f1)
     if watch.census is not None and not any(f.test.meeting for f in found):
-        found += _counted(chord, watch.census, 0.0, 1.0, before.counts, after.counts, MAX_CUTS)
+        # What lies beyond a point that ends the branch counts for nothing.
+        last = min((f.fraction for f in found if f.test.stops), default=1.0)
+        counts = after.counts if last == 1.0 else watch.census.count(chord.at(last))
+        found += _counted(chord, watch.census, 0.0, last, before.counts, counts, MAX_CUTS)
     return sorted(found, key=lambda f: (round(f.fraction, 6), not f.test.stops, f.fraction))
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pddecont.errors import ResultsError
 from pddecont.plot.columns import default_height, free_of
 from pddecont.plot.diagram import special_rows
-from pddecont.plot.manifold import within_plane
+from pddecont.plot.manifold import signals, within_plane
 from pddecont.results.reader import Results, Step
 from pddecont.results.tables import has_multipliers
 
@@ -77,6 +77,8 @@ def _suitable(results: Results, view: View) -> tuple[str, list[Step]]:
     if kind == "multipliers":
         fit = [s for s in fit if has_multipliers(s)] or fit
     if kind in SINGLE:
+        return kind, fit[-1:]
+    if kind == "manifold" and view.x and view.y and {view.x, view.y} <= set(signals(fit[-1])):
         return kind, fit[-1:]
     if kind == "manifold":
         found = within_plane(fit, *pair(fit, view))

@@ -12,7 +12,7 @@ from pddecont.errors import ResultsError
 from pddecont.plot.choice import View, choose, chosen_rows, height, pair
 from pddecont.plot.columns import default_columns, free_of, title
 from pddecont.plot.diagram import draw_diagram
-from pddecont.plot.manifold import draw_manifold
+from pddecont.plot.manifold import draw_manifold, draw_orbits_along, signals
 from pddecont.plot.multipliers import draw_multipliers
 from pddecont.plot.orbits import draw_orbit, draw_profile, draw_trajectory
 from pddecont.plot.plane import draw_plane
@@ -22,6 +22,8 @@ from pddecont.results.reader import Results, Step
 
 SUFFIXES = (".png", ".svg", ".pdf")
 BESIDE = 4
+# Letters of a legend that fit in an inch.
+PER_INCH = 19
 
 
 def draw(results: Results, view: View, path: Path) -> None:
@@ -87,7 +89,9 @@ def _with_orbits(steps: list[Step], rows: Sequence[tuple[Step, int]]) -> tuple[A
 
 def _finished(figure: Any, axes: Any, tags: Sequence[Tag], handles: Sequence[Any]) -> Any:
     if handles:
-        figure.legend(handles=handles, loc="outside lower center", ncols=min(3, len(handles)), fontsize=8.5)
+        longest = max(len(handle.get_label()) for handle in handles)
+        columns = max(1, min(3, len(handles), int(figure.get_figwidth() * PER_INCH / (longest + 6))))
+        figure.legend(handles=handles, loc="outside lower center", ncols=columns, fontsize=8.5)
     place_tags(axes, tags)
     return figure
 
@@ -96,6 +100,10 @@ def _manifold(steps: list[Step], view: View) -> Any:
     figure = _figure(7.4, 6.4)
     axes = figure.add_subplot(projection="3d")
     axes.set_box_aspect((4, 4, 3), zoom=0.98)
+    if view.x and view.y and {view.x, view.y} <= set(signals(steps[-1])):
+        lines = draw_orbits_along(axes, steps[-1], view.x, view.y, view.z or free_of(steps[-1])[0])
+        figure.colorbar(lines, ax=axes, label=label(view.z or free_of(steps[-1])[0]), shrink=0.6, pad=0.12)
+        return figure
     return _finished(figure, axes, *draw_manifold(axes, steps, *pair(steps, view), height(steps, view)))
 
 

@@ -1,4 +1,4 @@
-"""Branches and the curves of their special points over the plane of two parameters."""
+"""In three dimensions: branches and curves over the plane of two parameters, or the orbits themselves along one of them."""
 
 from __future__ import annotations
 
@@ -65,3 +65,31 @@ def draw_manifold(axes: Any, steps: Sequence[Step], x: str, y: str, z: str) -> t
     seen = [(name, proj_transform(*place, axes.get_proj())) for name, place in special]
     named = handles if len(families) > 1 else []
     return [Tag(name, float(p[0]), float(p[1])) for name, p in seen], [*curve_handles(curves), *named, *style_handles(steps)]
+
+
+def signals(step: Step) -> list[str]:
+    """Return what orbits are drawn in: the states, and their delayed values as the model writes them."""
+    return [*step.meta["states"], *step.meta.get("delayed", [])]
+
+
+def draw_orbits_along(axes: Any, step: Step, x: str, y: str, z: str) -> Any:
+    """Draw each point's orbit in two signals, at the height of a parameter: the solution manifold. Returns the coloured lines."""
+    from mpl_toolkits.mplot3d.art3d import Line3DCollection
+
+    heights = column(step, z)
+    lines, places = [], []
+    for i in step.order:
+        orbit = step.orbit(int(i))
+        every = np.hstack([orbit["states"], orbit["delayed"]]) if "delayed" in orbit else orbit["states"]
+        first, second = (every[:, signals(step).index(name)] for name in (x, y))
+        around = np.append(np.arange(len(first)), 0)
+        lines.append(np.stack([first[around], second[around], np.full(len(around), heights[i])], axis=1))
+        places.append(heights[i])
+    drawn = Line3DCollection(lines, array=np.array(places), cmap="viridis", linewidths=0.9)
+    axes.add_collection3d(drawn)
+    whole = np.vstack(lines)
+    for k, (name, put, limit) in enumerate(((x, axes.set_xlabel, axes.set_xlim), (y, axes.set_ylabel, axes.set_ylim),
+                                            (z, axes.set_zlabel, axes.set_zlim))):  # fmt: skip
+        put(label(name))
+        limit(whole[:, k].min(), whole[:, k].max())
+    return drawn

@@ -90,7 +90,8 @@ def _side_handles(steps: Sequence[Step]) -> list[Any]:
         return []
     texts = {kind: _side_words(kind, [s for s in steps if kind_of(s) == kind]) for kind in dict.fromkeys(map(kind_of, steps))}
     said = [words if len(texts) == 1 else f"{words} ({WORDS.get(kind, 'curve')})" for kind, words in texts.items()]
-    return [Patch(facecolor="0.35", alpha=0.25, linewidth=0, label=f"shaded side: {', '.join(said)}")]
+    return [Patch(facecolor=KIND_COLOURS.get(kind, OTHER), alpha=0.25, linewidth=0, label=f"shaded side: {words}")
+            for kind, words in zip(texts, said, strict=True)]  # fmt: skip
 
 
 def _side_words(kind: str, steps: Sequence[Step]) -> str:

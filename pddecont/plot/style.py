@@ -20,6 +20,8 @@ _GREEK = {"alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", 
 
 def label(name: str) -> str:
     """Return a name as it is written in mathematics: ``tau_d`` with its Greek letter and index."""
+    if "(" in name:
+        return name
     first, _, rest = name.partition("_")
     if "_" in rest or not (first in _GREEK or len(first) == 1):
         return name.replace("_", " ")

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from pddecont.bifurcation.codim2 import without_critical
 from pddecont.bifurcation.conditioned import SpecialCurve
 from pddecont.bifurcation.side import side_of
 from pddecont.continuation.branch import End, Point, State, StepSettings, Termination, follow
@@ -54,9 +55,10 @@ class _Branch:
         state, known = point.state, self.task.known
         problem = state.problem.problem
         side = side_of(state.problem, state.x) if isinstance(state.problem, SpecialCurve) else None
+        of_curve = state.problem.condition.kind if isinstance(state.problem, SpecialCurve) else point.kind
         row = orbit_row(problem, state.x, self.monitors, kind=point.kind, arclength=state.arclength, n_iterations=point.n_iterations,
-                        step=state.step, tangent=state.tangent, stability=known(problem, state.x) if known else None, note=point.note,
-                        side=side)  # fmt: skip
+                        step=state.step, tangent=state.tangent, note=point.note, side=side,
+                        stability=without_critical(known(problem, state.x), of_curve) if known else None)  # fmt: skip
         self.writer.append(*row)
         self.last = point
         if not point.kind or point.kind == "EP":

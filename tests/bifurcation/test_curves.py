@@ -16,14 +16,15 @@ CUSP = (1.1872998581433, 0.1647022603409)
 MACKEY_GLASS_PD = {1.5: 8.77138031192, 1.75: 7.92002652331}
 
 
-def plain_multipliers(results, name, row, model, path, mesh="degree: 10, tol: 1e-11", free="a"):
+def plain_multipliers(results, name, row, model, path, mesh="degree: 10, tol: 1e-11"):
     """Return the multipliers of a recorded orbit solved anew, its parameters fixed, on a mesh of its own."""
+    source = f"{{file: {results.path}, step: {name}, index: {row}}}"
     text = (f"model: {model}\nmesh: {{{mesh}}}\nsteps:\n"
-            f"  - {{name: o, orbit: {{from: {{file: {results.path}, step: {name}, index: {row}}}, stability: {{multipliers: 4}}}}}}\n")  # fmt: skip
+            f"  - {{name: o, orbit: {{from: {source}, stability: {{multipliers: 4}}}}}}\n")  # fmt: skip
     return multipliers(run(text, path / "plain.h5").step("o"))
 
 
-def check_multipliers(results, name, model, path, tol=1e-8, every=6, digits=None):
+def check_multipliers(results, name, model, path, tol=1e-8, every=6):
     """Check every sixth orbit of a curve against itself computed plainly."""
     step = results.step(name)
     rows = step.order[::every]
@@ -99,9 +100,9 @@ steps:
   - {name: t, simulate: {t_end: 300}}
   - {name: o, orbit: {from: t}}
   - {name: c, continue: {from: o, free: [tau], range: {tau: [1, 1.5]}, stability: true, direction: up}}
-  - {name: a, continue: {from: {step: c, point: PD1}, free: [tau, n], range: {tau: [1.3, 1.5], n: [4, 12]}, direction: up, stability: true}}
-  - {name: b, continue: {from: {step: a, point: EP1}, free: [n], range: {n: [4, 12]}, direction: up, stability: true, max_points: 3}}
-  - {name: pd, continue: {from: {step: c, point: PD1}, free: [tau, n], range: {tau: [1.3, 1.75], n: [4, 12]}, direction: up, stability: true}}
+  - {name: a, continue: {from: {step: c, point: PD1}, free: [tau, n], range: {tau: [1.3, 1.5], n: [4, 12]}, direction: up}}
+  - name: pd
+    continue: {from: {step: c, point: PD1}, free: [tau, n], range: {tau: [1.3, 1.75], n: [4, 12]}, direction: up, stability: true}
 """
     results = run(text, tmp_path / "a.h5")
     for name, tau in (("a", 1.5), ("pd", 1.75)):
@@ -228,9 +229,13 @@ run:
   steps:
     - {name: t, simulate: {t_end: 200}}
     - {name: o, orbit: {from: t}}
-    - {name: c, continue: {from: o, free: [omega], range: {omega: [1.7, 2.7]}, direction: down, signature_change: stop, events_along: {level: top - 0.25}}}
+    - name: c
+      continue: {from: o, free: [omega], range: {omega: [1.7, 2.7]}, direction: down, signature_change: stop,
+                 events_along: {level: top - 0.25}}
     - {name: gr, continue: {from: {step: c, point: GR1}, free: [omega, a], range: {omega: [1.7, 2.7], a: [0.2, 0.5]}}}
-    - {name: uf, continue: {from: {step: c, point: UF1}, free: [omega, c], range: {omega: [1.7, 2.7], c: [0.01, 0.5]}, events_along: {level: top - 0.25}}}
+    - name: uf
+      continue: {from: {step: c, point: UF1}, free: [omega, c], range: {omega: [1.7, 2.7], c: [0.01, 0.5]},
+                 events_along: {level: top - 0.25}}
 """
 
 
@@ -254,5 +259,6 @@ def test_double_grazing_and_a_user_function(tmp_path):
     assert np.all(step.points["admissible"][step.order][a < 0.35 - 1e-6] == 1)
     user = results.step("uf")
     assert user.meta["curve"] == "UF"
-    assert 1 / np.hypot(1 - parameter(user, "omega") ** 2, parameter(user, "c") * parameter(user, "omega")) == pytest.approx(0.25, abs=1e-10)
+    omega, c = parameter(user, "omega"), parameter(user, "c")
+    assert 1 / np.hypot(1 - omega**2, c * omega) == pytest.approx(0.25, abs=1e-10)
     assert len(user) > 10

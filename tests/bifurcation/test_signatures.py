@@ -135,7 +135,7 @@ def test_a_hard_impact_dies_at_speed_zero_where_the_free_orbit_grazes(tmp_path, 
     assert step.points["note"][step.row("VS1")] == b"event turns tangential"
     assert signatures(step) == ["flight", "(free)"]
     assert np.all(step.points["admissible"] == 1)
-    # The multipliers of a hard impact are unbounded at speed zero, so the impacting orbit loses its stability before.
+    # The multipliers of a hard impact are unbounded at speed zero, so the impacting orbit loses its stability before, in the same step.
     assert labels(step).index("PD1") < labels(step).index("VS1")
 
 

@@ -24,7 +24,15 @@ run:
     - {name: orbit, orbit: {from: transient}}
     - {name: branch, continue: {from: orbit, free: [alpha], range: {alpha: [1.8, 2.4]}, step: {max: 0.05}}}
 """
-TEXTS = {"delayed": DELAYED, "smooth": SMOOTH}
+# Down in the wall's place impacts are added one by one; then a curve of impacts of speed zero.
+SIGNATURES = (QUICK.replace("mesh: {degree: 5, intervals: 14}", "mesh: {degree: 5, tol: 1e-7}")
+              .replace("range: {wall: [0.15, 0.3]}", "range: {wall: [-1, 0.6]}, max_points: 60, stability: true"))  # fmt: skip
+CURVE = (QUICK.replace("mesh: {degree: 5, intervals: 14}", "mesh: {degree: 5, tol: 1e-7}")
+         .replace("{name: branch, continue: {from: orbit, free: [wall], range: {wall: [0.15, 0.3]}, step: {max: 0.05}}}",
+                  "{name: first, continue: {from: orbit, free: [wall], range: {wall: [0.15, 0.6]}, stability: true, direction: up}}\n"
+                  "    - {name: branch, continue: {from: {step: first, point: PD1}, free: [wall, r], range: {wall: [0.15, 0.6], "
+                  "r: [0.3, 0.9]}, stability: true}}"))  # fmt: skip
+TEXTS = {"delayed": DELAYED, "smooth": SMOOTH, "signatures": SIGNATURES, "curve": CURVE}
 
 
 @pytest.fixture(scope="module")
@@ -45,7 +53,7 @@ def test_resume(whole, tmp_path, monkeypatch, name, share):
 
     def stop(self, point):
         record(self, point)
-        count.append(1)
+        count.extend([1] * (self.task.step.name == "branch"))
         if len(count) == keep:
             raise KeyboardInterrupt
 
@@ -60,6 +68,13 @@ def test_resume(whole, tmp_path, monkeypatch, name, share):
         assert np.array_equal(values, resumed.points[key], equal_nan=values.dtype.kind == "f"), key
     assert np.array_equal(whole[name].orbits["states"], resumed.orbits["states"])
     assert whole[name].termination == resumed.termination
+
+
+def test_the_branch_changes_its_signature_and_the_curve_is_one(whole):
+    names = {whole["signatures"].orbit(i)["signature"].tobytes() for i in range(len(whole["signatures"]))}
+    assert len(names) > 2
+    assert whole["curve"].meta["curve"] == "PD"
+    assert len(whole["curve"]) > 10
 
 
 def test_the_branch_crosses_breaking_points(whole):

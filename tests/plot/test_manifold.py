@@ -67,3 +67,18 @@ def test_without_a_curve_the_plane_must_be_named(old, show):
     assert len(curves(show(old, "manifold", x="K", y="tau_d").axes[0])) == 1
     with pytest.raises(ResultsError, match="no branch or curve in omega and tau_d"):
         show(old, "manifold", x="omega", y="tau_d")
+
+
+def test_the_orbits_themselves_along_a_parameter(every, show):
+    """The solution manifold of the paper's figure 4.8(b): each orbit in two signals at the height of its parameter."""
+    step = every.step("in_gain")
+    axes = show(every, "manifold", ("in_gain",), x="x", y="v", z="K").axes[0]
+    lines = axes.collections[0]._segments3d
+    assert len(lines) == len(step)
+    heights = step.points["parameters"][step.order, list(step.meta["parameters"]).index("K")]
+    for line, row, height in zip(lines, step.order, heights, strict=True):
+        line = np.asarray(line)
+        assert np.all(line[:, 2] == height)
+        assert line[:-1, :2] == pytest.approx(step.orbit(int(row))["states"][:, :2])
+        assert line[-1] == pytest.approx(line[0])
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("$x$", "$v$")

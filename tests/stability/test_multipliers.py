@@ -9,14 +9,11 @@ import scipy.linalg
 import scipy.special
 
 from benchmarks import tracking
-from pddecont.delay.chain import Chain
-from pddecont.delay.chebyshev import Chebyshev
 from pddecont.delay.direct import Direct
 from pddecont.orbit.curve import settle
 from pddecont.orbit.mesh import Mesh, equal_cuts, segment_pieces
 from pddecont.orbit.meshing import MeshRule
 from pddecont.orbit.problem import OrbitProblem, eventless
-from pddecont.simulate.integrate import Tolerances, simulate
 from pddecont.stability.multipliers import Known, describe, eigenvector, multipliers
 from pddecont.stability.period import linearise
 from tests.conftest import numeric_from
@@ -97,7 +94,9 @@ def test_mackey_glass_at_its_period_doubling():
     assert own(*at_delay(1.3249215258))[0] == pytest.approx(-1.0, abs=1e-9)
 
 
-@pytest.mark.parametrize(("model", "changes"), [("relay", "a: 0.5, tau: 1"), ("on_off_control", "tau: 0.8"), ("spiking_neuron", "tau: 0.4")])
+@pytest.mark.parametrize(("model", "changes"), [
+    ("relay", "a: 0.5, tau: 1"), ("on_off_control", "tau: 0.8"), ("spiking_neuron", "tau: 0.4"),
+])  # fmt: skip
 def test_switching_between_exact_arcs_forgets_everything(model, changes):
     problem, x = orbit(model, changes, 80)
     assert np.max(np.abs(own(problem, x))) < 1e-8
