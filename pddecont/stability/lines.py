@@ -81,22 +81,25 @@ class PeriodLine:
         self.slopes = total.reshape(-1, n_quantities, S)
 
     def from_start(self, y: Array) -> Array:
-        """Return the delayed values that states ``y`` (n_stages, size, n_quantities) at the start make, (n_places, n_quantities)."""
-        u = np.zeros((self.open.mesh.n_collocation, y.shape[2]))
+        """Return the delayed values that states at the start make, (n_places, n_quantities, k) for ``y`` (*shape, k)."""
+        columns = y.reshape(*y.shape[:2], -1)
+        u = np.zeros((self.open.mesh.n_collocation, columns.shape[2]))
         for i in range(self.n_stages - 1):
-            u = self.open.to_nodes @ u + self.start_to_nodes @ y[i]
-        return self.open.to_places @ u + self.start_to_places @ y[-1]
+            u = self.open.to_nodes @ u + self.start_to_nodes @ columns[i]
+        return (self.open.to_places @ u + self.start_to_places @ columns[-1]).reshape(-1, *y.shape[2:])
 
     def end(self, y: Array, inputs: Array, durations: Array) -> Array:
-        """Return the line's states at the end of the period, same shape as ``y``.
+        """Return the line's states at the end of the period, same shape as ``y`` (*shape, k).
 
-        ``inputs`` (n_collocation, n_quantities) and ``durations`` (S,) are the period's changes.
+        ``inputs`` (n_collocation, n_quantities, k) and ``durations`` (S, k) are the period's changes.
         """
-        u, result = inputs, np.empty_like(y)
+        columns = y.reshape(*y.shape[:2], -1)
+        u, result = inputs.reshape(len(inputs), -1), np.empty_like(columns)
         for i in range(self.n_stages):
-            result[i] = self.nodes_to_end @ u + self.start_to_end @ y[i] + self.at_end[i] @ durations
-            u = self.open.to_nodes @ u + self.start_to_nodes @ y[i] + self.at_nodes[i] @ durations
-        return result
+            moved = (self.at_end[i] @ durations).reshape(columns.shape[1], -1)
+            result[i] = self.nodes_to_end @ u + self.start_to_end @ columns[i] + moved
+            u = self.open.to_nodes @ u + self.start_to_nodes @ columns[i] + (self.at_nodes[i] @ durations).reshape(len(u), -1)
+        return result.reshape(y.shape)
 
 
 def period_line(problem: OrbitProblem, theta: Array, delay: int, states: tuple[int, ...], numbers: tuple[int, ...],

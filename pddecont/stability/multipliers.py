@@ -72,7 +72,7 @@ def multipliers(problem: OrbitProblem, x: Array, n: int | None = None) -> Multip
     if size <= max(DENSE, wanted + 2):
         values = scipy.linalg.eigvals(period.matrix()) if size else np.zeros(0, dtype=complex)
     else:
-        operator = scipy.sparse.linalg.LinearOperator((size, size), matvec=lambda y: period.step(np.ravel(y))[1], dtype=float)
+        operator = scipy.sparse.linalg.LinearOperator((size, size), matvec=period.one, dtype=float)
         values = _arnoldi(operator, wanted)
     values = _in_order(values)
     trivial = not problem.numeric.model.forced and not problem.segments[0].event
@@ -124,11 +124,11 @@ def eigenvector(problem: OrbitProblem, x: Array, multiplier: float) -> Array:
     if period.size <= 4 * DENSE:
         values, vectors = scipy.linalg.eig(period.matrix())
     else:
-        operator = scipy.sparse.linalg.LinearOperator((period.size, period.size), matvec=lambda y: period.step(np.ravel(y))[1], dtype=float)
+        operator = scipy.sparse.linalg.LinearOperator((period.size, period.size), matvec=period.one, dtype=float)
         start = np.random.default_rng(1).standard_normal(period.size)
         values, vectors = scipy.sparse.linalg.eigs(operator, k=AT_MOST, v0=start, tol=0.0)
     history = vectors[:, np.argmin(np.abs(values - multiplier))].real
-    change = period.step(history)[0][: period.problem.layout.size]
+    change = period.step(history[:, None])[0][: period.problem.layout.size, 0]
     return change / change[np.argmax(np.abs(change))]
 
 

@@ -132,34 +132,37 @@ class Period:
         """Number of components of a history."""
         return sum(map(len, self.kept)) + sum(int(np.prod(c.line.shape)) for c in self.couplings)
 
-    def step(self, history: Array) -> tuple[Array, Array]:
-        """Return the next period X (n_columns,) and the history (size,) one period later."""
-        parts, lines = self._split(history)
-        rhs = sum((A @ y for A, y in zip(self.past, parts, strict=True)), np.zeros(self.past[0].shape[0]))
+    def step(self, histories: Array) -> tuple[Array, Array]:
+        """Return the next periods X (n_columns, k) and the histories (size, k) one period later, for ``histories`` (size, k)."""
+        parts, lines = self._split(histories)
+        rhs = sum((A @ y for A, y in zip(self.past, parts, strict=True)), np.zeros((self.past[0].shape[0], histories.shape[1])))
         for c, y in zip(self.couplings, lines, strict=True):
             made = c.line.from_start(y)
             for q, into in enumerate(c.into):
                 rhs = rhs + into @ made[:, q]
         x = self.present.solve(-rhs)
-        layout = self.problem.layout
-        durations = x[layout.durations]
-        values = x[layout.values].reshape(-1, layout.n_states)
-        after = [c.line.end(y, self.problem.mesh.at_nodes(values[:, list(c.line.states)]), durations)
+        layout, mesh = self.problem.layout, self.problem.mesh
+        values = x[layout.values].reshape(mesh.n_base, layout.n_states, -1)
+        after = [c.line.end(y, mesh.at_nodes(values[:, list(c.line.states)]), x[layout.durations])
                  for c, y in zip(self.couplings, lines, strict=True)]  # fmt: skip
         recent = [x[self.kept[0]]]
         for w in range(1, len(self.kept)):
             recent.append(parts[w - 1][np.searchsorted(self.kept[w - 1], self.kept[w])])
-        return x, np.concatenate([*recent, *(a.ravel() for a in after)])
+        return x, np.concatenate([*recent, *(y.reshape(-1, x.shape[1]) for y in after)])
 
-    def _split(self, history: Array) -> tuple[list[Array], list[Array]]:
+    def _split(self, histories: Array) -> tuple[list[Array], list[Array]]:
         ends = np.cumsum([*map(len, self.kept), *(int(np.prod(c.line.shape)) for c in self.couplings)])
-        pieces = np.split(history, ends[:-1])
+        pieces = np.split(histories, ends[:-1])
         n = len(self.kept)
-        return pieces[:n], [y.reshape(c.line.shape) for y, c in zip(pieces[n:], self.couplings, strict=True)]
+        return pieces[:n], [y.reshape(*c.line.shape, -1) for y, c in zip(pieces[n:], self.couplings, strict=True)]
+
+    def one(self, history: Array) -> Array:
+        """Return one history (size,) a period later."""
+        return self.step(np.reshape(history, (-1, 1)))[1][:, 0]
 
     def matrix(self) -> Array:
         """Return the map as a matrix, shape (size, size)."""
-        return np.stack([self.step(unit)[1] for unit in np.eye(self.size)], axis=1)
+        return self.step(np.eye(self.size))[1]
 
 
 def linearise(problem: OrbitProblem, x: Array) -> Period:
@@ -204,4 +207,4 @@ def _read_by(blocks: _LaggedBlocks, n_rows: int, q: int) -> sp.csr_matrix:
 def _scaled_factors(matrix: Matrix) -> Factors:
     scale = 1.0 / row_maxima(matrix)
     factors = factor(scale_matrix(matrix, scale, np.ones(len(scale))))
-    return Factors(lambda b: factors.solve(scale * b))
+    return Factors(lambda b: factors.solve(scale[:, None] * b))

@@ -9,10 +9,12 @@ import scipy.linalg
 import scipy.special
 
 from benchmarks import tracking
+from pddecont.delay.chain import Chain
+from pddecont.delay.chebyshev import Chebyshev
 from pddecont.delay.direct import Direct
 from pddecont.orbit.curve import settle
 from pddecont.orbit.mesh import Mesh, equal_cuts, segment_pieces
-from pddecont.orbit.meshing import MeshRule
+from pddecont.orbit.meshing import MeshRule, remeshed
 from pddecont.orbit.problem import OrbitProblem, eventless
 from pddecont.stability.multipliers import Known, describe, eigenvector, multipliers
 from pddecont.stability.period import linearise
@@ -130,21 +132,21 @@ def test_the_delayed_cosine():
     assert m.own[0] == pytest.approx(1.0, abs=1e-10)
 
 
-def on_mesh(model, changes, delay, t_end, mesh="degree: 8, intervals: 24"):
-    problem, x = orbit(model, changes, t_end, mesh=mesh, delay=delay)
-    return own(problem, x)
-
-
 def test_the_three_ways_to_discretise_the_delay_agree_as_n_grows():
-    exact = np.array([-0.811229553589])
-    direct = own(*orbit("mackey_glass", "n: 10, tau: 1.2", 400))[:1]
-    chains = [on_mesh("mackey_glass", "n: 10, tau: 1.2", f"method: chain, order: 2, n: {n}", 400)[:1] for n in (40, 80)]
-    lines = [on_mesh("mackey_glass", "n: 10, tau: 1.2", f"method: chebyshev, n: {n}", 400)[:1] for n in (12, 18, 24)]
-    assert direct == pytest.approx(exact, abs=1e-10)
-    errors = [float(abs(c[0] - exact[0])) for c in chains]
-    assert np.log2(errors[0] / errors[1]) == pytest.approx(2, abs=0.15)
-    distances = [float(abs(c[0] - exact[0])) for c in lines]
-    assert distances[0] > 1e3 * distances[1] > 1e3 * distances[2] or distances[2] < 1e-10
+    exact = MACKEY_GLASS[1.2][0]
+    problem, x = orbit("mackey_glass", "n: 10, tau: 1.2", 400)
+    assert own(problem, x)[0] == pytest.approx(exact, abs=1e-10)
+    rule = MeshRule(8, intervals=24)
+
+    def error(delay):
+        found, solution = settle(*remeshed(replace(problem, delay=delay), x, rule), rule)
+        return float(abs(own(found, solution.x)[0] - exact))
+
+    chains = [error(Chain(2, n)) for n in (40, 80, 160)]
+    assert np.log2(chains[0] / chains[1]) == pytest.approx(2, abs=0.15)
+    assert np.log2(chains[1] / chains[2]) == pytest.approx(2, abs=0.05)
+    lines = [error(Chebyshev(n)) for n in (10, 15, 20)]
+    assert lines[0] > 30 * lines[1] > 900 * lines[2]
 
 
 @pytest.mark.parametrize(("model", "changes", "n_periods"), [
@@ -201,7 +203,7 @@ def test_an_eigenvector_is_one():
     assert np.max(np.abs(v)) == 1.0
     values, vectors = np.linalg.eig(period.matrix())
     history = vectors[:, np.argmin(np.abs(values - leading))].real
-    now, later = period.step(history)
+    now, later = period.step(history[:, None])
     after = period.step(later)[0]
     assert after == pytest.approx(leading.real * now, abs=1e-9 * np.max(np.abs(now)))
 
