@@ -20,7 +20,7 @@ demo: setup          ## figure 4.6 of the paper, from its YAML file to a picture
 	$(BIN)/pddecont plot $(OUT)/fig4_6.h5 -o $(OUT)/fig4_6.png
 
 test: setup
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile
 
 check: setup
 	$(BIN)/ruff check .

@@ -162,7 +162,7 @@ def test_delayed_kicks_of_which_many_are_under_way(tmp_path, tau):
 
 
 def test_kicks_followed_in_their_delay(tmp_path):
-    """The kick must stay inside the spikes' period; the branch ends where a segment vanishes and says so."""
+    """The kick must come before the next spike would; the branch ends where the two meet and says so."""
     text = (f"model: spiking_neuron\n{FINE}\nsteps:\n  - {{name: t, simulate: {{t_end: 60}}}}\n  - {{name: o, orbit: {{from: t}}}}\n"
             "  - {name: c, continue: {from: o, free: [tau], range: {tau: [0.2, 2]}, direction: up}}\n")
     step = run(text, tmp_path / "a.h5").step("c")
@@ -170,7 +170,8 @@ def test_kicks_followed_in_their_delay(tmp_path):
     for tau, period in zip(taus, step.points["period"], strict=True):
         if tau < 0.9:
             assert period == pytest.approx(neuron(1.5, -0.1, tau), abs=1e-10)
-    assert "vanishes" in step.termination[0]
+    assert step.termination[0].startswith("up: stopped at a special point")
+    assert step.points["note"][step.row("VS1")].endswith(b"meets spike")
 
 
 def test_several_delays_in_one_equation(tmp_path):

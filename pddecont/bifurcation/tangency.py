@@ -2,8 +2,9 @@
 
 Three things end a signature besides grazing: an event is met ever more slowly until it is only touched (a hard impact of speed zero),
 a segment between two crossings of one event shrinks to nothing (a soft contact), or two different events come to happen at once.
-The test function is the smallest rate at which an orbit crosses the event functions that end its segments, positive in the
-direction listed; a duration that falls to zero is met on the way (``Followed.forbids``).
+The test function of the first is the smallest rate at which an orbit crosses the event functions that end its segments, positive in
+the direction listed; a duration that falls to zero is met on the way (``Followed.forbids``); an event that the signature does not
+list is watched where a segment begins and ends, since it may come in there without a grazing.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.orbit.admissibility import event_profiles
+from pddecont.orbit.admissibility import event_profiles, watched_events
 from pddecont.orbit.curve import Curve
 from pddecont.orbit.extrema import Profile, profile
 from pddecont.orbit.problem import OrbitProblem
@@ -44,6 +45,50 @@ def crossing_rate(problem: OrbitProblem, x: Array, profiles: dict[str, Profile] 
     """Return the smallest rate at the orbit ``x`` (NaN if no segment ends at an event function)."""
     rates = crossing_rates(problem, x, profiles)
     return float(np.nanmin(rates)) if np.any(np.isfinite(rates)) else float("nan")
+
+
+@dataclass(frozen=True)
+class Meeting:
+    """The condition that segment ``s`` has an event it does not end with just at its end (or start).
+
+    The value is that of the event function, NaN where the orbit does not cross it there in a direction that counts.
+    """
+
+    s: int
+    event: str
+    direction: str
+    at_end: bool
+    kind: str = KIND
+
+    def value(self, curve: Curve, x: Array) -> float:
+        """Return the event function at the segment's end."""
+        return self.at(curve.problem, x)
+
+    def at(self, problem: OrbitProblem, x: Array) -> float:
+        """Return the same for an orbit."""
+        along = profile(problem, x, problem.numeric.event(self.event))
+        value = along.ends(self.s)[self.at_end]
+        slope = along.end_slope(self.s) if self.at_end else along.start_slope(self.s)
+        counts = {"rising": slope > 0.0, "falling": slope < 0.0}.get(self.direction, True)
+        return value if counts else float("nan")
+
+    def framed(self, curve: Curve, x: Array) -> Meeting:
+        """Return the same condition."""
+        return self
+
+
+def meetings(problem: OrbitProblem) -> list[Meeting]:
+    """Return the conditions for each event with a function that a segment of the signature watches and does not end with."""
+    segments = problem.segments
+    found = []
+    for s, segment in enumerate(segments):
+        if not segment.event:
+            continue
+        for event, direction, _ in watched_events(problem, s):
+            # An event lies at zero at the end that it makes itself.
+            found += [Meeting(s, event, direction, at_end) for at_end, made_by in ((True, segment.event), (False, segments[s - 1].event))
+                      if event != made_by]  # fmt: skip
+    return found
 
 
 @dataclass(frozen=True, eq=False)

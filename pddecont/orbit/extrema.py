@@ -54,6 +54,11 @@ class Profile:
         last = int(np.flatnonzero(self.segment == s)[-1])
         return float(make_basis(self.degree).differentiate[-1] @ self.values[last] / self.h[last])
 
+    def start_slope(self, s: int) -> float:
+        """Return the slope in time at the start of segment ``s``."""
+        first = int(np.flatnonzero(self.segment == s)[0])
+        return float(make_basis(self.degree).differentiate[0] @ self.values[first] / self.h[first])
+
     def extrema(self) -> list[Extremum]:
         """Return all local extrema inside segments, in order of time."""
         return list(_extrema(self))

@@ -13,7 +13,7 @@ from pddecont.continuation.branch import State, TestFunction, Watch
 from pddecont.continuation.locate import Located
 from pddecont.orbit.monitors import Monitor
 from pddecont.stability.multipliers import Known
-from pddecont.steps.start import Task
+from pddecont.steps.start import MEETS, Task
 
 
 def watch_of(task: Task, state: State) -> Watch:
@@ -27,7 +27,18 @@ def watch_of(task: Task, state: State) -> Watch:
         TestFunction(grazing.KIND, lambda at: grazing.clearance(at.problem.problem, at.x), stops=True),
         TestFunction(tangency.KIND, lambda at: tangency.crossing_rate(at.problem.problem, at.x), stops=True, note="event turns tangential"),
     ]
-    return Watch([*tests, *_collapse(task, state), *users], branch_census(task.known))
+    return Watch([*tests, *_meetings(state), *_collapse(task, state), *users], branch_census(task.known))
+
+
+def _meetings(state: State) -> list[TestFunction]:
+    """Return the tests for events that come in where a segment begins or ends."""
+    segments = state.problem.problem.segments
+
+    def value(meeting: tangency.Meeting) -> Callable[[Located], float]:
+        return lambda at: meeting.at(at.problem.problem, at.x)
+
+    return [TestFunction(tangency.KIND, value(m), stops=True, note=f"{segments[m.s if m.at_end else m.s - 1].event}{MEETS}{m.event}")
+            for m in tangency.meetings(state.problem.problem)]  # fmt: skip
 
 
 def _monitor(monitor: Monitor) -> Callable[[Located], float]:

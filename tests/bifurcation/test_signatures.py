@@ -160,21 +160,64 @@ def test_chattering_adds_impacts_one_by_one(tmp_path):
     assert np.mean(step.points["admissible"] == 1) == 1
 
 
-def test_two_events_that_meet_are_named(tmp_path):
-    """The kick that comes tau after a spike meets the next spike: drive (1 - e^-tau) + kick = 1."""
-    text = """\
+@pytest.mark.parametrize(("kick", "level"), [(-0.1, 1.0), (0.1, 0.9)])
+def test_two_events_that_meet_are_named(tmp_path, kick, level):
+    """The neuron's kick comes tau after its spike. A braking kick is overtaken by the next spike when x = 1 without it; a driving one
+    makes the spike itself when x = 1 with it, and the segment between the two vanishes. Here x = drive (1 - e^-tau)."""  # fmt: skip
+    text = f"""\
 model: spiking_neuron
-mesh: {degree: 9, tol: 1e-11}
+set: {{kick: {kick}}}
+mesh: {{degree: 9, tol: 1e-11}}
 steps:
-  - {name: t, simulate: {t_end: 60}}
-  - {name: o, orbit: {from: t}}
-  - {name: c, continue: {from: o, free: [tau], range: {tau: [0.2, 2]}, direction: up, step: {max: 0.05}}}
+  - {{name: t, simulate: {{t_end: 60}}}}
+  - {{name: o, orbit: {{from: t}}}}
+  - {{name: c, continue: {{from: o, free: [tau], range: {{tau: [0.2, 2]}}, direction: up, step: {{max: 0.05}}}}}}
 """
     step = run(text, tmp_path / "a.h5").step("c")
     assert labels(step) == ["VS1"]
     assert b"meets" in step.points["note"][step.row("VS1")]
-    assert parameter(step, "tau", "VS1") == pytest.approx(math.log(1.5 / 0.4), abs=1e-7)
-    assert "vanishes" in step.termination[0]
+    assert parameter(step, "tau", "VS1") == pytest.approx(math.log(1.5 / (1.5 - level)), abs=1e-7)
+    assert np.all(step.points["admissible"] == 1)
+
+
+FAST = """\
+name: ball_with_a_speed_limit
+states: [y, v]
+parameters: {G: 0.6, r: 0.8, w: 5}
+forcing: {period: 2*pi}
+modes: {flight: {y': v, v': G*sin(t) - 1}}
+events: {landing: y, fast: v + w}
+resets: {bounce: {v: -r*v}, brake: {v: -0.9*w}}
+segments:
+  hop: {mode: flight, event: landing, direction: falling, reset: bounce, to: flight}
+  limit: {mode: flight, event: fast, direction: falling, reset: brake, to: flight}
+initial: {y: 0.01, v: 2.5}
+run:
+  mesh: {degree: 8, tol: 1e-10}
+  steps:
+    - {name: t, simulate: {t_end: 200*2*pi}}
+    - {name: o, orbit: {from: t}}
+    - {name: c, continue: {from: o, free: [w], range: {w: [3, 6]}, direction: down}}
+    - {name: vs, continue: {from: {step: c, point: VS1}, free: [w, r], range: {w: [3, 6], r: [0.5, 0.95]}}}
+"""
+
+
+def test_an_event_that_comes_in_at_a_segments_end_is_located(tmp_path):
+    """The ball lands at relative speed 2 pi / (1 + r), its largest: the speed limit w is met there, and nowhere before."""
+    from pddecont.model.document import parse_document
+    from pddecont.results.reader import read_results
+    from pddecont.steps.plan import load_plan
+    from pddecont.steps.run import execute
+
+    execute(load_plan(parse_document(FAST, "m.yaml")), tmp_path / "a.h5")
+    step = read_results(tmp_path / "a.h5").step("c")
+    assert labels(step) == ["VS1"]
+    assert step.points["note"][step.row("VS1")] == b"landing meets fast"
+    assert parameter(step, "w", "VS1") == pytest.approx(2 * math.pi / 1.8, abs=1e-10)
+    assert np.all(step.points["admissible"] == 1)
+    curve = read_results(tmp_path / "a.h5").step("vs")
+    assert 2 * math.pi / (1 + parameter(curve, "r")) == pytest.approx(parameter(curve, "w"), abs=1e-9)
+    assert len(curve) > 10
 
 
 def test_the_orbit_with_two_impacts_in_the_gain(tmp_path):
