@@ -210,9 +210,7 @@ def follow(state: State, bounds: Sequence[tuple[int, float, float]], watch: Watc
         direction = tangent_of(reached.solution, metric, chord)
         reached = replace(reached, direction=direction)
         after = _look(reached, watch)
-        for found in _specials(Chord(start, reached, settings.newton), watch, before, after):
-            if first and found.fraction < AT_START:
-                continue
+        for found in _specials(Chord(start, reached, settings.newton), watch, before, after, AT_START if first else 0.0):
             curve = found.point.problem
             at = replace(state, problem=curve, x=found.point.x, tangent=curve.metric().unit(found.point.tangent),
                          arclength=state.arclength + sign * found.fraction * length)  # fmt: skip
@@ -326,18 +324,22 @@ class _Found:
     fraction: float
 
 
-def _specials(chord: Chord, watch: Watch, before: _Seen, after: _Seen) -> list[_Found]:
-    """Return the special points on a step in order; where two fall together the one that ends the branch comes first."""
+def _specials(chord: Chord, watch: Watch, before: _Seen, after: _Seen, from_: float) -> list[_Found]:
+    """Return the special points on a step in order; where two fall together the one that ends the branch comes first.
+
+    Those before the fraction ``from_`` are the point that the branch starts from.
+    """
     found = []
     for test, f0, f1 in zip(watch.tests, before.values, after.values, strict=True):
         if f0 * f1 < 0.0 or (f1 == 0.0 and f0 != 0.0):
             found += _zero(chord, test, 0.0, 1.0, f0, f1)
+    found = [f for f in found if f.fraction >= from_]
     if watch.census is not None and not any(f.test.meeting for f in found):
         # What lies beyond a point that ends the branch counts for nothing.
         last = min((f.fraction for f in found if f.test.stops), default=1.0)
         counts = after.counts if last == 1.0 else watch.census.count(chord.at(last))
         found += _counted(chord, watch.census, 0.0, last, before.counts, counts, MAX_CUTS)
-    return sorted(found, key=lambda f: (round(f.fraction, 6), not f.test.stops, f.fraction))
+    return sorted((f for f in found if f.fraction >= from_), key=lambda f: (round(f.fraction, 6), not f.test.stops, f.fraction))
 
 
 def _zero(chord: Chord, test: TestFunction, low: float, high: float, f_low: float, f_high: float) -> list[_Found]:
