@@ -22,7 +22,7 @@ from pddecont.bifurcation.grazing import Graze, clearance
 from pddecont.bifurcation.torus import Torus
 from pddecont.continuation.branch import Census, Counts, End, TestFunction, Watch
 from pddecont.continuation.locate import Located
-from pddecont.stability.multipliers import Known, Multipliers
+from pddecont.stability.multipliers import Known, Multipliers, without
 
 KINDS = {"LP": ("R1", "FF", "FT"), "PD": ("FF", "R2", "PT"), "TR": ("FT", "PT", "TT")}
 OTHERS = ("GL", "GP", "GT")
@@ -66,10 +66,10 @@ def _resonance(level: float) -> Callable[[Located], float]:
 def without_critical(m: Multipliers, kind: str) -> Multipliers:
     """Return the multipliers without those that a special point of ``kind`` has on the unit circle."""
     own = m.own
-    if kind in (fold.KIND, branch_point.KIND) and len(own):
-        own = np.delete(own, np.argmin(np.abs(own - 1.0)))
-    elif kind == period_doubling.KIND and len(own):
-        own = np.delete(own, np.argmin(np.abs(own + 1.0)))
+    if kind in (fold.KIND, branch_point.KIND):
+        own = without(own, 1.0)
+    elif kind == period_doubling.KIND:
+        own = without(own, -1.0)
     elif kind == torus.KIND and np.any(own.imag > 0.0):
         upper = np.where(own.imag > 0.0, np.abs(np.abs(own) - 1.0), np.inf)
         pair = own[np.argmin(upper)]

@@ -109,6 +109,12 @@ class SpecialCurve:
         basis, upper = np.linalg.qr(solved[:, :n])
         return (basis * np.sign(np.diag(upper))).T * size, solved[:, n] * size
 
+    def along(self, x: Array) -> Array:
+        """Return the unit direction among the orbits, of two free parameters, in which the condition does not change."""
+        directions = self.directions(x)
+        first, second = self.slopes(x, directions)
+        return self.metric().unit(np.array([-second, first]) @ directions)
+
     def slopes(self, x: Array, directions: Array) -> Array:
         """Return the condition's rates of change along unit ``directions``."""
         here = self.condition.value(self.curve, x)

@@ -1,18 +1,19 @@
 """Grazing (GR): an event function touches zero inside a segment (design section 5.4).
 
-The test function is the extremum of h that lies nearest to a new crossing: over segments that end at a rising event (h < 0
-inside) the largest interior maximum, over those that end at a falling one minus the smallest interior minimum. It is
-negative for an admissible orbit and zero where the orbit grazes.
+The test function is the extremum of h that lies nearest to a new crossing: in segments that watch a rising event (h < 0
+inside) the largest interior maximum, in those that watch a falling one minus the smallest interior minimum. It is
+negative for an admissible orbit and zero where the orbit grazes. Along a branch each segment and event has its own.
 """
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.orbit.admissibility import closest_approach, event_profiles
+from pddecont.orbit.admissibility import approaches, closest_approach, event_profiles
 from pddecont.orbit.curve import Curve
 from pddecont.orbit.extrema import Profile, profile
 from pddecont.orbit.problem import OrbitProblem
@@ -32,6 +33,25 @@ def clearance(problem: OrbitProblem, x: Array, profiles: dict[str, Profile] | No
         return float("nan")
     extremum = found[1]
     return extremum.value if extremum.is_max else -extremum.value
+
+
+class Clearances:
+    """The test function of each segment and event apart, so that none hides another; each orbit is looked at once."""
+
+    def __init__(self) -> None:
+        self._kept: deque[tuple[Array, dict[tuple[int, str], float]]] = deque(maxlen=32)
+
+    def __call__(self, problem: OrbitProblem, x: Array, s: int, event: str) -> float:
+        """Return the largest height of segment ``s`` towards ``event`` (NaN if it has no extremum)."""
+        for known, heights in self._kept:
+            if known is x:
+                return heights.get((s, event), float("nan"))
+        heights = {}
+        for height, name, extremum in approaches(problem, event_profiles(problem, x)):
+            key = (extremum.segment, name)
+            heights[key] = max(height, heights.get(key, -np.inf))
+        self._kept.append((x, heights))
+        return heights.get((s, event), float("nan"))
 
 
 @dataclass(frozen=True)

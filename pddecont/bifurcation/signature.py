@@ -17,18 +17,19 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.bifurcation.conditioned import solve_special
+from pddecont.bifurcation.conditioned import SpecialCurve, solve_special
 from pddecont.bifurcation.grazing import graze_at
 from pddecont.bifurcation.tangency import rate
 from pddecont.continuation.arclength import correct_at, tangent
 from pddecont.continuation.newton import NewtonSettings, Solution
 from pddecont.errors import ConvergenceError
 from pddecont.model.system import Model, Segment
-from pddecont.orbit.admissibility import closest_approach, event_profiles, watched_events
+from pddecont.orbit.admissibility import approaches, event_profiles, watched_events
 from pddecont.orbit.curve import Curve
 from pddecont.orbit.meshing import MeshRule
 from pddecont.orbit.problem import OrbitProblem, eventless
@@ -36,8 +37,10 @@ from pddecont.orbit.reshape import Part, reshape
 
 Array = NDArray[np.float64]
 INSIDE = 1e-3
-MEETING = 1e-8
+SAME = 1e-8
+MEETING = 1e-9
 SHRINK = 0.3
+NOTHING = 1e-5
 STEP = 1e-4
 MAX_MESHES = 6
 
@@ -70,33 +73,62 @@ def way_back(model: Model, segment: Segment, touched: Segment) -> list[Segment] 
     return None
 
 
+@dataclass(frozen=True)
+class Touch:
+    """Where an orbit touches an event's surface: its segment and time, the segment that begins to end there, and the way back."""
+
+    s: int
+    time: float
+    touched: Segment
+    back: tuple[Segment, ...]
+
+
+def touches(problem: OrbitProblem, x: Array) -> list[Touch]:
+    """Return all touches of a grazing orbit in order of time: the closest approach and all that are as close to rounding."""
+    profiles = event_profiles(problem, x)
+    found = approaches(problem, profiles)
+    if not found:
+        raise ConvergenceError("no event is touched here")
+    sizes = {name: float(np.max(np.abs(p.values))) for name, p in profiles.items()}
+    closest = max(height / sizes[event] for height, event, _ in found)
+    model, result = problem.numeric.model, []
+    for height, event, extremum in sorted(found, key=lambda f: f[2].time):
+        if height / sizes[event] < closest - SAME:
+            continue
+        here = problem.segments[extremum.segment]
+        direction = next(d for e, d, _ in watched_events(problem, extremum.segment) if e == event)
+        touched = next(s for s in model.segments.values() if (s.mode, s.event, s.direction) == (here.mode, event, direction))
+        back = way_back(model, here, touched)
+        if back is None:
+            raise ConvergenceError(f"after event '{event}' in mode '{here.mode}' no segment leads back to that mode")
+        result.append(Touch(extremum.segment, extremum.time, touched, tuple(back)))
+    return result
+
+
 def enter(curve: Curve, x: Array, rule: MeshRule) -> Entered:
     """Return the orbit with the segments inserted that the grazing orbit ``x`` needs; raise ConvergenceError if there is none."""
     problem = curve.problem
-    model = problem.numeric.model
-    found = closest_approach(problem, event_profiles(problem, x))
-    if found is None:
-        raise ConvergenceError("no event is touched here")
-    event, extremum = found
-    here = problem.segments[extremum.segment]
-    direction = next(d for e, d, _ in watched_events(problem, extremum.segment) if e == event)
-    touched = next(s for s in model.segments.values() if (s.mode, s.event, s.direction) == (here.mode, event, direction))
-    back = way_back(model, here, touched)
-    if back is None:
-        raise ConvergenceError(f"after event '{event}' in mode '{here.mode}' no segment leads back to that mode")
+    found = touches(problem, x)
     fixed, at = problem.with_free(x, ())
     ends = np.concatenate([[0.0], np.cumsum(fixed.layout.split(at)[1])])
-    parts = [Part(s, ends[i], ends[i + 1]) for i, s in enumerate(problem.segments)]
-    s, t, width = extremum.segment, extremum.time, INSIDE * ends[-1]
-    cuts = np.linspace(t - 0.5 * width, t + 0.5 * width, len(back) + 1) if back else np.array([t])
-    inserted = [Part(b, cuts[i], cuts[i + 1]) for i, b in enumerate(back)]
-    if here.event:
-        parts[s : s + 1] = [Part(touched, ends[s], cuts[0]), *inserted, Part(here, cuts[-1], ends[s + 1])]
-    else:
-        # The orbit has met no event so far: it now begins where the touched one lets it go.
-        parts = [Part(touched, cuts[-1] - ends[-1], cuts[0]), *inserted]
+    width = INSIDE * ends[-1]
+    parts: list[Part] = []
+    where = -1
+    for s, here in enumerate(problem.segments):
+        begin = ends[s]
+        for touch in (t for t in found if t.s == s):
+            cuts = touch.time + width * np.linspace(-0.5, 0.5, len(touch.back) + 1) if touch.back else np.array([touch.time])
+            where = len(parts) if where < 0 else where
+            parts += [Part(touch.touched, begin, cuts[0]), *(Part(b, cuts[i], cuts[i + 1]) for i, b in enumerate(touch.back))]
+            begin = cuts[-1]
+        if here.event:
+            parts.append(Part(here, begin, ends[s + 1]))
+        else:
+            # The orbit has met no event so far: it now begins where the last touch lets it go.
+            parts[0] = Part(parts[0].segment, begin - ends[-1], parts[0].end)
     entered, guess = reshape(fixed, at, parts, rule, problem.n_periods)
-    return _begin(curve, entered, guess, rule, s, soft=bool(back))
+    first = next(t for t in found if t.s == min(t.s for t in found))
+    return _begin(curve, entered, guess, rule, where, soft=bool(first.back))
 
 
 def _begin(curve: Curve, problem: OrbitProblem, guess: Array, rule: MeshRule, where: int, *, soft: bool) -> Entered:
@@ -106,6 +138,8 @@ def _begin(curve: Curve, problem: OrbitProblem, guess: Array, rule: MeshRule, wh
     made = Curve(problem, curve.sizes, rule)
     if soft:
         made, solution = _with_duration(made, guess, where + 1, guess[place_of(made, where + 1)])
+        if np.any(solution.x[made.problem.layout.durations] <= 0.0):
+            raise ConvergenceError("the orbit of the longer signature has a segment of negative duration")
         towards = np.zeros(len(solution.x))
         towards[place_of(made, where + 1)] = 1.0
         return Entered(made, solution.x, tangent(made, solution.x, made.metric(), towards))
@@ -116,12 +150,15 @@ def _begin(curve: Curve, problem: OrbitProblem, guess: Array, rule: MeshRule, wh
     return Entered(made, guess, direction if after > before else -direction)
 
 
-def place_of(curve: Curve, s: int) -> int:
+def place_of(curve: Curve | SpecialCurve, s: int) -> int:
     """Return the place of the duration of segment ``s`` among the unknowns."""
     return curve.problem.layout.durations.start + s
 
 
-def _with_duration(curve: Curve, guess: Array, s: int, duration: float) -> tuple[Curve, Solution]:
+Followable = TypeVar("Followable", Curve, SpecialCurve)
+
+
+def _with_duration(curve: Followable, guess: Array, s: int, duration: float) -> tuple[Followable, Solution]:
     """Return the orbit near ``guess`` whose segment ``s`` has ``duration``, on a mesh that suits it."""
     for _ in range(MAX_MESHES):
         if not curve.holds(guess):
@@ -194,6 +231,20 @@ def vanish(curve: Curve, x: Array, rule: MeshRule) -> Vanished:
         raise ConvergenceError(f"segment {name} vanishes, but the orbit without it touches nothing")
     special, solution = solve_special(shorter, guess, condition)
     return Vanished(special.curve, solution, f"{name} vanishes", True)
+
+
+def shrink(curve: SpecialCurve, x: Array) -> tuple[SpecialCurve, Solution, str]:
+    """Return the orbit of a curve in two parameters whose shortest segment has ``NOTHING`` periods left, and that segment's name.
+
+    What is left of it changes the parameters by its square where the segment lies between two crossings of one event.
+    """
+    problem = curve.problem
+    s, last = int(np.argmin(x[problem.layout.durations])), NOTHING * problem.period(x)
+    while True:
+        curve, solution = _with_duration(curve, x, s, max(last, SHRINK * x[place_of(curve, s)]))
+        x = solution.x
+        if x[place_of(curve, s)] <= last * (1.0 + 1e-9):
+            return curve, solution, problem.segments[s].name
 
 
 def without_segment(curve: Curve, x: Array, rule: MeshRule, s: int) -> tuple[Curve, Array]:

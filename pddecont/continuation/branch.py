@@ -35,18 +35,22 @@ class End(Enum):
                       "fold, refine 'mesh', or lower 'step: {min}'")  # fmt: skip
     IMPOSSIBLE = "can go no further with this signature"
     SPECIAL = "stopped at a special point where the signature of the orbit changes"
+    INVALID = ("the orbit stops being a motion of the model without a special point that was located; take smaller steps "
+               "('step: {max}'), or start anew from a simulation beyond")  # fmt: skip
     RESONANCE = "the curve ends where its pair of multipliers meets on the real axis"
 
 
 @dataclass(frozen=True)
 class Termination:
-    """How one direction of a branch ended."""
+    """How one direction of a branch ended; ``lost`` counts the changes of stability that no special point accounts for."""
 
     end: End
     detail: str = ""
+    lost: int = 0
 
     def __str__(self) -> str:
-        return f"{self.end.value}{f' ({self.detail})' if self.detail else ''}"
+        lost = f"; WARNING: {self.lost} change{'s'[: self.lost - 1]} of stability not located: take smaller steps" if self.lost else ""
+        return f"{self.end.value}{f' ({self.detail})' if self.detail else ''}{lost}"
 
 
 class Followed(Problem, Protocol):
@@ -123,10 +127,11 @@ class Census:
 
 @dataclass(frozen=True)
 class Watch:
-    """What is watched along a branch."""
+    """What is watched along a branch; ``objection`` says why a point is none of the problem's solutions, empty if it is one."""
 
     tests: Sequence[TestFunction] = ()
     census: Census | None = None
+    objection: Callable[[Located], str] = lambda _: ""
 
 
 @dataclass(frozen=True)
@@ -182,7 +187,7 @@ def follow(state: State, bounds: Sequence[tuple[int, float, float]], watch: Watc
         Sign given to the arclengths of this direction.
     """
     before: _Seen | None = None
-    first = True
+    first, lost = True, 0
     while state.n_points < settings.max_points:
         state = replace(state, problem=state.problem.rephased(state.x))
         start = Located(state.problem, state.x, None, state.tangent)
@@ -190,7 +195,7 @@ def follow(state: State, bounds: Sequence[tuple[int, float, float]], watch: Watc
         try:
             reached, step = _advance(state, settings)
         except ConvergenceError as exc:
-            return Termination(End.IMPOSSIBLE if isinstance(exc, Impossible) else End.STEP_TOO_SMALL, str(exc))
+            return Termination(End.IMPOSSIBLE if isinstance(exc, Impossible) else End.STEP_TOO_SMALL, str(exc), lost)
         crossed = _first_crossing(state.problem.outline(state.x), reached.problem.outline(reached.x), bounds)
         if crossed is not None:
             index, value, fraction = crossed
@@ -200,7 +205,7 @@ def follow(state: State, bounds: Sequence[tuple[int, float, float]], watch: Watc
                 # A fold next to the bound: come closer with smaller steps.
                 state = replace(state, step=step / 2)
                 if state.step < settings.min:
-                    return Termination(End.STEP_TOO_SMALL)
+                    return Termination(End.STEP_TOO_SMALL, "", lost)
                 continue
         metric = reached.problem.metric()
         base = reached.problem.carry(state.problem, state.x)
@@ -210,21 +215,25 @@ def follow(state: State, bounds: Sequence[tuple[int, float, float]], watch: Watc
         direction = tangent_of(reached.solution, metric, chord)
         reached = replace(reached, direction=direction)
         after = _look(reached, watch)
-        for found in _specials(Chord(start, reached, settings.newton), watch, before, after, AT_START if first else 0.0):
+        specials, unexplained = _specials(Chord(start, reached, settings.newton), watch, before, after, AT_START if first else 0.0)
+        lost += unexplained
+        for found in specials:
             curve = found.point.problem
             at = replace(state, problem=curve, x=found.point.x, tangent=curve.metric().unit(found.point.tangent),
                          arclength=state.arclength + sign * found.fraction * length)  # fmt: skip
             emit(Point(at, found.test.kind, found.point.n_iterations, found.test.note))
             if found.test.stops:
-                return Termination(found.test.end, found.test.kind)
+                return Termination(found.test.end, found.test.kind, lost)
         cosine = metric.dot(direction, chord) / length
         state = State(reached.problem, reached.x, direction, state.arclength + sign * length,
                       _next_step(step, reached.n_iterations, cosine, settings), state.n_points + 1)  # fmt: skip
         emit(Point(state, "" if crossed is None else "EP", reached.n_iterations))
+        if after.objection and not before.objection:
+            return Termination(End.INVALID, after.objection, lost)
         if crossed is not None:
-            return Termination(End.RANGE)
+            return Termination(End.RANGE, "", lost)
         before, first = after, False
-    return Termination(End.MAX_POINTS)
+    return Termination(End.MAX_POINTS, "", lost)
 
 
 def _advance(state: State, settings: StepSettings) -> tuple[Located, float]:
@@ -309,10 +318,12 @@ class _Seen:
 
     values: tuple[float, ...]
     counts: Counts
+    objection: str
 
 
 def _look(point: Located, watch: Watch) -> _Seen:
-    return _Seen(tuple(test.value(point) for test in watch.tests), watch.census.count(point) if watch.census else ())
+    counts = watch.census.count(point) if watch.census else ()
+    return _Seen(tuple(test.value(point) for test in watch.tests), counts, watch.objection(point))
 
 
 @dataclass(frozen=True, eq=False)
@@ -324,8 +335,10 @@ class _Found:
     fraction: float
 
 
-def _specials(chord: Chord, watch: Watch, before: _Seen, after: _Seen, from_: float) -> list[_Found]:
-    """Return the special points on a step in order; where two fall together the one that ends the branch comes first.
+def _specials(chord: Chord, watch: Watch, before: _Seen, after: _Seen, from_: float) -> tuple[list[_Found], int]:
+    """Return the special points on a step in order, and the number of changes in the census that none of them explains.
+
+    Where two fall together the one that ends the branch comes first.
 
     Those before the fraction ``from_`` are the point that the branch starts from.
     """
@@ -333,13 +346,17 @@ def _specials(chord: Chord, watch: Watch, before: _Seen, after: _Seen, from_: fl
     for test, f0, f1 in zip(watch.tests, before.values, after.values, strict=True):
         if f0 * f1 < 0.0 or (f1 == 0.0 and f0 != 0.0):
             found += _zero(chord, test, 0.0, 1.0, f0, f1)
-    found = [f for f in found if f.fraction >= from_]
+    found, lost = [f for f in found if f.fraction >= from_], 0
     if watch.census is not None and not any(f.test.meeting for f in found):
         # What lies beyond a point that ends the branch counts for nothing.
         last = min((f.fraction for f in found if f.test.stops), default=1.0)
         counts = after.counts if last == 1.0 else watch.census.count(chord.at(last))
-        found += _counted(chord, watch.census, 0.0, last, before.counts, counts, MAX_CUTS)
-    return sorted((f for f in found if f.fraction >= from_), key=lambda f: (round(f.fraction, 6), not f.test.stops, f.fraction))
+        counted = _counted(chord, watch.census, 0.0, last, before.counts, counts, MAX_CUTS)
+        found += [f for f in counted if f is not None]
+        # At the start of a branch the special point that it comes from may still show.
+        lost = 0 if from_ else len([f for f in counted if f is None])
+    order = sorted((f for f in found if f.fraction >= from_), key=lambda f: (round(f.fraction, 6), not f.test.stops, f.fraction))
+    return order, lost
 
 
 def _zero(chord: Chord, test: TestFunction, low: float, high: float, f_low: float, f_high: float) -> list[_Found]:
@@ -350,8 +367,11 @@ def _zero(chord: Chord, test: TestFunction, low: float, high: float, f_low: floa
     return [] if fraction is None else [_Found(test, chord.at(fraction), fraction)]
 
 
-def _counted(chord: Chord, census: Census, low: float, high: float, before: Counts, after: Counts, cuts: int) -> list[_Found]:
-    """Return the special points that account for a change of the census, cutting the step where several come together."""
+def _counted(chord: Chord, census: Census, low: float, high: float, before: Counts, after: Counts, cuts: int) -> list[_Found | None]:
+    """Return the special points that account for a change of the census, cutting the step where several come together.
+
+    None stands for a change that could not be explained.
+    """
     if before == after:
         return []
     tests = census.explain(before, after)
@@ -359,13 +379,16 @@ def _counted(chord: Chord, census: Census, low: float, high: float, before: Coun
         ends = [(test.value(chord.at(low)), test.value(chord.at(high))) for test in tests]
         # A test function may not exist all along: no real multiplier at one end, say. Then the step is cut too.
         if all(f_low * f_high <= 0.0 for f_low, f_high in ends):
-            return [f for test, (f_low, f_high) in zip(tests, ends, strict=True) for f in _zero(chord, test, low, high, f_low, f_high)]
+            result: list[_Found | None] = []
+            for test, (f_low, f_high) in zip(tests, ends, strict=True):
+                result += _zero(chord, test, low, high, f_low, f_high) or [None]
+            return result
     if cuts == 0:
-        return []
+        return [None]
     middle = 0.5 * (low + high)
     try:
         between = census.count(chord.at(middle))
     except ConvergenceError:
-        return []
+        return [None]
     return [*_counted(chord, census, low, middle, before, between, cuts - 1),
             *_counted(chord, census, middle, high, between, after, cuts - 1)]  # fmt: skip

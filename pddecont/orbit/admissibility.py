@@ -69,28 +69,31 @@ def _crossings(profile: Profile, s: int, event: str, direction: str, terminal: b
             yield f"event '{event}' is also crossed {'rising' if rises else 'falling'} inside"
 
 
+def approaches(problem: OrbitProblem, profiles: dict[str, Profile]) -> list[tuple[float, str, Extremum]]:
+    """Return (height, event, extremum) for each interior extremum that could become a crossing: zero at a touch, negative before.
+
+    In a segment that meets its event from h < 0 these are the interior maxima, from h > 0 the interior minima with their sign turned.
+    """
+    extrema = {name: p.extrema() for name, p in profiles.items()}
+    found = []
+    for s in range(len(problem.segments)):
+        for name, direction, _ in watched_events(problem, s):
+            if name not in profiles:
+                continue
+            from_below = _from_below(profiles[name], s, direction)
+            found += [(e.value if from_below else -e.value, name, e) for e in extrema[name] if e.segment == s and e.is_max == from_below]
+    return found
+
+
 def closest_approach(problem: OrbitProblem, profiles: dict[str, Profile], only: str | None = None, *,
                      leave_out: tuple[str, int, float] | None = None) -> tuple[str, Extremum] | None:  # fmt: skip
     """Return the event and the interior extremum of its function that is nearest to a new crossing (None: no extremum).
 
-    In a segment that meets its event from h < 0 that is the largest interior maximum, from h > 0 the smallest interior
-    minimum. ``only`` restricts it to one event; ``leave_out`` is the event, segment and time of an extremum that does not count.
+    ``only`` restricts it to one event; ``leave_out`` is the event, segment and time of an extremum that does not count.
     """
-    extrema = {name: p.extrema() for name, p in profiles.items()}
     period = sum(float(np.sum(p.h)) for p in list(profiles.values())[:1])
-    best: tuple[float, str, Extremum] | None = None
-    for s in range(len(problem.segments)):
-        for name, direction, _ in watched_events(problem, s):
-            if only not in (None, name):
-                continue
-            from_below = _from_below(profiles[name], s, direction)
-            for extremum in extrema[name]:
-                if _is(extremum, name, leave_out, period):
-                    continue
-                if extremum.segment == s and extremum.is_max == from_below:
-                    height = extremum.value if from_below else -extremum.value
-                    if best is None or height > best[0]:
-                        best = (height, name, extremum)
+    found = [a for a in approaches(problem, profiles) if only in (None, a[1]) and not _is(a[2], a[1], leave_out, period)]
+    best = max(found, key=lambda a: a[0], default=None)
     return None if best is None else best[1:]
 
 

@@ -93,7 +93,7 @@ class Curve:
         if np.all(durations > 0.0):
             return ""
         s = int(np.argmin(durations))
-        return f"segment {s + 1} ({self.problem.segments[s].name}) vanishes: the orbit goes on with another signature"
+        return f"segment {s + 1} ({self.problem.segments[s].name}) vanishes"
 
     def holds(self, x: Array) -> bool:
         """Whether the mesh's breaking points are in their order at ``x``."""

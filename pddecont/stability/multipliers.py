@@ -25,8 +25,8 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 SMALL = 1e-3
 AT_MOST = 12
-DENSE = 160
-NEAR_TRIVIAL = 0.02
+DENSE, DENSE_LINES = 160, 1200
+NEAR_KNOWN = 0.02
 TRIVIAL_ERROR = 1e-4
 
 
@@ -69,7 +69,7 @@ def multipliers(problem: OrbitProblem, x: Array, n: int | None = None) -> Multip
     period = linearise(problem, x)
     size = period.size
     wanted = AT_MOST if n is None else n
-    if size <= max(DENSE, wanted + 2):
+    if size <= max(DENSE_LINES if period.couplings else DENSE, wanted + 2):
         values = scipy.linalg.eigvals(period.matrix()) if size else np.zeros(0, dtype=complex)
     else:
         operator = scipy.sparse.linalg.LinearOperator((size, size), matvec=period.one, dtype=float)
@@ -103,19 +103,25 @@ def _in_order(values: Complex) -> Complex:
 
 
 def _without_trivial(values: Complex) -> Multipliers:
-    """Take the trivial multiplier out.
+    error = float(np.min(np.abs(values - 1.0))) if len(values) else float("nan")
+    return Multipliers(values, without(values, 1.0), error)
+
+
+def without(values: Complex, known: float) -> Complex:
+    """Return multipliers without the one that is known to be ``known`` (1 or -1).
 
     Where another comes near it the two may come out of a defective matrix as a conjugate pair, or with errors of the order of the
-    square root of rounding; their sum is well conditioned, so the other is what the trivial one, exactly 1, leaves of it.
+    square root of rounding; their sum is well conditioned, so the other is what ``known`` leaves of it.
     """
-    i = int(np.argmin(np.abs(values - 1.0)))
+    if not len(values):
+        return values
+    i = int(np.argmin(np.abs(values - known)))
     rest = np.delete(values, i)
-    error = float(abs(values[i] - 1.0))
     if len(rest):
-        j = int(np.argmin(np.abs(rest - 1.0)))
-        if abs(rest[j] - 1.0) < NEAR_TRIVIAL:
-            rest[j] = (values[i] + rest[j]).real - 1.0
-    return Multipliers(values, _in_order(rest), error)
+        j = int(np.argmin(np.abs(rest - known)))
+        if abs(rest[j] - known) < NEAR_KNOWN:
+            rest[j] = (values[i] + rest[j]).real - known
+    return _in_order(rest)
 
 
 def eigenvector(problem: OrbitProblem, x: Array, multiplier: float) -> Array:

@@ -41,6 +41,8 @@ def go_on(end: Termination, last: Point, state: State, rule: MeshRule, emit: Cal
     """
     curve = last.state.problem
     if not isinstance(curve, Curve):
+        if end.end is End.IMPOSSIBLE:
+            _vanished_on_curve(state, emit, sign)
         return None
     if end.end is End.IMPOSSIBLE:
         return _without(_vanished(last.state, rule, emit, sign), rule)
@@ -89,6 +91,15 @@ def _vanished(state: State, rule: MeshRule, emit: Callable[[Point], None], sign:
     at = State(found, gone.solution.x, np.zeros(0), state.arclength + sign * away, state.step, state.n_points)
     emit(Point(at, tangency.KIND, gone.solution.n_iterations, gone.note))
     return at, gone.shorter
+
+
+def _vanished_on_curve(state: State, emit: Callable[[Point], None], sign: int) -> None:
+    """Emit the point of a curve of special points at which a segment has almost no duration left."""
+    curve = state.problem
+    special, solution, name = signature.shrink(curve, state.x)
+    away = float(np.min(state.x[curve.problem.layout.durations])) / curve.metric().scale[curve.problem.layout.durations.start]
+    at = State(special, solution.x, np.zeros(0), state.arclength + sign * away, state.step, state.n_points)
+    emit(Point(at, tangency.KIND, solution.n_iterations, f"{name} vanishes"))
 
 
 def _without(gone: tuple[State, bool], rule: MeshRule) -> State | None:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from pddecont.bifurcation import branch_point, fold, grazing, period_doubling, signature, tangency, torus, user
 from pddecont.bifurcation.conditioned import Condition, SpecialCurve
-from pddecont.continuation.arclength import correct_at, tangent
+from pddecont.continuation.arclength import correct, tangent, tangent_of
 from pddecont.continuation.branch import State
 from pddecont.continuation.newton import NewtonSettings
 from pddecont.errors import ConvergenceError, InputError, RunError, SignatureError
@@ -26,6 +26,7 @@ Array = NDArray[np.float64]
 MEETS = " meets "
 SLOW = 1e-6
 SHORT = 1e-6
+STILL = 1e-6
 MAX_MESHES = 8
 
 
@@ -89,8 +90,8 @@ def _state(task: Task, problem: Curve | SpecialCurve, x: Array, direction: Array
     return State(problem, x, direction, 0.0, task.body.step.initial, 1)
 
 
-def _forward(curve: Curve | SpecialCurve, x: Array) -> Array:
-    """Return the tangent towards larger values of the first free parameter."""
+def _forward(curve: Curve, x: Array) -> Array:
+    """Return the tangent towards larger values of the free parameter."""
     towards = np.zeros(len(x))
     towards[curve.problem.layout.free.start] = 1.0
     return tangent(curve, x, curve.metric(), towards)
@@ -151,17 +152,20 @@ def _entered(task: Task, problem: OrbitProblem, guess: Array, kind: str) -> Star
 def _special(task: Task, problem: OrbitProblem, guess: Array, kind: str, note: str) -> Start:
     curve, x = _curve(task, problem, guess)
     special = SpecialCurve(curve, condition_of(task, curve, x, kind, note))
-    place = -1
     for _ in range(MAX_MESHES):
         if not special.holds(x):
             special, x, _ = special.refit(x, [], solved=False)
-        solution = correct_at(special, x, len(x) + place, float(x[place]), special.metric(), NewtonSettings())
+        along = special.along(x)
+        solution = correct(special, x, along, special.metric(), NewtonSettings())
         if special.suits(solution.x):
             break
         special, x, _ = special.refit(solution.x, [], solved=True)
     else:
         raise ConvergenceError(f"step '{task.step.name}': no mesh reaches the tolerance at its start; raise 'mesh: {{tol}}' or the degree")
-    return Start(_state(task, special, solution.x, _forward(special, solution.x)), kind)
+    direction = tangent_of(solution, special.metric(), along)
+    moves = direction[special.problem.layout.free] / np.array(task.widths)
+    forward = next((float(np.sign(m)) for m in moves if abs(m) > STILL * np.max(np.abs(moves))), 1.0)
+    return Start(_state(task, special, solution.x, forward * direction), kind)
 
 
 def condition_of(task: Task, curve: Curve, x: Array, kind: str, note: str) -> Condition:

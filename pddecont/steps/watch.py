@@ -11,6 +11,7 @@ from pddecont.bifurcation.census import branch_census
 from pddecont.bifurcation.conditioned import SpecialCurve
 from pddecont.continuation.branch import State, TestFunction, Watch
 from pddecont.continuation.locate import Located
+from pddecont.orbit.admissibility import objections, watched_events
 from pddecont.orbit.monitors import Monitor
 from pddecont.stability.multipliers import Known
 from pddecont.steps.start import MEETS, Task
@@ -24,10 +25,25 @@ def watch_of(task: Task, state: State) -> Watch:
         kind = state.problem.condition.kind
         return Watch([*watch.tests, *(u for u in users if kind != user.KIND or u.note != followed(state.problem))], watch.census)
     tests = [
-        TestFunction(grazing.KIND, lambda at: grazing.clearance(at.problem.problem, at.x), stops=True),
+        *_grazings(state),
         TestFunction(tangency.KIND, lambda at: tangency.crossing_rate(at.problem.problem, at.x), stops=True, note="event turns tangential"),
     ]
-    return Watch([*tests, *_meetings(state), *_collapse(task, state), *users], branch_census(task.known))
+    return Watch([*tests, *_meetings(state), *_collapse(task, state), *users], branch_census(task.known), _not_admissible)
+
+
+def _not_admissible(at: Located) -> str:
+    return next(iter(objections(at.problem.problem, at.x)), "")
+
+
+def _grazings(state: State) -> list[TestFunction]:
+    """Return the test of each segment and event that it watches."""
+    problem, clearances = state.problem.problem, grazing.Clearances()
+
+    def value(s: int, event: str) -> Callable[[Located], float]:
+        return lambda at: clearances(at.problem.problem, at.x, s, event)
+
+    pairs = dict.fromkeys((s, event) for s in range(len(problem.segments)) for event, _, _ in watched_events(problem, s))
+    return [TestFunction(grazing.KIND, value(*pair), stops=True) for pair in pairs]
 
 
 def _meetings(state: State) -> list[TestFunction]:
