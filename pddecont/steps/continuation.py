@@ -23,7 +23,7 @@ from pddecont.steps.context import Context, known_multipliers, mesh_settings, se
 from pddecont.steps.points import orbit_row, orbit_spec
 from pddecont.steps.schema import Step
 from pddecont.steps.signatures import go_on
-from pddecont.steps.start import Start, Task, condition_of, start_of
+from pddecont.steps.start import MEETS, Start, Task, condition_of, start_of
 from pddecont.steps.watch import followed, watch_of
 
 Array = NDArray[np.float64]
@@ -82,7 +82,9 @@ class _Branch:
             if following is None:
                 break
             state = following
-        return self.ending(end, way)
+        note = self.last.note if self.last is not None else ""
+        advice = f": {note}; beyond, they happen in another order: start anew from a simulation there" if MEETS in note else ""
+        return self.ending(end, way) + advice
 
     def ending(self, end: Termination, way: int) -> str:
         """Return how a direction ended, with the signatures that it went through."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -26,7 +27,7 @@ from pddecont.shipped.find import find
 from pddecont.steps.schema import Delay, Mesh, RunBlock, RunFile, Step
 
 Array = NDArray[np.float64]
-COLUMNS = {"index", "label", "kind", "period", "stable", "admissible", "error_estimate", "n_unknowns"}
+COLUMNS = {"index", "label", "kind", "period", "stable", "admissible", "error_estimate", "n_unknowns", "n_unstable", "note"}
 
 
 @dataclass(frozen=True)
@@ -229,12 +230,34 @@ class _Planner:
         if step.simulate:
             self.check_simulate((*path, "simulate"), step, values)
         if step.orbit and step.orbit.signature is not None:
-            try:
-                check_signature(self.model, step.orbit.signature)
-            except SignatureError as exc:
-                self.complain((*path, "orbit", "signature"), str(exc))
+            self.check_signature((*path, "orbit", "signature"), step.orbit.signature)
         if step.continue_:
             self.check_continue((*path, "continue"), step, values)
+
+    def check_signature(self, path: tuple[str | int, ...], signature: list[str]) -> None:
+        try:
+            check_signature(self.model, signature)
+        except SignatureError as exc:
+            self.complain(path, str(exc))
+
+    def check_users(self, path: tuple[str | int, ...], functions: Mapping[str, str | float]) -> None:
+        from pddecont.orbit.monitors import parse_monitor
+
+        if not functions:
+            return
+        numeric = NumericModel(self.model)
+        monitors = {}
+        for name, text in self.run.monitors.items():
+            with contextlib.suppress(ExpressionError):  # a wrong monitor has its own complaint
+                monitors[name] = parse_monitor(numeric, name, text)
+        for name, text in functions.items():
+            if name in monitors or name in COLUMNS or name in self.whole.parameters:
+                what = "a monitor" if name in monitors else "a parameter" if name in self.whole.parameters else "a column of every table"
+                self.complain((*path, name), f"'{name}' is {what} already; give the user function another name", key=True)
+            try:
+                parse_monitor(numeric, name, text, monitors)
+            except ExpressionError as exc:
+                self.complain((*path, name), str(exc), offset=exc.offset)
 
     def check_source(self, path: tuple[str | int, ...], step: Step, earlier: Mapping[str, Step]) -> None:
         source = step.source
@@ -269,6 +292,13 @@ class _Planner:
     def check_continue(self, path: tuple[str | int, ...], step: Step, values: Mapping[str, float]) -> None:
         body = step.continue_
         assert body is not None
+        if len(set(body.free)) < len(body.free):
+            self.complain((*path, "free"), f"the parameter '{body.free[0]}' stands twice; two different ones follow a special point")
+        if body.branch == "switch" and len(body.free) == 2:
+            self.complain((*path, "branch"), "'switch' leads onto another branch in one free parameter; found two")
+        if body.signature is not None:
+            self.check_signature((*path, "signature"), body.signature)
+        self.check_users((*path, "events_along"), body.events_along)
         for k, name in enumerate(body.free):
             if name not in values:
                 self.complain((*path, "free", k), f"'{name}' is not a parameter{suggest(name, values)}")

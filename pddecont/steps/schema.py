@@ -81,7 +81,14 @@ class Stability(Strict):
     multipliers: int = Field(ge=1, le=200, description="number of leading multipliers")
 
 
-StabilityChoice = Annotated[bool | Stability, Field(description=(
+def _stability(value: Any) -> Any:
+    if not isinstance(value, (bool, dict, Stability)):
+        raise PydanticCustomError("stability", "expected true, false, or {some}; found {value}",
+                                  {"some": "{multipliers: N}", "value": repr(value)})  # fmt: skip
+    return value
+
+
+StabilityChoice = Annotated[bool | Stability, BeforeValidator(_stability), Field(description=(
     "Floquet multipliers: true for those of modulus above 1e-3 (at most 12), or {multipliers: N} for the N leading ones"))]
 
 
@@ -125,7 +132,8 @@ class Continue(Strict):
     stability: StabilityChoice = False
     signature_change: Literal["follow", "stop"] = Field("follow", description="what to do where an orbit grazes or a segment vanishes")
     branch: Literal["same", "switch"] = Field("same", description="switch: onto the other branch at a PD or BP point")
-    signature: list[Identifier] | None = Field(None, description="segments that the orbit must have; at a GR point those after it")
+    signature: list[Identifier] | None = Field(None, min_length=1, description=(
+        "segments that the orbit must have; at a GR point those after it"))
     events_along: dict[Identifier, Formula] = Field(default_factory=dict, description="user functions whose zeros are located")
 
 

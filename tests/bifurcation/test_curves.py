@@ -262,3 +262,64 @@ def test_double_grazing_and_a_user_function(tmp_path):
     omega, c = parameter(user, "omega"), parameter(user, "c")
     assert 1 / np.hypot(1 - omega**2, c * omega) == pytest.approx(0.25, abs=1e-10)
     assert len(user) > 10
+
+
+HENON = """\
+name: henon
+states: [x, y]
+parameters: {a: 0.3, b: 0.2}
+forcing: {period: 1}
+modes: {m: {x': 0, y': 0}}
+events: {pulse: sin(2*pi*t)}
+resets: {g: {x: 1 - a*x**2 + y, y: b*x}}
+segments: {s: {mode: m, event: pulse, direction: rising, reset: g, to: m}}
+initial: {x: 0.5, y: 0.1}
+run:
+  mesh: {degree: 3, tol: 1e-9}
+  steps:
+    - {name: t, simulate: {t_end: 200.5}}
+    - {name: o, orbit: {from: t}}
+    - {name: c, continue: {from: o, free: [a], range: {a: [-0.3, 1]}, stability: true, max_points: 60}}
+    - {name: LP, continue: {from: {step: c, point: LP1}, free: [a, b], range: {a: [-2, 2], b: [-2, 0.3]}, stability: true}}
+    - {name: PD, continue: {from: {step: c, point: PD1}, free: [a, b], range: {a: [-1, 4], b: [-2, 0.3]}, stability: true}}
+    - {name: turned, continue: {from: {step: c, point: PD1}, free: [b, a], range: {a: [-1, 4], b: [-2, 0.3]}, stability: true}}
+    - {name: twice, continue: {from: {step: c, point: PD1}, branch: switch, free: [a], range: {a: [-0.3, 1.2]}, stability: true}}
+"""
+
+
+def test_henons_map_as_a_reset(tmp_path):
+    """Folds 4 a = -(1 - b)^2 with multipliers 1, -b; doublings 4 a = 3 (1 - b)^2 with -1, b: 1:1 at (-1, -1), 1:2 at (3, -1), both
+    defective. The doubled orbit doubles at 4 a = 4 (1 - b)^2 + (1 + b)^2."""  # fmt: skip
+    from pddecont.model.document import parse_document
+    from pddecont.results.reader import read_results
+    from pddecont.steps.plan import load_plan
+    from pddecont.steps.run import execute
+
+    execute(load_plan(parse_document(HENON, "m.yaml")), tmp_path / "a.h5")
+    results = read_results(tmp_path / "a.h5")
+    for name, factor, resonance, at in (("LP", -1, "R1_1", (-1, -1)), ("PD", 3, "R2_1", (3, -1)), ("turned", 3, "R2_1", (3, -1))):
+        step = results.step(name)
+        a, b = parameter(step, "a"), parameter(step, "b")
+        assert factor * (1 - b) ** 2 / 4 == pytest.approx(a, abs=1e-9)
+        assert labels(step) == [resonance]
+        assert (parameter(step, "a", resonance), parameter(step, "b", resonance)) == pytest.approx(at, abs=1e-9)
+    twice = results.step("twice")
+    assert parameter(twice, "a", "PD1") == pytest.approx(0.8**2 + 1.2**2 / 4, abs=1e-9)
+
+
+def test_a_grazing_curve_ends_where_another_contact_vanishes(tmp_path):
+    """Between two soft walls the orbit that hits the nearer touches the farther; where both are as far, both are only touched."""
+    from pddecont.model.document import parse_document
+    from pddecont.results.reader import read_results
+    from pddecont.steps.plan import load_plan
+    from pddecont.steps.run import execute
+    from tests.bifurcation.test_signatures import SOFT_WALLS
+
+    text = SOFT_WALLS.replace("b: 0.3,", "b: 0.31,").replace("STEP", "{}") + (
+        "    - {name: gr, continue: {from: {step: c, point: GR1}, free: [omega, b],\n"
+        "                            range: {omega: [1.7, 2.4], b: [0.29, 0.35]}}}\n")  # fmt: skip
+    execute(load_plan(parse_document(text, "m.yaml")), tmp_path / "a.h5")
+    step = read_results(tmp_path / "a.h5").step("gr")
+    assert labels(step) == ["VS1"]
+    assert parameter(step, "b", "VS1") == pytest.approx(0.3, abs=1e-9)
+    assert 1 / math.hypot(1 - parameter(step, "omega", "VS1") ** 2, 0.1 * parameter(step, "omega", "VS1")) == pytest.approx(0.3, abs=1e-9)

@@ -1,6 +1,7 @@
 """The signature changes by itself at grazings and where segments vanish."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -232,3 +233,72 @@ steps:
     assert labels(step) == ["LP1"]
     assert parameter(step, "K", "LP1") == pytest.approx(TWO_IMPACT_FOLD_CHAIN, abs=1e-10)
     assert multipliers(step, step.row("LP1"))[:2] == pytest.approx([1.0, 0.697689695264], abs=1e-5)
+
+
+SOFT_WALLS = """\
+name: soft_walls
+states: [x, v]
+parameters: {omega: 2.0, a: 0.3, b: 0.3, c: 0.1, k: 4}
+forcing: {period: 2*pi/omega}
+modes:
+  F: {x': v, v': cos(omega*t) - c*v - x}
+  R: {x': v, v': cos(omega*t) - c*v - x - k*(x-a)}
+  L: {x': v, v': cos(omega*t) - c*v - x - k*(x+b)}
+events: {right: x - a, left: x + b}
+resets: {same: {}}
+segments:
+  FR: {mode: F, event: right, direction: rising, reset: same, to: R}
+  RF: {mode: R, event: right, direction: falling, reset: same, to: F}
+  FL: {mode: F, event: left, direction: falling, reset: same, to: L}
+  LF: {mode: L, event: left, direction: rising, reset: same, to: F}
+initial: {mode: F}
+run:
+  mesh: {degree: 9, tol: 1e-11}
+  steps:
+    - {name: t, set: {omega: 2.6}, simulate: {t_end: 200}}
+    - {name: o, set: {omega: 2.6}, orbit: {from: t}}
+    - {name: c, continue: {from: o, free: [omega], range: {omega: [1.9, 2.7]}, direction: down, max_points: 40, step: STEP}}
+"""
+HARD_WALLS = re.sub(r"modes:.*?initial", """modes: {F: {x': v, v': cos(omega*t) - c*v - x - 0*k}}
+events: {right: x - a, left: x + b}
+resets: {hit: {v: -0.8*v}}
+segments:
+  right: {mode: F, event: right, direction: rising, reset: hit, to: F}
+  left: {mode: F, event: left, direction: falling, reset: hit, to: F}
+initial""", SOFT_WALLS, flags=re.S)
+
+
+@pytest.mark.parametrize(("model", "b", "step", "last"), [
+    (SOFT_WALLS, 0.3, "{}", "FL LF FR RF"), (HARD_WALLS, 0.3, "{}", "left right"), (HARD_WALLS, 0.33, "{}", "left right"),
+    (HARD_WALLS, 0.33, "{initial: 0.3, max: 0.5}", "left right"),
+])  # fmt: skip
+def test_two_walls_touched_at_once_or_in_one_step(tmp_path, model, b, step, last):
+    """The free orbit reaches both walls: at once if they are as far, else one after the other, in small steps and in large ones."""
+    from pddecont.model.document import parse_document
+    from pddecont.results.reader import read_results
+    from pddecont.steps.plan import load_plan
+    from pddecont.steps.run import execute
+
+    text = model.replace("b: 0.3,", f"b: {b},").replace("STEP", step)
+    execute(load_plan(parse_document(text, "m.yaml")), tmp_path / "a.h5")
+    branch = read_results(tmp_path / "a.h5").step("c")
+    grazings = [name for name in labels(branch) if name.startswith("GR")]
+    assert len(grazings) == (1 if b == 0.3 else 2)
+    touch = max(parameter(branch, "omega", name) for name in grazings)
+    assert free_amplitude(touch) == pytest.approx(0.3, abs=1e-10)
+    assert sorted(signatures(branch)[0].split()) == sorted(last.split())
+    assert np.all(branch.points["admissible"] == 1)
+
+
+def test_a_branch_does_not_go_on_with_orbits_that_are_none():
+    """Whatever makes an orbit inadmissible without a located point ends the branch, and says what it is."""
+    from pddecont.continuation.branch import End, State, StepSettings, Watch, follow
+    from tests.continuation.test_branch import Circle
+
+    points = []
+    watch = Watch(objection=lambda at: "beyond the wall" if at.x[0] > 0.5 else "")
+    end = follow(State(Circle(), np.array([-1.0, 0.0]), np.array([0.0, 1.0]), 0.0, 0.02, 1), [(0, -2.0, 2.0)], watch, StepSettings(),
+                 points.append, 1)  # fmt: skip
+    assert end.end is End.INVALID
+    assert "beyond the wall" in str(end)
+    assert 0.5 < points[-1].state.x[0] < 0.65

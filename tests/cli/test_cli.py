@@ -217,6 +217,12 @@ def test_info(done):
     ("top: max(x)", "wall: max(x)", "12:14", "'wall' is a parameter already"),
     ("  mesh: {degree", "  set: {omega: 0}\n  mesh: {degree", "11:8", "the forcing period is inf"),
     ("t_end: 60*pi", "t_end: 60*tau", "14:46", "'tau' is not defined"),
+    ("free: [wall]", "free: [wall, wall]", "16:52", "stands twice"),
+    ("free: [wall]", "stability: 3, free: [wall]", "16:57", "expected true, false, or {multipliers: N}; found 3"),
+    ("free: [wall]", "signature: [fligt], free: [wall]", "16:57", "did you mean 'flight'"),
+    ("free: [wall]", "branch: switch, free: [wall, r]", "16:54", "in one free parameter; found two"),
+    ("free: [wall]", "events_along: {u: maxx(x)}, free: [wall]", "16:64", "unknown function 'maxx'"),
+    ("free: [wall]", "events_along: {top: max(x) - 1}, free: [wall]", "16:61", "'top' is a monitor already"),
 ])  # fmt: skip
 def test_check_reports_run_errors_with_their_place(in_folder, old, new, place, words):
     assert old in QUICK
