@@ -10,6 +10,7 @@ import math
 import statistics
 import time
 import tracemalloc
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +26,7 @@ from pddecont.orbit.guess import orbit_from_cycle
 from pddecont.orbit.meshing import MeshRule, remeshed
 from pddecont.simulate.integrate import simulate
 from pddecont.simulate.recognise import recognise
+from pddecont.stability.multipliers import multipliers
 
 ROOT = Path(__file__).parent.parent
 
@@ -97,6 +99,21 @@ def main():
         ratios = times[name] / times["chain n = 15"], memory[name] / memory["chain n = 15"]
         print(f"{name:18} {ratios[0]:16.2f} {ratios[1]:18.2f} {1e3 * times[name]:8.1f}")
     assert np.isfinite(list(times.values())).all()
+    print()
+    stability(problem, x)
+
+
+def stability(problem, x):
+    """Print what the leading multipliers cost beside a Newton step of the same orbit."""
+    from dataclasses import replace
+
+    print("Multipliers of the same orbit against a Newton step of it")
+    print(f"{'delay':18} {'multipliers / step':>18} {'ms':>8}")
+    methods = {"direct": Direct(), "chain n = 15": Chain(2, 15), "chain n = 100": Chain(2, 100), "chebyshev n = 20": Chebyshev(20)}
+    for name, method in methods.items():
+        other, guess = remeshed(replace(problem, delay=method), x, MeshRule(6, intervals=40))
+        times = timed({"step": newton_step(other, guess), "multipliers": partial(multipliers, other, guess)}, 5)
+        print(f"{name:18} {times['multipliers'] / times['step']:18.2f} {1e3 * times['multipliers']:8.1f}")
 
 
 if __name__ == "__main__":

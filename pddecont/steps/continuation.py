@@ -19,6 +19,7 @@ from pddecont.orbit.problem import OrbitProblem
 from pddecont.orbit.record import from_rows, mesh_from_row
 from pddecont.results.reader import Step as RecordedStep
 from pddecont.results.writer import StepWriter
+from pddecont.stability.multipliers import TRIVIAL_ERROR
 from pddecont.steps.context import Context, known_multipliers, mesh_settings, segments_of, settings_text, with_reference
 from pddecont.steps.points import orbit_row, orbit_spec
 from pddecont.steps.schema import Step
@@ -132,8 +133,11 @@ def run_continue(context: Context, step: Step, recorded: RecordedStep | None = N
     done = context.results().step(step.name)
     special = [(label, i) for i, label in enumerate(done.labels) if label]
     writer.special([label for label, _ in special], [i for _, i in special])
+    errors = done.points["trivial_error"]
+    poor = np.any(errors > TRIVIAL_ERROR)
+    doubt = f"; WARNING: the trivial multiplier is off by up to {np.nanmax(errors):.1e}: refine 'mesh'" if poor else ""
     context.reporter.done(f"{len(done)} points; special: {', '.join(sorted(label for label, _ in special)) or 'none'}; "
-                          + "; ".join(terminations))  # fmt: skip
+                          + "; ".join(terminations) + doubt)  # fmt: skip
 
 
 def ways_of(task: Task, start: Start) -> tuple[int, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -64,11 +65,11 @@ def start_of(task: Task) -> Start:
     problem, guess = orbit_at(task.context, task.step, task.body.from_)
     kind, note, recorded, row = _origin(task)
     if len(task.body.free) == 2:
-        start = _special(task, problem, guess, kind, note)
+        start = _advised(lambda: _special(task, problem, guess, kind, note), task, f"the {kind or 'special'} point that it follows")
     elif task.body.branch == "switch":
         start = _switched(task, problem, guess, kind, recorded, row)
     elif task.body.signature is not None and not is_rotation([s.name for s in problem.segments], task.body.signature):
-        start = _entered(task, problem, guess, kind)
+        start = _advised(lambda: _entered(task, problem, guess, kind), task, "the orbit after the grazing")
     else:
         start = _plain(task, problem, guess)
     values = start.state.x[start.state.problem.problem.layout.free]
@@ -77,6 +78,16 @@ def start_of(task: Task) -> Start:
             raise _wrong(task, f" starts at {name} = {value:g}, outside its range "
                                                               f"[{low:g}, {high:g}]; widen the range")  # fmt: skip
     return start
+
+
+def _advised(begin: Callable[[], Start], task: Task, what: str) -> Start:
+    """Return what ``begin`` finds; a failure says what was tried and what usually helps."""
+    try:
+        return begin()
+    except ConvergenceError as exc:
+        raise ConvergenceError(f"step '{task.step.name}': {what} does not converge: {exc}. What usually helps: the mesh and delay of the "
+                               "step that found the point, a finer mesh there, the other free parameter first",
+                               exc.history) from exc  # fmt: skip
 
 
 def _origin(task: Task) -> tuple[str, str, RecordedStep, int]:
@@ -161,7 +172,7 @@ def _special(task: Task, problem: OrbitProblem, guess: Array, kind: str, note: s
             break
         special, x, _ = special.refit(solution.x, [], solved=True)
     else:
-        raise ConvergenceError(f"step '{task.step.name}': no mesh reaches the tolerance at its start; raise 'mesh: {{tol}}' or the degree")
+        raise ConvergenceError("no mesh reaches the tolerance at its start; raise 'mesh: {tol}' or the degree")
     direction = tangent_of(solution, special.metric(), along)
     moves = direction[special.problem.layout.free] / np.array(task.widths)
     forward = next((float(np.sign(m)) for m in moves if abs(m) > STILL * np.max(np.abs(moves))), 1.0)
@@ -198,8 +209,9 @@ def condition_of(task: Task, curve: Curve, x: Array, kind: str, note: str) -> Co
             return tangency.Tangency(int(np.nanargmin(np.abs(rates))))
     if kind in (grazing.KIND, tangency.KIND):
         condition = grazing.graze_at(problem, x)
-        if condition is not None:
-            return condition
+        if condition is None:
+            raise ConvergenceError("no event function has an extremum inside a segment on this mesh; refine 'mesh'")
+        return condition
     raise _wrong(task, " has two free parameters: it follows a special point (LP, PD, TR, GR, VS or UF) and cannot start from "
                        f"{_named(kind)}")  # fmt: skip
 

@@ -213,3 +213,24 @@ def test_multipliers_are_computed_once():
     known = Known()
     assert known(problem, x) is known(problem, x)
     assert known(problem, x.copy()) is not known(problem, x)
+
+
+def test_a_poor_mesh_shows_in_the_trivial_multiplier_and_is_warned_of(tmp_path):
+    from pddecont.results.summary import step_summary
+    from tests.runs import run
+
+    text = """\
+model: van_der_pol
+mesh: {degree: 3, intervals: INTERVALS}
+steps:
+  - {name: t, simulate: {t_end: 60}}
+  - {name: o, orbit: {from: t, stability: true}}
+"""
+    errors = []
+    for n in (8, 40):
+        step = run(text.replace("INTERVALS", str(n)), tmp_path / "a.h5").step("o")
+        errors.append(step.points["trivial_error"][0])
+        assert ("WARNING" in step.termination[0].split("trivial multiplier")[1]) == (errors[-1] > 1e-4)
+        assert ("warning" in step_summary(step)) == (errors[-1] > 1e-4)
+    assert errors[0] > 1e-3
+    assert errors[1] < 1e-4
