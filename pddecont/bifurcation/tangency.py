@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.orbit.admissibility import event_profiles, watched_events
+from pddecont.orbit.admissibility import event_profiles, from_below, watched_events
 from pddecont.orbit.curve import Curve
 from pddecont.orbit.extrema import Profile, profile
 from pddecont.orbit.problem import OrbitProblem
@@ -24,21 +24,24 @@ KIND = "VS"
 
 
 def crossing_rates(problem: OrbitProblem, x: Array, profiles: dict[str, Profile] | None = None) -> Array:
-    """Return each segment's rate of crossing its event, positive in the direction listed; NaN where it has none."""
+    """Return each segment's rate of crossing its event, positive in the direction listed; NaN where it has none.
+
+    An event of any direction is crossed from the side on which the segment lies.
+    """
     profiles = event_profiles(problem, x) if profiles is None else profiles
     rates = np.full(len(problem.segments), np.nan)
     for s, segment in enumerate(problem.segments):
-        if segment.event in profiles and segment.direction != "any":
+        if segment.event in profiles:
             slope = profiles[segment.event].end_slope(s)
-            rates[s] = slope if segment.direction == "rising" else -slope
+            rates[s] = slope if from_below(profiles[segment.event], s, segment.direction) else -slope
     return rates
 
 
 def rate(problem: OrbitProblem, x: Array, s: int) -> float:
     """Return the rate at which segment ``s`` crosses its event at its end, positive in the direction listed."""
     segment = problem.segments[s]
-    slope = profile(problem, x, problem.numeric.event(segment.event)).end_slope(s)
-    return slope if segment.direction != "falling" else -slope
+    along = profile(problem, x, problem.numeric.event(segment.event))
+    return along.end_slope(s) if from_below(along, s, segment.direction) else -along.end_slope(s)
 
 
 def crossing_rate(problem: OrbitProblem, x: Array, profiles: dict[str, Profile] | None = None) -> float:

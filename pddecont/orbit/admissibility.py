@@ -80,8 +80,8 @@ def approaches(problem: OrbitProblem, profiles: dict[str, Profile]) -> list[tupl
         for name, direction, _ in watched_events(problem, s):
             if name not in profiles:
                 continue
-            from_below = _from_below(profiles[name], s, direction)
-            found += [(e.value if from_below else -e.value, name, e) for e in extrema[name] if e.segment == s and e.is_max == from_below]
+            below = from_below(profiles[name], s, direction)
+            found += [(e.value if below else -e.value, name, e) for e in extrema[name] if e.segment == s and e.is_max == below]
     return found
 
 
@@ -101,7 +101,7 @@ def _is(extremum: Extremum, event: str, named: tuple[str, int, float] | None, pe
     return named is not None and (event, extremum.segment) == named[:2] and abs(extremum.time - named[2]) < SAME_TIME * period
 
 
-def _from_below(profile: Profile, s: int, direction: str) -> bool:
+def from_below(profile: Profile, s: int, direction: str) -> bool:
     """Whether the event would be met from h < 0 in segment ``s``."""
     if direction == "any":
         return bool(np.median(profile.values[profile.segment == s]) < 0.0)

@@ -302,3 +302,21 @@ def test_a_branch_does_not_go_on_with_orbits_that_are_none():
     assert end.end is End.INVALID
     assert "beyond the wall" in str(end)
     assert 0.5 < points[-1].state.x[0] < 0.65
+
+
+def test_an_event_of_any_direction_turns_tangential_too(tmp_path):
+    from pddecont.model.document import parse_document
+    from pddecont.results.reader import read_results
+    from pddecont.steps.plan import load_plan
+    from pddecont.steps.run import execute
+    from tests.conftest import ROOT
+
+    model = (ROOT / "models" / "wall_oscillator.yaml").read_text().replace("direction: rising", "direction: any")
+    assert "direction: any" in model
+    (tmp_path / "any.yaml").write_text(model)
+    text = WALL.replace("FREE", "wall").replace("RANGE", "[0.1, 1]").replace("model: wall_oscillator", f"model: {tmp_path / 'any.yaml'}")
+    execute(load_plan(parse_document(text.replace("direction: both", "direction: up"), "m.yaml")), tmp_path / "a.h5")
+    step = read_results(tmp_path / "a.h5").step("c")
+    assert labels(step) == ["PD1", "VS1"]
+    assert parameter(step, "wall", "VS1") == pytest.approx(free_amplitude(2.0), abs=1e-10)
+    assert signatures(step) == ["flight", "(free)"]
