@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from pddecont.bifurcation import branch_point, fold, period_doubling, torus
-from pddecont.continuation.branch import Census, Counts, TestFunction
 from pddecont.continuation.locate import Located
+from pddecont.continuation.special import Census, Counts, TestFunction
 from pddecont.stability.multipliers import Known, Multipliers
 
 

@@ -20,8 +20,9 @@ from pddecont.bifurcation.conditioned import SpecialCurve
 from pddecont.bifurcation.fold import Fold
 from pddecont.bifurcation.grazing import Graze, clearance
 from pddecont.bifurcation.torus import Torus
-from pddecont.continuation.branch import Census, Counts, End, TestFunction, Watch
+from pddecont.continuation.ending import End
 from pddecont.continuation.locate import Located
+from pddecont.continuation.special import Census, Counts, TestFunction, Watch
 from pddecont.stability.multipliers import Known, Multipliers, without
 
 KINDS = {"LP": ("R1", "FF", "FT"), "PD": ("FF", "R2", "PT"), "TR": ("FT", "PT", "TT")}

@@ -4,53 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from enum import Enum
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.continuation.arclength import Metric, Problem, correct, correct_at, tangent_of
+from pddecont.continuation.ending import End, Termination
 from pddecont.continuation.locate import MAX_MESHES, Chord, Located
 from pddecont.continuation.newton import NewtonSettings
+from pddecont.continuation.special import Seen, Watch, look, specials_between
 from pddecont.errors import ConvergenceError
 
 Array = NDArray[np.float64]
 AT_START = 1e-4
-MAX_CUTS = 10
 NEAR = 0.02
 UNSETTLED = "the mesh does not settle: a delayed value is read across a jump of the state here, or 'mesh: {tol}' is too small"
 
 
 class Impossible(ConvergenceError):
     """What comes next can be no point of the branch."""
-
-
-class End(Enum):
-    """Why a branch ends, with advice."""
-
-    RANGE = "reached the end of the range; widen 'range' to go on"
-    MAX_POINTS = "reached 'max_points'; raise it, or 'step: {max}', to go on"
-    STEP_TOO_SMALL = ("the step fell below 'step: {min}'; look at the last orbits for a grazing, a vanishing segment or a sharp "
-                      "fold, refine 'mesh', or lower 'step: {min}'")  # fmt: skip
-    IMPOSSIBLE = "can go no further with this signature"
-    SPECIAL = "stopped at a special point where the signature of the orbit changes"
-    INVALID = ("the orbit stops being a motion of the model without a special point that was located; take smaller steps "
-               "('step: {max}'), or start anew from a simulation beyond")  # fmt: skip
-    RESONANCE = "the curve ends where its pair of multipliers meets on the real axis"
-
-
-@dataclass(frozen=True)
-class Termination:
-    """How one direction of a branch ended; ``lost`` counts the changes of stability that no special point accounts for."""
-
-    end: End
-    detail: str = ""
-    lost: int = 0
-
-    def __str__(self) -> str:
-        lost = f"; WARNING: {self.lost} change{'s'[: self.lost - 1]} of stability not located: take smaller steps" if self.lost else ""
-        return f"{self.end.value}{f' ({self.detail})' if self.detail else ''}{lost}"
 
 
 class Followed(Problem, Protocol):
@@ -91,47 +64,6 @@ class Followed(Problem, Protocol):
     def rephased(self, x: Array) -> Any:
         """Return the problem with ``x``, a solution, as the reference of its phase and of its next meshes."""
         ...
-
-
-@dataclass(frozen=True)
-class TestFunction:
-    """A function along the branch whose zero is a special point of ``kind``; ``stops`` if the branch ends there, with ``end``.
-
-    ``note`` says more of the point. ``meeting`` finds the point itself between two orbits with a change of sign, or None: where a branch
-    meets another one, no orbit between the two can be found on the way and no census can be trusted.
-    """
-
-    __test__ = False
-    kind: str
-    value: Callable[[Located], float]
-    stops: bool = False
-    note: str = ""
-    end: End = End.SPECIAL
-    meeting: Callable[[Located, Located], Located | None] | None = None
-
-
-Counts = tuple[int, ...]
-
-
-@dataclass(frozen=True)
-class Census:
-    """Whole numbers that change only at special points, such as how many multipliers lie outside the unit circle.
-
-    ``explain(before, after)`` returns the test functions whose zeros account for a change, or None if several changes have come
-    together and the step must be cut.
-    """
-
-    count: Callable[[Located], Counts]
-    explain: Callable[[Counts, Counts], Sequence[TestFunction] | None]
-
-
-@dataclass(frozen=True)
-class Watch:
-    """What is watched along a branch; ``objection`` says why a point is none of the problem's solutions, empty if it is one."""
-
-    tests: Sequence[TestFunction] = ()
-    census: Census | None = None
-    objection: Callable[[Located], str] = lambda _: ""
 
 
 @dataclass(frozen=True)
@@ -186,12 +118,12 @@ def follow(state: State, bounds: Sequence[tuple[int, float, float]], watch: Watc
     sign
         Sign given to the arclengths of this direction.
     """
-    before: _Seen | None = None
+    before: Seen | None = None
     first, lost = True, 0
     while state.n_points < settings.max_points:
         state = replace(state, problem=state.problem.rephased(state.x))
         start = Located(state.problem, state.x, None, state.tangent)
-        before = before or _look(start, watch)
+        before = before or look(start, watch)
         try:
             reached, step = _advance(state, settings)
         except ConvergenceError as exc:
@@ -214,8 +146,8 @@ def follow(state: State, bounds: Sequence[tuple[int, float, float]], watch: Watc
         assert reached.solution is not None
         direction = tangent_of(reached.solution, metric, chord)
         reached = replace(reached, direction=direction)
-        after = _look(reached, watch)
-        specials, unexplained = _specials(Chord(start, reached, settings.newton), watch, before, after, AT_START if first else 0.0)
+        after = look(reached, watch)
+        specials, unexplained = specials_between(Chord(start, reached, settings.newton), watch, before, after, AT_START if first else 0.0)
         lost += unexplained
         for found in specials:
             curve = found.point.problem
@@ -310,85 +242,3 @@ def _first_crossing(x0: Array, x1: Array, bounds: Sequence[tuple[int, float, flo
         return None
     fraction, index, bound = min(hits)
     return index, bound, fraction
-
-
-@dataclass(frozen=True)
-class _Seen:
-    """What the watch says of a point."""
-
-    values: tuple[float, ...]
-    counts: Counts
-    objection: str
-
-
-def _look(point: Located, watch: Watch) -> _Seen:
-    counts = watch.census.count(point) if watch.census else ()
-    return _Seen(tuple(test.value(point) for test in watch.tests), counts, watch.objection(point))
-
-
-@dataclass(frozen=True, eq=False)
-class _Found:
-    """A special point at a fraction of a step."""
-
-    test: TestFunction
-    point: Located
-    fraction: float
-
-
-def _specials(chord: Chord, watch: Watch, before: _Seen, after: _Seen, from_: float) -> tuple[list[_Found], int]:
-    """Return the special points on a step in order, and the number of changes in the census that none of them explains.
-
-    Where two fall together the one that ends the branch comes first.
-
-    Those before the fraction ``from_`` are the point that the branch starts from.
-    """
-    found = []
-    for test, f0, f1 in zip(watch.tests, before.values, after.values, strict=True):
-        if f0 * f1 < 0.0 or (f1 == 0.0 and f0 != 0.0):
-            found += _zero(chord, test, 0.0, 1.0, f0, f1)
-    found, lost = [f for f in found if f.fraction >= from_], 0
-    if watch.census is not None and not any(f.test.meeting for f in found):
-        # What lies beyond a point that ends the branch counts for nothing.
-        last = min((f.fraction for f in found if f.test.stops), default=1.0)
-        counts = after.counts if last == 1.0 else watch.census.count(chord.at(last))
-        counted = _counted(chord, watch.census, 0.0, last, before.counts, counts, MAX_CUTS)
-        found += [f for f in counted if f is not None]
-        # At the start of a branch the special point that it comes from may still show.
-        lost = 0 if from_ else len([f for f in counted if f is None])
-    order = sorted((f for f in found if f.fraction >= from_), key=lambda f: (round(f.fraction, 6), not f.test.stops, f.fraction))
-    return order, lost
-
-
-def _zero(chord: Chord, test: TestFunction, low: float, high: float, f_low: float, f_high: float) -> list[_Found]:
-    if test.meeting is not None:
-        met = test.meeting(chord.at(low), chord.at(high))
-        return [] if met is None else [_Found(test, met, low + (high - low) * f_low / (f_low - f_high))]
-    fraction = chord.zero(test.value, low, high, f_low, f_high)
-    return [] if fraction is None else [_Found(test, chord.at(fraction), fraction)]
-
-
-def _counted(chord: Chord, census: Census, low: float, high: float, before: Counts, after: Counts, cuts: int) -> list[_Found | None]:
-    """Return the special points that account for a change of the census, cutting the step where several come together.
-
-    None stands for a change that could not be explained.
-    """
-    if before == after:
-        return []
-    tests = census.explain(before, after)
-    if tests is not None:
-        ends = [(test.value(chord.at(low)), test.value(chord.at(high))) for test in tests]
-        # A test function may not exist all along: no real multiplier at one end, say. Then the step is cut too.
-        if all(f_low * f_high <= 0.0 for f_low, f_high in ends):
-            result: list[_Found | None] = []
-            for test, (f_low, f_high) in zip(tests, ends, strict=True):
-                result += _zero(chord, test, low, high, f_low, f_high) or [None]
-            return result
-    if cuts == 0:
-        return [None]
-    middle = 0.5 * (low + high)
-    try:
-        between = census.count(chord.at(middle))
-    except ConvergenceError:
-        return [None]
-    return [*_counted(chord, census, low, middle, before, between, cuts - 1),
-            *_counted(chord, census, middle, high, between, after, cuts - 1)]  # fmt: skip

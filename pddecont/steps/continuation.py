@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from pddecont.bifurcation.codim2 import without_critical
 from pddecont.bifurcation.conditioned import SpecialCurve
 from pddecont.bifurcation.side import side_of
-from pddecont.continuation.branch import End, Point, State, StepSettings, Termination, follow
+from pddecont.continuation.branch import Point, State, StepSettings, follow
+from pddecont.continuation.ending import End, Termination
 from pddecont.errors import ConvergenceError
 from pddecont.orbit.curve import Curve
 from pddecont.orbit.guess import timers_of

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.bifurcation import grazing, period_doubling, signature, tangency
-from pddecont.continuation.branch import End, Point, State, Termination
+from pddecont.continuation.branch import Point, State
+from pddecont.continuation.ending import End, Termination
 from pddecont.errors import ConvergenceError
 from pddecont.orbit.curve import Curve, settle
 from pddecont.orbit.meshing import MeshRule

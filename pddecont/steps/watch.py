@@ -9,8 +9,9 @@ import numpy as np
 from pddecont.bifurcation import codim2, grazing, period_doubling, tangency, user
 from pddecont.bifurcation.census import branch_census
 from pddecont.bifurcation.conditioned import SpecialCurve
-from pddecont.continuation.branch import State, TestFunction, Watch
+from pddecont.continuation.branch import State
 from pddecont.continuation.locate import Located
+from pddecont.continuation.special import TestFunction, Watch
 from pddecont.orbit.admissibility import objections, watched_events
 from pddecont.orbit.monitors import Monitor
 from pddecont.stability.multipliers import Known

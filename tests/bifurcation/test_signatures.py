@@ -292,7 +292,9 @@ def test_two_walls_touched_at_once_or_in_one_step(tmp_path, model, b, step, last
 
 def test_a_branch_does_not_go_on_with_orbits_that_are_none():
     """Whatever makes an orbit inadmissible without a located point ends the branch, and says what it is."""
-    from pddecont.continuation.branch import End, State, StepSettings, Watch, follow
+    from pddecont.continuation.branch import State, StepSettings, follow
+    from pddecont.continuation.ending import End
+    from pddecont.continuation.special import Watch
     from tests.continuation.test_branch import Circle
 
     points = []

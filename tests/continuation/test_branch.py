@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from pddecont.continuation.arclength import Metric, tangent
-from pddecont.continuation.branch import Census, End, State, StepSettings, TestFunction, Watch, follow
+from pddecont.continuation.branch import State, StepSettings, follow
+from pddecont.continuation.ending import End
 from pddecont.continuation.newton import newton
+from pddecont.continuation.special import Census, TestFunction, Watch
 from pddecont.errors import ConvergenceError
 
 
