@@ -71,10 +71,10 @@ def without_critical(m: Multipliers, kind: str) -> Multipliers:
         own = without(own, 1.0)
     elif kind == period_doubling.KIND:
         own = without(own, -1.0)
-    elif kind == torus.KIND and np.any(own.imag > 0.0):
-        upper = np.where(own.imag > 0.0, np.abs(np.abs(own) - 1.0), np.inf)
-        pair = own[np.argmin(upper)]
-        own = own[np.minimum(np.abs(own - pair), np.abs(own - np.conj(pair))) > 0.0]
+    elif kind == torus.KIND and len(own) > 1:
+        # Complex or, past a resonance, real: the two whose product is nearest to 1.
+        product = np.abs(np.triu(own[:, None] * own, 1) - 1.0) + np.tril(np.full((len(own), len(own)), np.inf))
+        own = np.delete(own, np.unravel_index(np.argmin(product), product.shape))
     return Multipliers(m.values, own, m.trivial_error)
 
 

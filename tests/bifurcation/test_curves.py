@@ -142,6 +142,7 @@ def test_the_torus_curve_and_its_resonances(torus, tmp_path):
         assert parameter(step, "q", name) == pytest.approx(math.exp(w / math.tan(w)), abs=1e-9)
     assert (parameter(step, "b", "R1_1"), parameter(step, "q", "R1_1")) == pytest.approx((-1, math.e), abs=1e-6)
     assert any("meets on the real axis" in t for t in step.termination)
+    assert not any("WARNING" in t for t in step.termination)
     # Near 1:1 the pair is nearly double, which costs half the digits.
     rows = [i for i in step.order if parameter(step, "b")[list(step.order).index(i)] < -1.05][::6]
     assert len(rows) > 3
