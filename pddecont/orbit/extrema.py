@@ -15,6 +15,7 @@ from pddecont.orbit.mesh import Places
 from pddecont.orbit.problem import OrbitProblem, read
 
 Array = NDArray[np.float64]
+TOGETHER = 1e-6
 
 
 @dataclass(frozen=True)
@@ -61,7 +62,7 @@ class Profile:
 
     def extrema(self) -> list[Extremum]:
         """Return all local extrema inside segments, in order of time."""
-        return list(_extrema(self))
+        return _told_apart(list(_extrema(self)), self)
 
 
 def profile(problem: OrbitProblem, x: Array, function: ArrayFunction, row: int = 0) -> Profile:
@@ -97,6 +98,34 @@ def _extrema(profile: Profile) -> Iterator[Extremum]:
             left, right = (_sign(slopes[k], end) for k, end in ((j, -1), (following, 0)))
             if left * right < 0:
                 yield _make(profile, j, 1.0, float(values[-1]), left > 0)
+
+
+def _told_apart(found: list[Extremum], profile: Profile) -> list[Extremum]:
+    """Return extrema with those merged that lie together to rounding, and those left out that lie at a segment's ends to rounding.
+
+    An extremum on an edge may show just inside both intervals and once more, the other way round, between them. An odd number
+    of them is one extremum, an even number none.
+    """
+    groups: list[list[Extremum]] = []
+    for e in found if profile.closed else [e for e in found if not _at_end(e, profile)]:
+        if groups and _together(groups[-1][-1], e, profile, 0.0):
+            groups[-1].append(e)
+        else:
+            groups.append([e])
+    if profile.closed and len(groups) > 1 and _together(groups[-1][-1], groups[0][0], profile, float(np.sum(profile.h))):
+        groups[0] = [*groups.pop(), *groups[0]]
+    return [max(group, key=lambda e: (e.is_max == group[0].is_max, e.value if group[0].is_max else -e.value))
+            for group in groups if len(group) % 2]  # fmt: skip
+
+
+def _at_end(e: Extremum, profile: Profile) -> bool:
+    inside = np.flatnonzero(profile.segment == e.segment)
+    begin, end = profile.start[inside[0]], profile.start[inside[-1]] + profile.h[inside[-1]]
+    return min(e.time - begin, end - e.time) < TOGETHER * profile.h[e.interval]
+
+
+def _together(a: Extremum, b: Extremum, profile: Profile, period: float) -> bool:
+    return a.segment == b.segment and abs(b.time + period - a.time) < TOGETHER * profile.h[a.interval]
 
 
 def _sign(slopes: Array, end: int) -> int:

@@ -13,7 +13,7 @@ from tests.runs import labels, multipliers, parameter, run
 DUFFING = {0.8: (1.55979061152864, 2.00841697276337), 0.5: (1.42305610016459, 1.65767045185807)}
 CUSP = (1.1872998581433, 0.1647022603409)
 # Spectral collocation with step doubling, apart from this program: n of the doubling at a delay tau.
-MACKEY_GLASS_PD = {1.5: 8.77138031192, 1.75: 7.92002652331}
+MACKEY_GLASS_PD = {1.5: 8.77138031192, 2.0: 7.3959269249}  # the second stands in the shared table too
 
 
 def plain_multipliers(results, name, row, model, path, mesh="degree: 10, tol: 1e-11"):
@@ -102,10 +102,10 @@ steps:
   - {name: c, continue: {from: o, free: [tau], range: {tau: [1, 1.5]}, stability: true, direction: up}}
   - {name: a, continue: {from: {step: c, point: PD1}, free: [tau, n], range: {tau: [1.3, 1.5], n: [4, 12]}, direction: up}}
   - name: pd
-    continue: {from: {step: c, point: PD1}, free: [tau, n], range: {tau: [1.3, 1.75], n: [4, 12]}, direction: up, stability: true}
+    continue: {from: {step: c, point: PD1}, free: [tau, n], range: {tau: [1.3, 2.0], n: [4, 12]}, direction: up, stability: true}
 """
     results = run(text, tmp_path / "a.h5")
-    for name, tau in (("a", 1.5), ("pd", 1.75)):
+    for name, tau in (("a", 1.5), ("pd", 2.0)):
         step = results.step(name)
         assert parameter(step, "tau", "EP1") == pytest.approx(tau, abs=1e-12)
         assert parameter(step, "n", "EP1") == pytest.approx(MACKEY_GLASS_PD[tau], abs=1e-8)
