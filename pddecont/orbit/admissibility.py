@@ -72,17 +72,47 @@ def _crossings(profile: Profile, s: int, event: str, direction: str, terminal: b
 def approaches(problem: OrbitProblem, profiles: dict[str, Profile]) -> list[tuple[float, str, Extremum]]:
     """Return (height, event, extremum) for each interior extremum that could become a crossing: zero at a touch, negative before.
 
-    In a segment that meets its event from h < 0 these are the interior maxima, from h > 0 the interior minima with their sign turned.
+    The height is h at a maximum below the surface and -h at a minimum above it.
     """
     extrema = {name: p.extrema() for name, p in profiles.items()}
     found = []
     for s in range(len(problem.segments)):
         for name, direction, _ in watched_events(problem, s):
-            if name not in profiles:
-                continue
-            below = from_below(profiles[name], s, direction)
-            found += [(e.value if below else -e.value, name, e) for e in extrema[name] if e.segment == s and e.is_max == below]
+            if name in profiles:
+                inside = [e for e in extrema[name] if e.segment == s]
+                found += [(height, name, e) for height, e in _near_crossings(profiles[name], s, direction, inside)]
     return found
+
+
+def _near_crossings(profile: Profile, s: int, direction: str, inside: list[Extremum]) -> Iterator[tuple[float, Extremum]]:
+    """Yield the extrema of one segment that could become a crossing in ``direction``, with their heights.
+
+    A rising event is met from below, where maxima come near it. A segment may begin above, though, and fall through the surface once,
+    which is no event; until then a minimum that dips below makes it rise again. Falling events are the same upside down.
+    """
+    if direction == "any":
+        below = from_below(profile, s, direction)
+        yield from ((e.value if below else -e.value, e) for e in inside if e.is_max == below)
+        return
+    sign = 1.0 if direction == "rising" else -1.0
+    if not inside:
+        return
+    start, end = (sign * value for value in profile.ends(s))
+    zero = RELATIVE_ZERO * float(np.max(np.abs(profile.values)))
+    levels = [sign * e.value for e in inside]
+    if profile.closed:
+        above = sign * float(np.median(profile.values)) > 0.0
+    else:
+        # From the surface itself the segment goes to the side of its first extremum.
+        above = (start if abs(start) > zero else levels[0]) > 0.0
+    for e, level, following in zip(inside, levels, [*levels[1:], end], strict=True):
+        top = e.is_max == (sign > 0.0)
+        if above and not top and level < 0.0 and following <= zero:
+            above = False
+        elif above and not top:
+            yield -level, e
+        elif not above and top:
+            yield level, e
 
 
 def closest_approach(problem: OrbitProblem, profiles: dict[str, Profile], only: str | None = None, *,
@@ -102,7 +132,7 @@ def _is(extremum: Extremum, event: str, named: tuple[str, int, float] | None, pe
 
 
 def from_below(profile: Profile, s: int, direction: str) -> bool:
-    """Whether the event would be met from h < 0 in segment ``s``."""
+    """Whether the event is crossed from h < 0 in segment ``s``."""
     if direction == "any":
         return bool(np.median(profile.values[profile.segment == s]) < 0.0)
     return direction == "rising"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -16,6 +16,7 @@ from pddecont.orbit.problem import OrbitProblem, read
 
 Array = NDArray[np.float64]
 TOGETHER = 1e-6
+ASIDE = 1e-5
 
 
 @dataclass(frozen=True)
@@ -60,6 +61,19 @@ class Profile:
         first = int(np.flatnonzero(self.segment == s)[0])
         return float(make_basis(self.degree).differentiate[0] @ self.values[first] / self.h[first])
 
+    def slope_at(self, e: Extremum, away: float) -> float:
+        """Return the slope at a time ``away`` from an extremum, by at most an interval's length."""
+        j, at = e.interval, e.sigma + away / self.h[e.interval]
+        n = len(self.h)
+        if not 0.0 <= at <= 1.0 and (self.closed or 0 <= j + np.sign(away) < n):
+            other = int(j + np.sign(away)) % n
+            if self.segment[other] == self.segment[j]:
+                left = at > 1.0
+                at = ((at - 1.0) * self.h[j] if left else self.h[other] + at * self.h[j]) / self.h[other]
+                j = other
+        basis = make_basis(self.degree)
+        return float(basis.lagrange(np.array(at)) @ basis.differentiate @ self.values[j] / self.h[j])
+
     def extrema(self) -> list[Extremum]:
         """Return all local extrema inside segments, in order of time."""
         return _told_apart(list(_extrema(self)), self)
@@ -81,12 +95,13 @@ def profile(problem: OrbitProblem, x: Array, function: ArrayFunction, row: int =
 
 
 def _extrema(profile: Profile) -> Iterator[Extremum]:
+    """Yield candidates: roots of the slope on each interval, a little beyond its ends too, and edges where it changes sign."""
     basis = make_basis(profile.degree)
     slopes = profile.values @ basis.differentiate.T
     to_power = np.linalg.inv(np.vander(basis.base, increasing=True))
     to_power_slope = (np.diag(np.arange(1.0, profile.degree + 1), 1)[:-1] @ to_power)
     series = slopes @ _to_chebyshev(profile.degree).T
-    may_turn = np.abs(series[:, 0]) <= np.sum(np.abs(series[:, 1:]), axis=1)
+    may_turn = np.abs(series[:, 0]) <= (1.0 + 1e-6) * np.sum(np.abs(series[:, 1:]), axis=1)
     n = len(profile.values)
     for j, values in enumerate(profile.values):
         if may_turn[j]:
@@ -94,28 +109,41 @@ def _extrema(profile: Profile) -> Iterator[Extremum]:
         if j + 1 == n and not profile.closed:
             continue
         following = (j + 1) % n
-        if profile.segment[following] == profile.segment[j]:
-            left, right = (_sign(slopes[k], end) for k, end in ((j, -1), (following, 0)))
-            if left * right < 0:
-                yield _make(profile, j, 1.0, float(values[-1]), left > 0)
+        if profile.segment[following] == profile.segment[j] and slopes[j, -1] * slopes[following, 0] <= 0.0:
+            yield _make(profile, j, 1.0, float(values[-1]), bool(slopes[j, -1] > 0.0))
+
+
+@cache
+def _to_chebyshev(degree: int) -> Array:
+    """Return the matrix from values at the base points to Chebyshev coefficients: a slope whose first outweighs the rest has no zero."""
+    vander = np.polynomial.chebyshev.chebvander(2.0 * make_basis(degree).base - 1.0, degree)
+    return np.asarray(np.linalg.inv(vander), dtype=np.float64)
 
 
 def _told_apart(found: list[Extremum], profile: Profile) -> list[Extremum]:
-    """Return extrema with those merged that lie together to rounding, and those left out that lie at a segment's ends to rounding.
+    """Return one extremum for each place where the slope really changes sign.
 
-    An extremum on an edge may show just inside both intervals and once more, the other way round, between them. An odd number
-    of them is one extremum, an even number none.
+    To rounding an extremum on an edge may show in both intervals, in one or between them: candidates that lie together are one if
+    the slope has different signs a little before and a little after them, and none if not. Those at an open segment's ends, to
+    rounding, are left out.
     """
     groups: list[list[Extremum]] = []
-    for e in found if profile.closed else [e for e in found if not _at_end(e, profile)]:
+    for e in sorted(found if profile.closed else [e for e in found if not _at_end(e, profile)], key=lambda e: e.time):
         if groups and _together(groups[-1][-1], e, profile, 0.0):
             groups[-1].append(e)
         else:
             groups.append([e])
     if profile.closed and len(groups) > 1 and _together(groups[-1][-1], groups[0][0], profile, float(np.sum(profile.h))):
         groups[0] = [*groups.pop(), *groups[0]]
-    return [max(group, key=lambda e: (e.is_max == group[0].is_max, e.value if group[0].is_max else -e.value))
-            for group in groups if len(group) % 2]  # fmt: skip
+    result = []
+    for group in groups:
+        away = ASIDE * float(np.min(profile.h[[e.interval for e in group]]))
+        before, after = profile.slope_at(group[0], -away), profile.slope_at(group[-1], away)
+        if before * after < 0.0:
+            top = before > 0.0
+            best = max(group, key=lambda e: e.value if top else -e.value)
+            result.append(replace(best, is_max=top))
+    return result
 
 
 def _at_end(e: Extremum, profile: Profile) -> bool:
@@ -128,20 +156,6 @@ def _together(a: Extremum, b: Extremum, profile: Profile, period: float) -> bool
     return a.segment == b.segment and abs(b.time + period - a.time) < TOGETHER * profile.h[a.interval]
 
 
-def _sign(slopes: Array, end: int) -> int:
-    """Return the sign of the slope at an interval's end, or where it is zero there that of the nearest base point where it is not."""
-    inward = slopes[::-1] if end == -1 else slopes
-    signs = np.sign(inward[np.flatnonzero(inward)[:1]])
-    return int(signs[0]) if len(signs) else 0
-
-
-@cache
-def _to_chebyshev(degree: int) -> Array:
-    """Return the matrix from values at the base points to Chebyshev coefficients: a slope whose first outweighs the rest has no zero."""
-    vander = np.polynomial.chebyshev.chebvander(2.0 * make_basis(degree).base - 1.0, degree)
-    return np.asarray(np.linalg.inv(vander), dtype=np.float64)
-
-
 def _inside(profile: Profile, j: int, values: Array, slope: Array) -> Iterator[Extremum]:
     """Yield the extrema strictly inside interval ``j``; ``slope`` are the power coefficients of the derivative."""
     coefficients = slope[::-1]
@@ -149,7 +163,8 @@ def _inside(profile: Profile, j: int, values: Array, slope: Array) -> Iterator[E
     if largest == 0.0 or not np.isfinite(largest):
         return
     roots = np.roots(np.where(np.abs(coefficients) > 1e-15 * largest, coefficients, 0.0))
-    inside = np.sort(roots.real[(np.abs(roots.imag) < 1e-9) & (roots.real > 0.0) & (roots.real < 1.0)])
+    near = (roots.real > -TOGETHER) & (roots.real < 1.0 + TOGETHER)
+    inside = np.clip(np.sort(roots.real[(np.abs(roots.imag) < 1e-7) & near]), 0.0, 1.0)
     curvature = np.polyder(coefficients)
     for sigma in inside:
         bend = np.polyval(curvature, sigma)

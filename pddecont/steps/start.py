@@ -27,6 +27,7 @@ Array = NDArray[np.float64]
 MEETS = " meets "
 SLOW = 1e-6
 SHORT = 1e-6
+EDGE = 1e-9
 STILL = 1e-6
 MAX_MESHES = 8
 
@@ -74,7 +75,7 @@ def start_of(task: Task) -> Start:
         start = _plain(task, problem, guess)
     values = start.state.x[start.state.problem.problem.layout.free]
     for name, (low, high), value in zip(task.body.free, task.bounds, values, strict=True):
-        if not low <= value <= high:
+        if not low - EDGE * (high - low) <= value <= high + EDGE * (high - low):
             raise _wrong(task, f" starts at {name} = {value:g}, outside its range "
                                                               f"[{low:g}, {high:g}]; widen the range")  # fmt: skip
     return start
