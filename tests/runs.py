@@ -15,6 +15,12 @@ def run(text, path):
     return read_results(path)
 
 
+def run_model(text, path):
+    """Execute the run that a model's text holds itself and return its results."""
+    execute(load_plan(parse_document(text, "m.yaml")), path, overwrite=True)
+    return read_results(path)
+
+
 def parameter(step, name, label=None):
     """Return a parameter at a labelled point, or along the branch."""
     column = step.points["parameters"][:, step.meta["parameters"].index(name)]

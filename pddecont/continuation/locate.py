@@ -10,6 +10,7 @@ from typing import Any, TypeAlias
 import numpy as np
 import scipy.optimize
 from numpy.typing import NDArray
+from scipy.interpolate import BarycentricInterpolator
 
 from pddecont.continuation.arclength import bordered
 from pddecont.continuation.newton import NewtonSettings, Solution
@@ -18,6 +19,9 @@ from pddecont.errors import ConvergenceError
 Array = NDArray[np.float64]
 FRACTION_TOL = 1e-13
 JUMP_TOL = 1e-5
+AGREE = 1e-3
+# Where interpolation takes its points, from one side to the other, none near the middle.
+AROUND = np.array([-1.0, -0.8, -0.55, -0.3, 0.3, 0.55, 0.8, 1.0])
 MAX_MESHES = 4
 
 
@@ -84,7 +88,8 @@ class Chord:
     def zero(self, test: Value, low: float, high: float, f_low: float, f_high: float) -> float | None:
         """Return the fraction between ``low`` and ``high`` at which ``test`` is zero, by Brent's method.
 
-        None where the test function jumps through zero or cannot be followed: there is no special point then.
+        Where branches cross, points cannot be corrected near the crossing; its place is then interpolated from points around it. None
+        where the test function jumps through zero or cannot be followed: there is no special point then.
         """
         ends = {low: f_low, high: f_high}
 
@@ -98,8 +103,51 @@ class Chord:
             fraction = float(scipy.optimize.brentq(value, low, high, xtol=FRACTION_TOL, rtol=1e-14))
             at_zero = value(fraction)
         except ConvergenceError:
-            return None
+            return self._across(test, low, high)
         return None if abs(at_zero) > JUMP_TOL * max(abs(f_low), abs(f_high)) else fraction
+
+
+    def _across(self, test: Value, low: float, high: float) -> float | None:
+        """Return the zero of ``test`` by interpolation, twice: over the whole way, then nearer; keep the interpolated point."""
+        found, width = None, high - low
+        for middle, spread in ((0.5 * (low + high), 0.48 * width), (None, 0.12 * width)):
+            centre = middle if middle is not None else found
+            if centre is None:
+                return None
+            nodes = centre + spread * AROUND
+            better = self._interpolated(test, nodes[(nodes >= low) & (nodes <= high)])
+            found = found if better is None else better
+        return found
+
+    def _interpolated(self, test: Value, nodes: Array) -> float | None:
+        points = []
+        for fraction in map(float, nodes):
+            try:
+                value = test(self.at(fraction))
+            except ConvergenceError:
+                continue
+            if np.isfinite(value):
+                points.append((fraction, value))
+        change = [i for i in range(len(points) - 1) if points[i][1] * points[i + 1][1] < 0.0]
+        if len(points) < 5 or len(change) != 1:
+            return None
+        places, values = np.array(points).T
+        fit = BarycentricInterpolator(places, values)
+        left, right = places[change[0]], places[change[0] + 1]
+        if fit(left) * fit(right) >= 0.0:
+            return None
+        root = float(scipy.optimize.brentq(fit, left, right, xtol=FRACTION_TOL))
+        # Points on another branch would spoil the fit: without its farthest node it must say the same.
+        farthest = int(np.argmax(np.abs(places - root)))
+        rest = BarycentricInterpolator(np.delete(places, farthest), np.delete(values, farthest))
+        if abs(float(rest(root))) > AGREE * float(np.max(np.abs(values))):
+            return None
+        near = self.known[float(places[np.argmin(np.abs(places - root))])]
+        x = np.stack([near.problem.carry(self.known[float(f)].problem, self.known[float(f)].x) for f in places])
+        line = BarycentricInterpolator(places, x)
+        step = 1e-3 * (right - left)
+        self.known[root] = Located(near.problem, line(root), near.solution, line(root + step) - line(root - step))
+        return root
 
 
 def _correct(problem: Any, guess: Array, outline_row: Array, level: float, settings: NewtonSettings) -> Located:

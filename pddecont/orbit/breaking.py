@@ -22,6 +22,7 @@ from pddecont.model.system import Segment
 
 Array = NDArray[np.float64]
 MERGE = 1e-10
+AT_EVENT = 1e-9
 MAX_POINTS = 2000
 
 
@@ -46,6 +47,22 @@ def echoes(numeric: NumericModel, segments: tuple[Segment, ...]) -> Echoes:
     used = set().union(*(e.free_symbols for s in segments for e in model.modes[s.mode]))
     read = {k for (_, k), symbol in zip(model.delayed, model.delayed_symbols, strict=True) if symbol in used}
     return Echoes(tuple(jumps), tuple(sorted(read)))
+
+
+def jumps_at_events(numeric: NumericModel, segments: tuple[Segment, ...], theta: Array) -> bool:
+    """Whether a jump of the state comes back through a delay just at an event of the orbit, to rounding.
+
+    Nearby motions read it before or after the event: they have two linear maps, and the orbit's multipliers are those of neither.
+    """
+    pattern, n = echoes(numeric, segments), len(segments)
+    ends = np.cumsum(theta[:n])
+    period = float(ends[-1])
+    for s, jump in enumerate(pattern.jumps):
+        for k in pattern.delays if jump == 0 else ():
+            apart = np.abs((ends[s] + theta[n + k] - ends + 0.5 * period) % period - 0.5 * period)
+            if theta[n + k] > 0.0 and np.min(apart) < AT_EVENT * period:
+                return True
+    return False
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from pddecont.errors import ConvergenceError, SignatureError
 from pddecont.orbit.admissibility import objections
+from pddecont.orbit.breaking import jumps_at_events
 from pddecont.orbit.curve import settle
 from pddecont.orbit.error import rounding_error
 from pddecont.orbit.guess import orbit_from_cycle
@@ -72,6 +73,9 @@ def run_orbit(context: Context, step: Step) -> None:
                  "more lower 'n' (it magnifies rounding errors)")  # fmt: skip
     if stability is not None:
         text += f"; {describe(stability)}"
+        if jumps_at_events(plan.numeric, problem.segments, problem.theta(solution.x)):
+            text += ("; WARNING: a jump of the state comes back through a delay just at an event: nearby motions read it before or "
+                     "after, and have other multipliers on either side")  # fmt: skip
     against = objections(problem, solution.x)
     if against:
         text += f"; not admissible: {against[0]}"

@@ -8,7 +8,7 @@ import pytest
 
 from tests.bifurcation.test_special_points import CHAIN_COLLAPSE, CHAIN_GRAZING, TWO_IMPACT_FOLD_CHAIN
 from tests.problems import GRAZING_TAU
-from tests.runs import labels, monitor, multipliers, parameter, run
+from tests.runs import labels, monitor, multipliers, parameter, run, run_model
 
 FREE_GRAZING_CHAIN = 0.175337013230  # closed form of the linear orbit, N = 15, M = 2, tau_d = 3.8
 CHAIN = "model: impact_oscillator\nset: {K: 0.12, tau_d: 3.8}\ndelay: {method: chain, order: 2, n: 15}\nmesh: {degree: 8, intervals: 40}\n"
@@ -322,3 +322,56 @@ def test_an_event_of_any_direction_turns_tangential_too(tmp_path):
     assert labels(step) == ["PD1", "VS1"]
     assert parameter(step, "wall", "VS1") == pytest.approx(free_amplitude(2.0), abs=1e-10)
     assert signatures(step) == ["flight", "(free)"]
+
+
+TICKS = """\
+name: ticks
+states: [x, v]
+parameters: {w: START, r: 0.8, tau: 0.6}
+modes: {free: {x': v, v': 0.5*(1 - x**2)*v - x + 0.1*x(t - tau)}}
+events: {hit: x - w, tick: x}
+resets: {b: {v: -r*v}, same: {}}
+segments:
+  hop:  {mode: free, event: hit, direction: rising, reset: b, to: free}
+  tick: {mode: free, event: tick, direction: falling, reset: same, to: free}
+initial: {mode: free, x: 0.5, v: 0}
+run:
+  mesh: {degree: 9, tol: 1e-10}
+  monitors: {top: max(x)}
+  steps:
+    - {name: t, simulate: {t_end: 200}}
+    - {name: o, orbit: {from: t}}
+    - {name: c, continue: {from: o, free: [w], range: {w: [1.7, 2.3]}}}
+"""
+
+
+def test_an_event_that_does_nothing_does_not_mislead(tmp_path):
+    """An autonomous orbit leaves a wall and comes to it; it also ticks as x falls through zero. It goes the right way from both sides."""
+    away = run_model(TICKS.replace("START", "1.83"), tmp_path / "a.h5").step("c")
+    towards = run_model(TICKS.replace("START", "2.2"), tmp_path / "b.h5").step("c")
+    assert sorted(labels(away)) == ["LP1", "VS1"]
+    assert sorted(labels(towards)) == ["GR1", "LP1"]
+    touch = parameter(away, "w", "VS1")
+    assert parameter(towards, "w", "GR1") == pytest.approx(touch, abs=1e-10)
+    assert monitor(towards, "top", "EP2") == pytest.approx(touch, abs=1e-9)
+    assert parameter(away, "w", "LP1") == pytest.approx(parameter(towards, "w", "LP1"), abs=1e-9)
+    for step in (away, towards):
+        assert sorted(signatures(step)) == ["hop tick", "tick"]
+        assert np.all(step.points["admissible"] == 1)
+        assert {parameter(step, "w", "EP1"), parameter(step, "w", "EP2")} == {1.7, 2.3}
+
+
+@pytest.mark.parametrize(("degree", "intervals"), [(7, 12), (7, 24), (8, 24), (6, 16)])
+def test_an_extremum_on_an_edge_of_the_mesh_is_seen(tmp_path, degree, intervals):
+    """The pulse's sin(2 pi t) has its minimum at an edge; missed, its rise at the end would look like a fall."""
+    text = f"""\
+model: pulsed_control
+mesh: {{degree: {degree}, intervals: {intervals}}}
+steps:
+  - {{name: t, simulate: {{t_end: 150}}}}
+  - {{name: o, orbit: {{from: t}}}}
+  - {{name: c, continue: {{from: o, free: [b], range: {{b: [-2, -0.5]}}}}}}
+"""
+    step = run(text, tmp_path / "a.h5").step("c")
+    assert np.all(step.points["admissible"] == 1)
+    assert all("reached the end of the range" in t for t in step.termination)

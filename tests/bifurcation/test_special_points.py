@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from tests.runs import labels, monitor, multipliers, parameter, run
+from tests.runs import labels, monitor, multipliers, parameter, run, run_model
 
 # Harmonic balance with 30 and 45 harmonics, confirmed by shooting: folds of Duffing's response at F = 1.
 DUFFING_FOLDS = (1.63530555133761, 2.21316595462876)
@@ -220,3 +220,80 @@ steps:
     pair = multipliers(step, step.row("TR1"))[:2]
     assert np.abs(pair) == pytest.approx([1.0, 1.0], abs=1e-10)
     assert np.angle(pair[0]) == pytest.approx(1.70121865161311, abs=1e-9)
+
+
+SYMMETRIC = """\
+name: symmetric
+states: [x, v]
+parameters: {omega: 1.2, c: 0.3, r: 0.9, K: 0.1, tau: 0.5, g: 1}
+forcing: {period: 2*pi/omega}
+modes: {free: {x': v, v': cos(omega*t) - c*v + K*v(t - tau)}}
+events: {R: x - g, L: x + g}
+resets: {b: {v: -r*v}}
+segments:
+  R: {mode: free, event: R, direction: rising, reset: b, to: free}
+  L: {mode: free, event: L, direction: falling, reset: b, to: free}
+initial: {x: 0.1, v: 0.5}
+run:
+  mesh: {degree: 8, tol: 1e-9}
+  monitors: {m: mean(x)}
+  steps:
+    - {name: t, simulate: {t_end: 400}}
+    - {name: o, orbit: {from: t}}
+    - {name: c, continue: {from: o, free: [omega], range: {omega: [1.05, 1.4]}, stability: true, step: {max: 0.1}}}
+    - {name: small, continue: {from: o, free: [omega], range: {omega: [1.08, 1.25]}, stability: true, step: {max: 0.03}}}
+    - {name: d, continue: {from: {step: c, point: BP1}, branch: switch, free: [omega], range: {omega: [1.09, 1.4]}, step: {max: 0.02}}}
+"""
+
+
+def test_a_symmetric_orbit_between_two_walls_loses_its_symmetry(tmp_path):
+    """At the branch point no orbit can be corrected; its place does not depend on the steps, and the new orbits mirror each other."""
+    results = run_model(SYMMETRIC, tmp_path / "a.h5")
+    step = results.step("c")
+    assert labels(step) == ["BP1"]
+    assert not any("WARNING" in t for t in step.termination)
+    at = parameter(step, "omega", "BP1")
+    assert parameter(results.step("small"), "omega", "BP1") == pytest.approx(at, abs=1e-8)
+    assert np.min(np.abs(multipliers(step, step.row("BP1")) - 1.0)) < 1e-6
+    m, omega = monitor(results.step("d"), "m"), parameter(results.step("d"), "omega")
+    assert np.max(m) > 0.05
+    assert np.max(m) == pytest.approx(-np.min(m), abs=1e-8)
+    assert np.max(omega) < at + 1e-6
+    # The squared asymmetry grows in proportion to the distance from the branch point.
+    near = (np.abs(m) < 0.06) & (np.abs(m) > 1e-6)
+    assert np.sum(near) > 6
+    # Extrapolated to none: a quadratic over a wider range misses by 6e-5, this cubic by 1e-6.
+    assert np.polynomial.Polynomial.fit(m[near] ** 2, omega[near], 3)(0.0) == pytest.approx(at, abs=3e-6)
+
+
+def test_three_branch_points_of_a_symmetric_oscillator(tmp_path):
+    text = """\
+name: cubic
+states: [x, v]
+parameters: {w: 1.2}
+forcing: {period: 2*pi/w}
+modes: {m: {x': v, v': cos(w*t) - 0.2*v - x**3}}
+initial: {x: 0.1, v: 0.5}
+run:
+  mesh: {degree: 8, tol: 1e-9}
+  steps:
+    - {name: t, simulate: {t_end: 400}}
+    - {name: o, orbit: {from: t}}
+    - {name: c, continue: {from: o, free: [w], range: {w: [0.32, 1.4]}, stability: true}}
+"""
+    step = run_model(text, tmp_path / "a.h5").step("c")
+    assert sorted(labels(step)) == ["BP1", "BP2", "BP3", "LP1", "LP2"]
+    assert not any("WARNING" in t for t in step.termination)
+    for name in ("BP1", "BP2", "BP3"):
+        assert np.min(np.abs(multipliers(step, step.row(name)) - 1.0)) < 1e-5
+
+
+def test_a_curve_may_start_at_the_edge_of_its_range(ball, tmp_path):
+    text = BALL.split("steps:")[0] + f"""\
+steps:
+  - name: pd
+    continue: {{from: {{file: {ball.path}, step: c, point: PD1}}, free: [r, G], range: {{r: [0.5, 0.8], G: [0.3, 3]}}, direction: down}}
+"""
+    step = run(text, tmp_path / "a.h5").step("pd")
+    assert parameter(step, "r")[-1] == pytest.approx(0.8, abs=1e-12)
+    assert len(step) > 5

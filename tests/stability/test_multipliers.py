@@ -234,3 +234,30 @@ steps:
         assert ("warning" in step_summary(step)) == (errors[-1] > 1e-4)
     assert errors[0] > 1e-3
     assert errors[1] < 1e-4
+
+
+def test_a_jump_that_comes_back_at_its_own_event_is_warned_of(tmp_path):
+    """Delayed feedback over exactly one period of a bouncing orbit: the multipliers differ on either side of it."""
+    from tests.runs import run_model
+
+    text = """\
+name: pyragas
+states: [x, v]
+parameters: {omega: 2, c: 0.1, wall: 0.2, r: 0.8, K: 0.2, f: FACTOR}
+forcing: {period: 2*pi/omega}
+modes: {free: {x': v, v': cos(omega*t) - c*v - x + K*(v(t - f*2*pi/omega) - v)}}
+events: {hit: x - wall}
+resets: {bounce: {v: -r*v}}
+segments: {flight: {mode: free, event: hit, direction: rising, reset: bounce, to: free}}
+run:
+  mesh: {degree: 8, tol: 1e-9}
+  steps:
+    - {name: t, simulate: {t_end: 300}}
+    - {name: o, orbit: {from: t, stability: true}}
+"""
+    found = {}
+    for factor in (1 - 1e-6, 1, 1 + 1e-6):
+        step = run_model(text.replace("FACTOR", str(factor)), tmp_path / "a.h5").step("o")
+        found[factor] = step.termination[0]
+    assert "comes back through a delay just at an event" in found[1]
+    assert not any("comes back" in found[factor] for factor in (1 - 1e-6, 1 + 1e-6))
