@@ -324,3 +324,42 @@ def test_a_grazing_curve_ends_where_another_contact_vanishes(tmp_path):
     assert labels(step) == ["VS1"]
     assert parameter(step, "b", "VS1") == pytest.approx(0.3, abs=1e-9)
     assert 1 / math.hypot(1 - parameter(step, "omega", "VS1") ** 2, 0.1 * parameter(step, "omega", "VS1")) == pytest.approx(0.3, abs=1e-9)
+
+
+PRODUCT = """\
+name: product
+states: [x, y, z]
+parameters: {a: 0.3, c: 0.5, d: 0.3}
+forcing: {period: 1}
+modes: {m: {x': 0, y': 0, z': 0}}
+events: {pulse: sin(2*pi*t)}
+resets: {g: {x: 1 - a*x**2, y: BLOCK_Y, z: BLOCK_Z}}
+segments: {s: {mode: m, event: pulse, direction: rising, reset: g, to: m}}
+initial: {x: 0.5}
+run:
+  mesh: {degree: 3, tol: 1e-9}
+  steps:
+    - {name: t, simulate: {t_end: 200.5}}
+    - {name: o, orbit: {from: t}}
+    - {name: n, continue: {from: o, free: [a], range: {a: [-0.3, 1]}, stability: true, max_points: 60}}
+    - {name: LP, continue: {from: {step: n, point: LP1}, free: [c, a], range: {a: [-2, 2], c: [-1.3, 1.3]}, stability: true}}
+    - {name: PD, continue: {from: {step: n, point: PD1}, free: [c, a], range: {a: [-1, 4], c: [-1.3, 1.3]}, stability: true}}
+"""
+
+
+@pytest.mark.parametrize(("y", "z", "found"), [
+    ("c*y", "0.2*z", {"LP": {"R1_1": 1, "FF1": -1}, "PD": {"FF1": 1, "R2_1": -1}}),
+    ("c*(0.6*y - 0.8*z)", "c*(0.8*y + 0.6*z)", {"LP": {"FT1": -1, "FT2": 1}, "PD": {"PT1": -1, "PT2": 1}}),
+])  # fmt: skip
+def test_points_of_codimension_two_of_products_of_maps(tmp_path, y, z, found):
+    """A quadratic map beside a linear one with the multiplier c, or c times a rotation: both happen on c = 1 and c = -1."""
+    from tests.runs import run_model
+
+    results = run_model(PRODUCT.replace("BLOCK_Y", y).replace("BLOCK_Z", z), tmp_path / "a.h5")
+    for name, a in (("LP", -0.25), ("PD", 0.75)):
+        step = results.step(name)
+        assert sorted(labels(step)) == sorted(found[name])
+        assert parameter(step, "a") == pytest.approx(np.full(len(step), a), abs=1e-9)
+        assert not any("WARNING" in t for t in step.termination)
+        places = sorted(parameter(step, "c", label) for label in labels(step))
+        assert places == pytest.approx(sorted(found[name].values()), abs=1e-8)
