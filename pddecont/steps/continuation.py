@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,7 +83,8 @@ class _Branch:
                 return self.ending(end, way) + f"; the orbit of the next signature was not found: {exc}"
             if following is None:
                 break
-            state = following
+            # A signature may be short-lived: begin it as a branch is begun.
+            state = replace(following, step=min(following.step, self.task.body.step.initial))
         note = self.last.note if self.last is not None else ""
         advice = f": {note}; beyond, they happen in another order: start anew from a simulation there" if MEETS in note else ""
         return self.ending(end, way) + advice
