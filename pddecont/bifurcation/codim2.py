@@ -11,6 +11,7 @@ Reference: Kuznetsov, Elements of Applied Bifurcation Theory (2004), chapter 9.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -75,7 +76,7 @@ def without_critical(m: Multipliers, kind: str) -> Multipliers:
         # Complex or, past a resonance, real: the two whose product is nearest to 1.
         product = np.abs(np.triu(own[:, None] * own, 1) - 1.0) + np.tril(np.full((len(own), len(own)), np.inf))
         own = np.delete(own, np.unravel_index(np.argmin(product), product.shape))
-    return Multipliers(m.values, own, m.trivial_error)
+    return replace(m, own=own)
 
 
 def _census(kind: str, known: Known) -> Census:

@@ -11,15 +11,17 @@ References: Lust, Int. J. Bif. Chaos 11 (2001); Szalai, Stepan, Hogan, SIAM J. S
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.linalg
 import scipy.sparse.linalg
 from numpy.typing import NDArray
 
+from pddecont.orbit.mesh import Mesh
+from pddecont.orbit.meshing import on_mesh
 from pddecont.orbit.problem import OrbitProblem
-from pddecont.stability.period import linearise
+from pddecont.stability.period import Period, linearise
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -28,6 +30,10 @@ AT_MOST = 12
 DENSE, DENSE_LINES = 160, 1200
 NEAR_KNOWN = 0.02
 TRIVIAL_ERROR = 1e-4
+STAYS = 1e-4
+LOST = 0.9
+LOST_ADVICE = ("the multipliers are lost among those of this delay line's own stages, which are far shorter than mesh intervals: use more "
+               "intervals, a lower 'n' or order, or the direct method")  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,12 +41,19 @@ class Multipliers:
     """Multipliers in order of falling modulus.
 
     ``values`` holds all of them; ``own`` leaves out the trivial one of an autonomous orbit, whose distance to 1 is ``trivial_error``
-    (NaN where there is none).
+    (NaN where there is none). ``noise`` is the largest modulus of those that belong to the mesh and not to the orbit (long delay lines have
+    some): they are left out, with all that are no larger.
     """
 
     values: Complex
     own: Complex
     trivial_error: float = float("nan")
+    noise: float = 0.0
+
+    @property
+    def lost(self) -> bool:
+        """Whether the multipliers say nothing of stability."""
+        return self.noise > LOST
 
     @property
     def n_unstable(self) -> int:
@@ -56,6 +69,8 @@ class Multipliers:
 def describe(m: Multipliers) -> str:
     """Return stability in words, with a warning where the trivial multiplier is far from 1."""
     leading = ", ".join(f"{v.real:.6g}" if v.imag == 0.0 else f"{v.real:.6g} {v.imag:+.6g}i" for v in m.own[:2])
+    if m.lost:
+        return f"WARNING: {LOST_ADVICE}"
     text = f"{'stable' if m.stable else f'unstable ({m.n_unstable} multipliers outside the unit circle)'}, leading {leading or 'none'}"
     if np.isfinite(m.trivial_error):
         text += f", trivial multiplier off by {m.trivial_error:.1e}"
@@ -67,13 +82,15 @@ def describe(m: Multipliers) -> str:
 def multipliers(problem: OrbitProblem, x: Array, n: int | None = None) -> Multipliers:
     """Return the ``n`` leading multipliers of the orbit ``x`` (None: those of modulus above ``SMALL``, at most ``AT_MOST``)."""
     period = linearise(problem, x)
-    size = period.size
     wanted = AT_MOST if n is None else n
-    if size <= max(DENSE_LINES if period.couplings else DENSE, wanted + 2):
-        values = scipy.linalg.eigvals(period.matrix()) if size else np.zeros(0, dtype=complex)
-    else:
-        operator = scipy.sparse.linalg.LinearOperator((size, size), matvec=period.one, dtype=float)
-        values = _arnoldi(operator, wanted)
+    values, noise = _leading(period, wanted), 0.0
+    if period.couplings:
+        # The stages of a long line are far shorter than mesh intervals, and collocation lets their own motions ring on. Such multipliers
+        # belong to the mesh: on another one they are elsewhere.
+        other = _leading(linearise(*on_mesh(*problem.with_free(x, ()), _with_one_more(problem.mesh))), 2 * wanted)
+        stays = np.array([np.min(np.abs(other - v), initial=np.inf) < STAYS * max(1.0, abs(v)) for v in values], dtype=bool)
+        noise = float(np.max(np.abs(values[~stays]), initial=0.0))
+        values = values[stays & (np.abs(values) > noise)]
     values = _in_order(values)
     trivial = not problem.numeric.model.forced and not problem.segments[0].event
     kept = values[:wanted]
@@ -82,8 +99,27 @@ def multipliers(problem: OrbitProblem, x: Array, n: int | None = None) -> Multip
     if len(kept) and len(values) > len(kept) and abs(kept[-1].imag) > 0.0 and values[len(kept)] == np.conj(kept[-1]):
         kept = values[: len(kept) + 1]
     if not trivial:
-        return Multipliers(kept, kept)
-    return _without_trivial(kept)
+        return Multipliers(kept, kept, noise=noise)
+    return replace(_without_trivial(kept), noise=noise)
+
+
+def _leading(period: Period, n: int) -> Complex:
+    """Return at least ``n`` leading eigenvalues of the period map."""
+    size = period.size
+    if not size:
+        return np.zeros(0, dtype=complex)
+    if size <= max(DENSE_LINES if period.couplings else DENSE, n + 2):
+        values = scipy.linalg.eigvals(period.matrix())
+        return values[np.argsort(-np.abs(values), kind="stable")][: 2 * n + 2]
+    return _arnoldi(scipy.sparse.linalg.LinearOperator((size, size), matvec=period.one, dtype=float), n)
+
+
+def _with_one_more(mesh: Mesh) -> Mesh:
+    """Return a mesh of the same pieces with one interval more in each."""
+    def finer(cuts: Array) -> Array:
+        return np.interp(np.linspace(0.0, 1.0, len(cuts) + 1), np.linspace(0.0, 1.0, len(cuts)), cuts)
+
+    return replace(mesh, pieces=tuple(replace(piece, cuts=finer(piece.cuts)) for piece in mesh.pieces))
 
 
 def _arnoldi(operator: scipy.sparse.linalg.LinearOperator, n: int) -> Complex:

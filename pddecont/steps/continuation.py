@@ -20,7 +20,7 @@ from pddecont.orbit.problem import OrbitProblem
 from pddecont.orbit.record import from_rows, mesh_from_row
 from pddecont.results.reader import Step as RecordedStep
 from pddecont.results.writer import StepWriter
-from pddecont.stability.multipliers import TRIVIAL_ERROR
+from pddecont.stability.multipliers import LOST_ADVICE, TRIVIAL_ERROR
 from pddecont.steps.context import Context, known_multipliers, mesh_settings, segments_of, settings_text, with_reference
 from pddecont.steps.points import orbit_row, orbit_spec
 from pddecont.steps.schema import Step
@@ -111,6 +111,8 @@ def run_continue(context: Context, step: Step, recorded: RecordedStep | None = N
     bounds = tuple((plan.number(body.range[name][0]), plan.number(body.range[name][1])) for name in body.free)
     task = Task(context, step, body, bounds, users, known_multipliers(body.stability))
     start = start_of(task)
+    if task.known is not None and task.known(start.state.problem.problem, start.state.x).lost:
+        raise ConvergenceError(f"step '{step.name}': {LOST_ADVICE}, or leave 'stability' out")
     ways = ways_of(task, start)
     meta = {"free": list(body.free), "directions": len(ways), "settings": settings_text(plan, step), "curve": start.curve,
             "mesh_settings": mesh_settings(plan, step)}  # fmt: skip

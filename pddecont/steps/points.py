@@ -48,7 +48,8 @@ def orbit_row(problem: OrbitProblem, x: Array, monitors: Sequence[Monitor], *, k
     profiles = event_profiles(problem, x)
     points = {
         "kind": kind.encode(), "arclength": arclength, "parameters": problem.all_parameters(x), "period": problem.period(x),
-        "stable": -1 if stability is None else stability.stable, "n_unstable": -1 if stability is None else stability.n_unstable,
+        "stable": -1 if stability is None or stability.lost else stability.stable,
+        "n_unstable": -1 if stability is None or stability.lost else stability.n_unstable,
         "trivial_error": np.nan if stability is None else stability.trivial_error, "note": note.encode()[:32],
         "side": np.full(2, np.nan) if side is None else side, "admissible": not objections(problem, x, profiles),
         "error_estimate": error_estimate(problem, x),

@@ -192,6 +192,7 @@ def test_arnoldi_and_the_whole_spectrum_agree(monkeypatch):
     problem, x = orbit("impact_oscillator", t_end=900, mesh="degree: 6, intervals: 30", delay="method: chain, order: 2, n: 40")
     whole = multipliers(problem, x, 4).values
     monkeypatch.setattr(module, "DENSE", 0)
+    monkeypatch.setattr(module, "DENSE_LINES", 0)
     assert multipliers(problem, x, 4).values == pytest.approx(whole, abs=1e-9)
 
 
@@ -261,3 +262,42 @@ run:
         found[factor] = step.termination[0]
     assert "comes back through a delay just at an event" in found[1]
     assert not any("comes back" in found[factor] for factor in (1 - 1e-6, 1 + 1e-6))
+
+
+def test_multipliers_of_a_lines_own_stages_are_left_out_or_said_to_hide_the_orbits(tmp_path):
+    """Stages far shorter than mesh intervals ring on in the collocated line: what depends on the mesh is no multiplier of the orbit."""
+    problem, x = orbit("van_der_pol", t_end=80)
+    rule = MeshRule(8, intervals=30)
+    direct = own(problem, x, 2)
+    seen = {}
+    for order, n in ((2, 60), (3, 60), (3, 200)):
+        found, solution = settle(*remeshed(replace(problem, delay=Chain(order, n)), x, rule), rule)
+        seen[order, n] = multipliers(found, solution.x, 6)
+        assert seen[order, n].trivial_error < 1e-6
+    assert np.max(np.abs(direct)) < 1e-3
+    assert not seen[2, 60].lost and np.max(np.abs(seen[2, 60].own)) < 1e-3
+    assert not seen[3, 60].lost and seen[3, 60].noise > 1e-5
+    assert seen[3, 200].lost
+    assert "WARNING" in describe(seen[3, 200])
+
+
+def test_a_branch_does_not_start_where_its_multipliers_are_lost(tmp_path):
+    from pddecont.errors import ConvergenceError
+    from tests.runs import run
+
+    text = """\
+model: van_der_pol
+mesh: {degree: 8, intervals: 30}
+steps:
+  - {name: t, simulate: {t_end: 80}}
+  - {name: o, orbit: {from: t}}
+  - {name: p, delay: {method: chain, order: 3, n: 200}, orbit: {from: o, stability: true}}
+  - {name: c, delay: {method: chain, order: 3, n: 200}, continue: {from: p, free: [mu], range: {mu: [0.5, 2]}, stability: true}}
+"""
+    with pytest.raises(ConvergenceError, match="use more intervals"):
+        run(text, tmp_path / "a.h5")
+    from pddecont.results.reader import read_results
+
+    step = read_results(tmp_path / "a.h5").step("p")
+    assert step.points["stable"][0] == -1
+    assert "WARNING" in step.termination[0]
