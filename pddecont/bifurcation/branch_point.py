@@ -34,7 +34,7 @@ def other_branch(curve: Curve, x: Array, tangent: Array) -> Array:
     2 (w B t v) v - (w B v v) t, since w B t t = 0. Reference: Keller, Lectures on Numerical Methods in Bifurcation Problems (1987), ch. 5.
     """
     metric = curve.metric()
-    size = metric.scale / np.sqrt(metric.weight)
+    size = metric.size
     matrix = curve.jacobian(x)
     dense = (matrix.toarray() if sp.issparse(matrix) else matrix) * size
     rows = 1.0 / np.max(np.abs(dense), axis=1)

@@ -6,8 +6,7 @@ has its own. Two multipliers that meet on the real axis outside the circle chang
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -16,6 +15,11 @@ from pddecont.continuation.locate import Located
 from pddecont.continuation.special import Census, Counts, TestFunction
 from pddecont.stability.multipliers import Known, Multipliers
 
+# A multiplier passes +1, one passes -1, a pair passes the circle elsewhere.
+PASSING = (branch_point.passing, period_doubling.passing, torus.passing)
+ON_THE_AXIS = ((2, 0, -1), (-2, 0, 1), (0, 2, -1), (0, -2, 1))
+FOLD = TestFunction(fold.KIND, fold.turning)
+
 
 def outside(m: Multipliers) -> Counts:
     """Return how many multipliers are real and above 1, real and below -1, and how many complex pairs lie outside."""
@@ -23,43 +27,40 @@ def outside(m: Multipliers) -> Counts:
     return int(np.sum(real > 1.0)), int(np.sum(real < -1.0)), int(np.sum(np.abs(upper) > 1.0))
 
 
-FOLD = TestFunction(fold.KIND, fold.turning)
+def crossings(kinds: Sequence[str], multipliers_of: Callable[[Located], Multipliers]) -> Census:
+    """Return the census of a point's multipliers; ``kinds`` name what it is when one passes +1, -1 or the rest of the circle."""
 
+    def test(kind: str, passing: Callable[[Multipliers], float]) -> TestFunction:
+        return TestFunction(kind, lambda at: passing(multipliers_of(at)))
 
-@dataclass(frozen=True, eq=False)
-class BranchCensus:
-    """The census of a branch in one parameter; without ``known`` multipliers it sees folds only."""
+    tests = [test(kind, passing) for kind, passing in zip(kinds, PASSING, strict=True)]
 
-    known: Known | None
+    def explain(before: Counts, after: Counts) -> Sequence[TestFunction] | None:
+        change = tuple(b - a for a, b in zip(before, after, strict=True))
+        if sum(map(abs, change)) == 1:
+            return [tests[next(i for i, c in enumerate(change) if c)]]
+        return [] if change in ON_THE_AXIS or not any(change) else None
 
-    def count(self, point: Located) -> Counts:
-        """Return the numbers of :func:`outside` and the direction of the parameter."""
-        turn = (int(fold.turning(point) > 0.0),)
-        return turn if self.known is None else (*outside(self.known(point.problem.problem, point.x)), *turn)
-
-    def explain(self, before: Counts, after: Counts) -> Sequence[TestFunction] | None:
-        """Return the test functions for one change; None for several."""
-        if self.known is None:
-            return [FOLD]
-        plus, minus, pairs, turn = (b - a for a, b in zip(before, after, strict=True))
-        change, turned = (plus, minus, pairs), turn != 0
-        if turned:
-            return [FOLD] if change in ((0, 0, 0), (1, 0, 0), (-1, 0, 0)) else None
-        if change in ((1, 0, 0), (-1, 0, 0)):
-            return [self._test(branch_point.KIND, branch_point.passing)]
-        if change in ((0, 1, 0), (0, -1, 0)):
-            return [self._test(period_doubling.KIND, period_doubling.passing)]
-        if change in ((0, 0, 1), (0, 0, -1)):
-            return [self._test(torus.KIND, torus.passing)]
-        return [] if change in ((2, 0, -1), (-2, 0, 1), (0, 2, -1), (0, -2, 1)) else None
-
-    def _test(self, kind: str, of_multipliers) -> TestFunction:  # type: ignore[no-untyped-def]
-        known = self.known
-        assert known is not None
-        return TestFunction(kind, lambda point: of_multipliers(known(point.problem.problem, point.x)))
+    return Census(lambda at: outside(multipliers_of(at)), explain)
 
 
 def branch_census(known: Known | None) -> Census:
-    """Return the census of a branch in one parameter."""
-    census = BranchCensus(known)
-    return Census(census.count, census.explain)
+    """Return the census of a branch in one parameter: its multipliers, if ``known``, and the direction of the parameter last.
+
+    At a fold both change at once, by one multiplier at +1 or, where a branch meets its mirror image, by none.
+    """
+
+    def turn(at: Located) -> int:
+        return int(fold.turning(at) > 0.0)
+
+    if known is None:
+        return Census(lambda at: (turn(at),), lambda before, after: [FOLD])
+    circle = crossings((branch_point.KIND, period_doubling.KIND, torus.KIND), lambda at: known(at.problem.problem, at.x))
+
+    def explain(before: Counts, after: Counts) -> Sequence[TestFunction] | None:
+        if before[-1] == after[-1]:
+            return circle.explain(before[:-1], after[:-1])
+        change = tuple(b - a for a, b in zip(before[:-1], after[:-1], strict=True))
+        return [FOLD] if change in ((0, 0, 0), (1, 0, 0), (-1, 0, 0)) else None
+
+    return Census(lambda at: (*circle.count(at), turn(at)), explain)

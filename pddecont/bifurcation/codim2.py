@@ -10,20 +10,20 @@ Reference: Kuznetsov, Elements of Applied Bifurcation Theory (2004), chapter 9.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
 from pddecont.bifurcation import branch_point, fold, period_doubling, torus
-from pddecont.bifurcation.census import outside
+from pddecont.bifurcation.census import crossings
 from pddecont.bifurcation.conditioned import SpecialCurve
 from pddecont.bifurcation.fold import Fold
 from pddecont.bifurcation.grazing import Graze, clearance
 from pddecont.bifurcation.torus import Torus
 from pddecont.continuation.ending import End
 from pddecont.continuation.locate import Located
-from pddecont.continuation.special import Census, Counts, TestFunction, Watch
+from pddecont.continuation.special import TestFunction, Watch
 from pddecont.stability.multipliers import Known, Multipliers, without
 
 KINDS = {"LP": ("R1", "FF", "FT"), "PD": ("FF", "R2", "PT"), "TR": ("FT", "PT", "TT")}
@@ -43,7 +43,9 @@ def watch_curve(special: SpecialCurve, known: Known | None) -> Watch:
         tests.append(TestFunction("GG", lambda at: at.problem.condition.others(at.problem.curve, at.x)))
     elif kind not in ("UF",):
         tests.append(TestFunction("GG", lambda at: clearance(at.problem.problem, at.x), note="grazing"))
-    return Watch(tests, None if known is None else _census(kind, known))
+    if known is None:
+        return Watch(tests)
+    return Watch(tests, crossings(KINDS.get(kind, OTHERS), lambda at: without_critical(known(at.problem.problem, at.x), kind)))
 
 
 def cusp(at: Located) -> float:
@@ -77,24 +79,3 @@ def without_critical(m: Multipliers, kind: str) -> Multipliers:
         product = np.abs(np.triu(own[:, None] * own, 1) - 1.0) + np.tril(np.full((len(own), len(own)), np.inf))
         own = np.delete(own, np.unravel_index(np.argmin(product), product.shape))
     return replace(m, own=own)
-
-
-def _census(kind: str, known: Known) -> Census:
-    names = KINDS.get(kind, OTHERS)
-    passing = (branch_point.passing, period_doubling.passing, torus.passing)
-
-    def rest(at: Located) -> Multipliers:
-        return without_critical(known(at.problem.problem, at.x), kind)
-
-    def value(which: int) -> Callable[[Located], float]:
-        return lambda at: passing[which](rest(at))
-
-    tests = [TestFunction(name, value(i)) for i, name in enumerate(names)]
-
-    def explain(before: Counts, after: Counts) -> Sequence[TestFunction] | None:
-        change = tuple(b - a for a, b in zip(before, after, strict=True))
-        if sum(map(abs, change)) == 1:
-            return [tests[next(i for i, c in enumerate(change) if c)]]
-        return [] if change in ((2, 0, -1), (-2, 0, 1), (0, 2, -1), (0, -2, 1)) else None
-
-    return Census(lambda at: outside(rest(at)), explain)

@@ -1,7 +1,7 @@
 """Special orbits as a system of equations: an orbit's own and one more, a condition that defines the special point.
 
 A condition is a smooth function of the orbit. A Newton step needs its rates of change in no more than three directions: the one or two
-in which the orbit's own equations leave it free, and the correction that these equations ask for at right angles to them. With
+in which the orbit's own equations leave it free, and a correction that these equations ask for. With
 two free parameters the solutions form a curve, with one they are points.
 """
 
@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
@@ -67,9 +66,8 @@ class SpecialCurve:
 
     def jacobian(self, x: Array) -> Matrix:
         """Return their derivatives."""
-        matrix, size = self.curve.jacobian(x), self._size
-        directions = self.directions(x, matrix)
-        correction = self._null(matrix, size, directions, -self.curve.residual(x))[1]
+        matrix, size = self.curve.jacobian(x), self.metric().size
+        directions, correction = self._spans(matrix, -self.curve.residual(x))
         length = float(np.linalg.norm(correction / size))
         if length > NOTHING:
             directions = np.vstack([directions, correction / length])
@@ -77,37 +75,19 @@ class SpecialCurve:
         slopes = self.slopes(x, directions)
         return add_row(matrix, (rows @ np.linalg.solve(rows.T @ rows, slopes)) / size)
 
-    @cached_property
-    def _size(self) -> Array:
-        metric = self.metric()
-        return metric.scale / np.sqrt(metric.weight)
-
-    def directions(self, x: Array, matrix: Matrix | None = None) -> Array:
+    def directions(self, x: Array) -> Array:
         """Return unit directions that span the null space of the orbit's equations, shape (n_free, n_unknowns)."""
-        matrix = self.curve.jacobian(x) if matrix is None else matrix
-        size, n_free = self._size, len(self.problem.free)
-        if self.free_directions is None:
-            self.free_directions = np.random.default_rng(1).standard_normal((n_free, len(x))) * size
-            for _ in range(2):
-                self.free_directions = self._null(matrix, size, self.free_directions)[0]
-        self.free_directions = self._null(matrix, size, self.free_directions)[0]
-        return self.free_directions
+        return self._spans(self.curve.jacobian(x), np.zeros(len(x) - len(self.problem.free)))[0]
 
-    def _null(self, matrix: Matrix, size: Array, near: Array, rhs: Array | None = None) -> tuple[Array, Array]:
-        """Return unit vectors that span the null space, and the solution for ``rhs`` that is at right angles to those ``near``."""
-        scaled = scale_matrix(matrix, np.ones(matrix.shape[0]), size)
-        row_sizes = 1.0 / row_maxima(scaled)
-        scaled = scale_matrix(scaled, row_sizes, np.ones(len(size)))
-        for direction in near:
-            scaled = add_row(scaled, direction / size)
-        n = len(near)
-        right = np.zeros((len(size), n + 1))
-        right[-n:, :n] = np.eye(n)
-        if rhs is not None:
-            right[:-n, n] = row_sizes * rhs
-        solved = factor(scaled).solve(right)
-        basis, upper = np.linalg.qr(solved[:, :n])
-        return (basis * np.sign(np.diag(upper))).T * size, solved[:, n] * size
+    def _spans(self, matrix: Matrix, rhs: Array) -> tuple[Array, Array]:
+        """Return unit directions that span the null space, and a solution for ``rhs``, from one factorisation."""
+        size, n_free = self.metric().size, len(self.problem.free)
+        if self.free_directions is None:
+            self.free_directions = np.random.default_rng(1).standard_normal((n_free, matrix.shape[1])) * size
+            for _ in range(2):
+                self.free_directions = _null(matrix, size, self.free_directions, rhs)[0]
+        self.free_directions, solution = _null(matrix, size, self.free_directions, rhs)
+        return self.free_directions, solution
 
     def along(self, x: Array) -> Array:
         """Return the unit direction among the orbits, of two free parameters, in which the condition does not change."""
@@ -158,6 +138,22 @@ class SpecialCurve:
         """Return the curve with ``x`` as the reference of its phase and its condition."""
         curve = self.curve.rephased(x)
         return SpecialCurve(curve, self.condition.framed(curve, x))
+
+
+def _null(matrix: Matrix, size: Array, near: Array, rhs: Array) -> tuple[Array, Array]:
+    """Return unit vectors that span the null space, and the solution for ``rhs`` that is at right angles to those ``near``."""
+    scaled = scale_matrix(matrix, np.ones(matrix.shape[0]), size)
+    row_sizes = 1.0 / row_maxima(scaled)
+    scaled = scale_matrix(scaled, row_sizes, np.ones(len(size)))
+    for direction in near:
+        scaled = add_row(scaled, direction / size)
+    n = len(near)
+    right = np.zeros((len(size), n + 1))
+    right[-n:, :n] = np.eye(n)
+    right[:-n, n] = row_sizes * rhs
+    solved = factor(scaled).solve(right)
+    basis, upper = np.linalg.qr(solved[:, :n])
+    return (basis * np.sign(np.diag(upper))).T * size, solved[:, n] * size
 
 
 def solve_special(curve: Curve, x: Array, condition: Condition, settings: NewtonSettings | None = None) -> tuple[SpecialCurve, Solution]:

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from pddecont.bifurcation.conditioned import SpecialCurve, solve_special
 from pddecont.bifurcation.grazing import graze_at
-from pddecont.bifurcation.tangency import rate
+from pddecont.bifurcation.tangency import MEETS, rate
 from pddecont.continuation.arclength import correct_at, tangent
 from pddecont.continuation.newton import NewtonSettings, Solution
 from pddecont.errors import ConvergenceError
@@ -222,7 +222,7 @@ def vanish(curve: Curve, x: Array, rule: MeshRule) -> Vanished:
         x = solution.x
     name = problem.segments[s].name
     if not same:
-        note = f"{before.event} meets {problem.segments[s].event}"
+        note = f"{before.event}{MEETS}{problem.segments[s].event}"
         curve, solution = _with_duration(curve, x, s, last)
         return Vanished(curve, solution, note, False)
     shorter, guess = without_segment(curve, x, rule, (s - 1) % len(problem.segments))

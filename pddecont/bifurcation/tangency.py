@@ -21,6 +21,8 @@ from pddecont.orbit.problem import OrbitProblem
 
 Array = NDArray[np.float64]
 KIND = "VS"
+# Between the names of two events in the note of a point where they happen at once.
+MEETS = " meets "
 
 
 def crossing_rates(problem: OrbitProblem, x: Array, profiles: dict[str, Profile] | None = None) -> Array:

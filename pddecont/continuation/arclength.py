@@ -37,6 +37,11 @@ class Metric:
     scale: Array
     weight: Array
 
+    @property
+    def size(self) -> Array:
+        """How far each unknown moves when a direction of length one lies along it."""
+        return self.scale / np.sqrt(self.weight)
+
     def dot(self, a: Array, b: Array) -> float:
         """Return the inner product of two directions."""
         return float(np.sum(self.weight * (a / self.scale) * (b / self.scale)))

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from pddecont.bifurcation.codim2 import without_critical
 from pddecont.bifurcation.conditioned import SpecialCurve
 from pddecont.bifurcation.side import side_of
+from pddecont.bifurcation.tangency import MEETS
 from pddecont.continuation.branch import Point, State, StepSettings, follow
 from pddecont.continuation.ending import End, Termination
 from pddecont.errors import ConvergenceError
@@ -22,10 +23,10 @@ from pddecont.results.reader import Step as RecordedStep
 from pddecont.results.writer import StepWriter
 from pddecont.stability.multipliers import LOST_ADVICE, TRIVIAL_ERROR
 from pddecont.steps.context import Context, known_multipliers, mesh_settings, segments_of, settings_text, with_reference
+from pddecont.steps.next_signature import go_on
 from pddecont.steps.points import orbit_row, orbit_spec
 from pddecont.steps.schema import Step
-from pddecont.steps.signatures import go_on
-from pddecont.steps.start import MEETS, Start, Task, condition_of, start_of
+from pddecont.steps.start import Start, Task, condition_of, start_of
 from pddecont.steps.watch import followed, watch_of
 
 Array = NDArray[np.float64]

@@ -24,7 +24,6 @@ from pddecont.steps.orbit import is_rotation
 from pddecont.steps.schema import Continue, Step
 
 Array = NDArray[np.float64]
-MEETS = " meets "
 SLOW = 1e-6
 SHORT = 1e-6
 EDGE = 1e-9
@@ -203,7 +202,7 @@ def condition_of(task: Task, curve: Curve, x: Array, kind: str, note: str) -> Co
             s = int(np.argmin(durations))
             return tangency.Coincidence(s, float(durations[s]))
         met = [m for m in tangency.meetings(problem) if abs(m.at(problem, x)) < SLOW]
-        if MEETS in note and met:
+        if tangency.MEETS in note and met:
             return min(met, key=lambda m: abs(m.at(problem, x)))
         rates = tangency.crossing_rates(problem, x)
         if np.any(np.abs(rates) < SLOW * np.nanmax(np.abs(rates), initial=0.0)) or np.nanmin(np.abs(rates), initial=1.0) < SLOW:

@@ -15,7 +15,7 @@ from pddecont.continuation.special import TestFunction, Watch
 from pddecont.orbit.admissibility import objections, watched_events
 from pddecont.orbit.monitors import Monitor
 from pddecont.stability.multipliers import Known
-from pddecont.steps.start import MEETS, Task
+from pddecont.steps.start import Task
 
 
 def watch_of(task: Task, state: State) -> Watch:
@@ -54,8 +54,10 @@ def _meetings(state: State) -> list[TestFunction]:
     def value(meeting: tangency.Meeting) -> Callable[[Located], float]:
         return lambda at: meeting.at(at.problem.problem, at.x)
 
-    return [TestFunction(tangency.KIND, value(m), stops=True, note=f"{segments[m.s if m.at_end else m.s - 1].event}{MEETS}{m.event}")
-            for m in tangency.meetings(state.problem.problem)]  # fmt: skip
+    found = tangency.meetings(state.problem.problem)
+    there = [segments[m.s if m.at_end else m.s - 1].event for m in found]
+    return [TestFunction(tangency.KIND, value(m), stops=True, note=f"{other}{tangency.MEETS}{m.event}")
+            for m, other in zip(found, there, strict=True)]  # fmt: skip
 
 
 def _monitor(monitor: Monitor) -> Callable[[Located], float]:

@@ -14,7 +14,6 @@ from pddecont.continuation.ending import End, Termination
 from pddecont.errors import ConvergenceError
 from pddecont.orbit.curve import Curve, settle
 from pddecont.orbit.meshing import MeshRule
-from pddecont.steps.start import MEETS
 
 Array = NDArray[np.float64]
 
@@ -52,7 +51,7 @@ def go_on(end: Termination, last: Point, state: State, rule: MeshRule, emit: Cal
     if last.kind == grazing.KIND:
         entered = signature.enter(curve, last.state.x, rule)
         return _from(last.state, state, entered.curve, entered.x, entered.tangent)
-    if last.kind == tangency.KIND and MEETS in last.note:
+    if last.kind == tangency.KIND and tangency.MEETS in last.note:
         return None
     if last.kind == tangency.KIND:
         rates = tangency.crossing_rates(curve.problem, last.state.x)
