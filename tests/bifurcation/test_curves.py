@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import brentq
 
 from tests.problems import grazing_amplitude
-from tests.runs import labels, multipliers, parameter, run
+from tests.runs import labels, multipliers, parameter, run, run_model
 
 # Harmonic balance: folds at F = .8 and .5, and the cusp where both meet.
 DUFFING = {0.8: (1.55979061152864, 2.00841697276337), 0.5: (1.42305610016459, 1.65767045185807)}
@@ -242,13 +242,8 @@ run:
 
 def test_double_grazing_and_a_user_function(tmp_path):
     """The free orbit has amplitude A(w); it touches the right wall where A = a, both where a = b = A; A = 1/4 is the user's own curve."""
-    from pddecont.model.document import parse_document
-    from pddecont.results.reader import read_results
-    from pddecont.steps.plan import load_plan
-    from pddecont.steps.run import execute
 
-    execute(load_plan(parse_document(TWO_WALLS, "m.yaml")), tmp_path / "a.h5")
-    results = read_results(tmp_path / "a.h5")
+    results = run_model(TWO_WALLS, tmp_path / "a.h5")
     step = results.step("gr")
     a, omega = parameter(step, "a"), parameter(step, "omega")
     assert 1 / np.hypot(1 - omega**2, 0.1 * omega) == pytest.approx(a, abs=1e-10)
@@ -291,13 +286,8 @@ run:
 def test_henons_map_as_a_reset(tmp_path):
     """Folds 4 a = -(1 - b)^2 with multipliers 1, -b; doublings 4 a = 3 (1 - b)^2 with -1, b: 1:1 at (-1, -1), 1:2 at (3, -1), both
     defective. The doubled orbit doubles at 4 a = 4 (1 - b)^2 + (1 + b)^2."""  # fmt: skip
-    from pddecont.model.document import parse_document
-    from pddecont.results.reader import read_results
-    from pddecont.steps.plan import load_plan
-    from pddecont.steps.run import execute
 
-    execute(load_plan(parse_document(HENON, "m.yaml")), tmp_path / "a.h5")
-    results = read_results(tmp_path / "a.h5")
+    results = run_model(HENON, tmp_path / "a.h5")
     for name, factor, resonance, at in (("LP", -1, "R1_1", (-1, -1)), ("PD", 3, "R2_1", (3, -1)), ("turned", 3, "R2_1", (3, -1))):
         step = results.step(name)
         a, b = parameter(step, "a"), parameter(step, "b")
@@ -310,17 +300,12 @@ def test_henons_map_as_a_reset(tmp_path):
 
 def test_a_grazing_curve_ends_where_another_contact_vanishes(tmp_path):
     """Between two soft walls the orbit that hits the nearer touches the farther; where both are as far, both are only touched."""
-    from pddecont.model.document import parse_document
-    from pddecont.results.reader import read_results
-    from pddecont.steps.plan import load_plan
-    from pddecont.steps.run import execute
     from tests.bifurcation.test_signatures import SOFT_WALLS
 
     text = SOFT_WALLS.replace("b: 0.3,", "b: 0.31,").replace("STEP", "{}") + (
         "    - {name: gr, continue: {from: {step: c, point: GR1}, free: [omega, b],\n"
         "                            range: {omega: [1.7, 2.4], b: [0.29, 0.35]}}}\n")  # fmt: skip
-    execute(load_plan(parse_document(text, "m.yaml")), tmp_path / "a.h5")
-    step = read_results(tmp_path / "a.h5").step("gr")
+    step = run_model(text, tmp_path / "a.h5").step("gr")
     assert labels(step) == ["VS1"]
     assert parameter(step, "b", "VS1") == pytest.approx(0.3, abs=1e-9)
     assert 1 / math.hypot(1 - parameter(step, "omega", "VS1") ** 2, 0.1 * parameter(step, "omega", "VS1")) == pytest.approx(0.3, abs=1e-9)
@@ -353,8 +338,6 @@ run:
 ])  # fmt: skip
 def test_points_of_codimension_two_of_products_of_maps(tmp_path, y, z, found):
     """A quadratic map beside a linear one with the multiplier c, or c times a rotation: both happen on c = 1 and c = -1."""
-    from tests.runs import run_model
-
     results = run_model(PRODUCT.replace("BLOCK_Y", y).replace("BLOCK_Z", z), tmp_path / "a.h5")
     for name, a in (("LP", -0.25), ("PD", 0.75)):
         step = results.step(name)

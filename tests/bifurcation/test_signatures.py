@@ -205,18 +205,14 @@ run:
 
 def test_an_event_that_comes_in_at_a_segments_end_is_located(tmp_path):
     """The ball lands at relative speed 2 pi / (1 + r), its largest: the speed limit w is met there, and nowhere before."""
-    from pddecont.model.document import parse_document
-    from pddecont.results.reader import read_results
-    from pddecont.steps.plan import load_plan
-    from pddecont.steps.run import execute
 
-    execute(load_plan(parse_document(FAST, "m.yaml")), tmp_path / "a.h5")
-    step = read_results(tmp_path / "a.h5").step("c")
+    results = run_model(FAST, tmp_path / "a.h5")
+    step = results.step("c")
     assert labels(step) == ["VS1"]
     assert step.points["note"][step.row("VS1")] == b"landing meets fast"
     assert parameter(step, "w", "VS1") == pytest.approx(2 * math.pi / 1.8, abs=1e-10)
     assert np.all(step.points["admissible"] == 1)
-    curve = read_results(tmp_path / "a.h5").step("vs")
+    curve = results.step("vs")
     assert 2 * math.pi / (1 + parameter(curve, "r")) == pytest.approx(parameter(curve, "w"), abs=1e-9)
     assert len(curve) > 10
 
@@ -274,14 +270,9 @@ initial""", SOFT_WALLS, flags=re.S)
 ])  # fmt: skip
 def test_two_walls_touched_at_once_or_in_one_step(tmp_path, model, b, step, last):
     """The free orbit reaches both walls: at once if they are as far, else one after the other, in small steps and in large ones."""
-    from pddecont.model.document import parse_document
-    from pddecont.results.reader import read_results
-    from pddecont.steps.plan import load_plan
-    from pddecont.steps.run import execute
 
     text = model.replace("b: 0.3,", f"b: {b},").replace("STEP", step)
-    execute(load_plan(parse_document(text, "m.yaml")), tmp_path / "a.h5")
-    branch = read_results(tmp_path / "a.h5").step("c")
+    branch = run_model(text, tmp_path / "a.h5").step("c")
     grazings = [name for name in labels(branch) if name.startswith("GR")]
     assert len(grazings) == (1 if b == 0.3 else 2)
     touch = max(parameter(branch, "omega", name) for name in grazings)
@@ -307,18 +298,13 @@ def test_a_branch_does_not_go_on_with_orbits_that_are_none():
 
 
 def test_an_event_of_any_direction_turns_tangential_too(tmp_path):
-    from pddecont.model.document import parse_document
-    from pddecont.results.reader import read_results
-    from pddecont.steps.plan import load_plan
-    from pddecont.steps.run import execute
     from tests.conftest import ROOT
 
     model = (ROOT / "models" / "wall_oscillator.yaml").read_text().replace("direction: rising", "direction: any")
     assert "direction: any" in model
     (tmp_path / "any.yaml").write_text(model)
     text = WALL.replace("FREE", "wall").replace("RANGE", "[0.1, 1]").replace("model: wall_oscillator", f"model: {tmp_path / 'any.yaml'}")
-    execute(load_plan(parse_document(text.replace("direction: both", "direction: up"), "m.yaml")), tmp_path / "a.h5")
-    step = read_results(tmp_path / "a.h5").step("c")
+    step = run_model(text.replace("direction: both", "direction: up"), tmp_path / "a.h5").step("c")
     assert labels(step) == ["PD1", "VS1"]
     assert parameter(step, "wall", "VS1") == pytest.approx(free_amplitude(2.0), abs=1e-10)
     assert signatures(step) == ["flight", "(free)"]

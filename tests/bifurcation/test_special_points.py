@@ -121,13 +121,8 @@ run:
 @pytest.mark.parametrize("b", [0.0, 0.7])
 def test_branch_points_and_the_branch_that_crosses(tmp_path, b):
     """x = 0 has the multiplier exp(a), so branches cross at a = 0: a pitchfork for b = 0, else a transcritical point."""
-    from pddecont.model.document import parse_document
-    from pddecont.results.reader import read_results
-    from pddecont.steps.plan import load_plan
-    from pddecont.steps.run import execute
 
-    execute(load_plan(parse_document(PITCHFORK.replace("b: 0}", f"b: {b}}}"), "m.yaml")), tmp_path / "a.h5")
-    results = read_results(tmp_path / "a.h5")
+    results = run_model(PITCHFORK.replace("b: 0}", f"b: {b}}}"), tmp_path / "a.h5")
     step, other = results.step("c"), results.step("other")
     assert labels(step) == ["BP1"]
     assert parameter(step, "a", "BP1") == pytest.approx(0, abs=1e-8)
