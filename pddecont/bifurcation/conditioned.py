@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from pddecont.continuation.arclength import Metric
 from pddecont.continuation.linear import Matrix, add_row, factor, row_maxima, scale_matrix
 from pddecont.continuation.newton import NewtonSettings, Solution, newton
+from pddecont.continuation.settling import settled
 from pddecont.errors import ConvergenceError
 from pddecont.orbit.curve import Curve
 from pddecont.orbit.problem import OrbitProblem
@@ -24,7 +25,6 @@ from pddecont.orbit.problem import OrbitProblem
 Array = NDArray[np.float64]
 DIFFERENCE = 1e-6
 NOTHING = 1e-12
-MAX_MESHES = 8
 
 
 class Condition(Protocol):
@@ -158,12 +158,5 @@ def _null(matrix: Matrix, size: Array, near: Array, rhs: Array) -> tuple[Array, 
 
 def solve_special(curve: Curve, x: Array, condition: Condition, settings: NewtonSettings | None = None) -> tuple[SpecialCurve, Solution]:
     """Return the special orbit near ``x`` with one free parameter, on a mesh that suits it."""
-    special = SpecialCurve(curve, condition)
-    for _ in range(MAX_MESHES):
-        if not special.holds(x):
-            special, x, _ = special.refit(x, [], solved=False)
-        solution = newton(special.residual, special.jacobian, x, special.metric().scale, settings)
-        if special.suits(solution.x):
-            return special, solution
-        special, x, _ = special.refit(solution.x, [], solved=True)
-    raise ConvergenceError("the mesh does not settle")
+    return settled(SpecialCurve(curve, condition), x,
+                   lambda special, guess: newton(special.residual, special.jacobian, guess, special.metric().scale, settings))  # fmt: skip

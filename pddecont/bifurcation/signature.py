@@ -27,6 +27,7 @@ from pddecont.bifurcation.grazing import graze_at
 from pddecont.bifurcation.tangency import MEETS, rate
 from pddecont.continuation.arclength import correct_at, tangent
 from pddecont.continuation.newton import NewtonSettings, Solution
+from pddecont.continuation.settling import settled
 from pddecont.errors import ConvergenceError
 from pddecont.model.system import Model, Segment
 from pddecont.orbit.admissibility import approaches, event_profiles, watched_events
@@ -42,7 +43,6 @@ MEETING = 1e-9
 SHRINK = 0.3
 NOTHING = 1e-5
 STEP = 1e-4
-MAX_MESHES = 6
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,14 +160,7 @@ Followable = TypeVar("Followable", Curve, SpecialCurve)
 
 def _with_duration(curve: Followable, guess: Array, s: int, duration: float) -> tuple[Followable, Solution]:
     """Return the orbit near ``guess`` whose segment ``s`` has ``duration``, on a mesh that suits it."""
-    for _ in range(MAX_MESHES):
-        if not curve.holds(guess):
-            curve, guess, _ = curve.refit(guess, [], solved=False)
-        solution = correct_at(curve, guess, place_of(curve, s), duration, curve.metric(), NewtonSettings())
-        if curve.suits(solution.x):
-            return curve, solution
-        curve, guess, _ = curve.refit(solution.x, [], solved=True)
-    raise ConvergenceError("the mesh does not settle")
+    return settled(curve, guess, lambda c, g: correct_at(c, g, place_of(c, s), duration, c.metric(), NewtonSettings()))
 
 
 def leave(curve: Curve, x: Array, rule: MeshRule, s: int) -> tuple[OrbitProblem, Array]:

@@ -11,15 +11,15 @@ from numpy.typing import NDArray
 
 from pddecont.continuation.arclength import Metric, Problem, correct, correct_at, tangent_of
 from pddecont.continuation.ending import End, Termination
-from pddecont.continuation.locate import MAX_MESHES, Chord, Located
-from pddecont.continuation.newton import NewtonSettings
+from pddecont.continuation.locate import Chord, Located
+from pddecont.continuation.newton import NewtonSettings, Solution
+from pddecont.continuation.settling import MAX_MESHES, UNSETTLED, settled
 from pddecont.continuation.special import Seen, Watch, look, specials_between
 from pddecont.errors import ConvergenceError
 
 Array = NDArray[np.float64]
 AT_START = 1e-4
 NEAR = 0.02
-UNSETTLED = "the mesh does not settle: a delayed value is read across a jump of the state here, or 'mesh: {tol}' is too small"
 
 
 class Impossible(ConvergenceError):
@@ -211,17 +211,13 @@ def _refuse(problem: Any, x: Array) -> None:
 
 def _land(state: State, reached: Located, index: int, value: float, fraction: float, settings: StepSettings) -> Located:
     """Return the point between two at which outline unknown ``index`` has ``value``."""
-    problem = reached.problem
-    guess = (1.0 - fraction) * problem.carry(state.problem, state.x) + fraction * reached.x
-    if not problem.holds(guess):
-        problem, guess, _ = problem.refit(guess, [], solved=False)
-    for _ in range(MAX_MESHES):
-        place = int(problem.outline_index()[index])
-        solution = correct_at(problem, guess, place, value, problem.metric(), settings.newton)
-        if problem.suits(solution.x):
-            return Located(problem, solution.x, solution)
-        problem, guess, _ = problem.refit(solution.x, [], solved=True)
-    raise ConvergenceError(UNSETTLED)
+    guess = (1.0 - fraction) * reached.problem.carry(state.problem, state.x) + fraction * reached.x
+
+    def solve(problem: Any, from_: Array) -> Solution:
+        return correct_at(problem, from_, int(problem.outline_index()[index]), value, problem.metric(), settings.newton)
+
+    problem, solution = settled(reached.problem, guess, solve)
+    return Located(problem, solution.x, solution)
 
 
 def _next_step(step: float, n_iterations: int, cosine: float, settings: StepSettings) -> float:

@@ -14,6 +14,7 @@ from scipy.interpolate import BarycentricInterpolator
 
 from pddecont.continuation.arclength import bordered
 from pddecont.continuation.newton import NewtonSettings, Solution
+from pddecont.continuation.settling import settled
 from pddecont.errors import ConvergenceError
 
 Array = NDArray[np.float64]
@@ -22,7 +23,6 @@ JUMP_TOL = 1e-5
 AGREE = 1e-3
 # Where interpolation takes its points, from one side to the other, none near the middle.
 AROUND = np.array([-1.0, -0.8, -0.55, -0.3, 0.3, 0.55, 0.8, 1.0])
-MAX_MESHES = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,13 +151,10 @@ class Chord:
 
 
 def _correct(problem: Any, guess: Array, outline_row: Array, level: float, settings: NewtonSettings) -> Located:
-    if not problem.holds(guess):
-        problem, guess, _ = problem.refit(guess, [], solved=False)
-    for _ in range(MAX_MESHES):
-        row = np.zeros(len(guess))
-        row[problem.outline_index()] = outline_row
-        solution = bordered(problem, row, level, guess, problem.metric(), settings)
-        if problem.suits(solution.x):
-            return Located(problem, solution.x, solution)
-        problem, guess, _ = problem.refit(solution.x, [], solved=True)
-    raise ConvergenceError("the mesh does not settle")
+    def solve(on_mesh: Any, from_: Array) -> Solution:
+        row = np.zeros(len(from_))
+        row[on_mesh.outline_index()] = outline_row
+        return bordered(on_mesh, row, level, from_, on_mesh.metric(), settings)
+
+    problem, solution = settled(problem, guess, solve)
+    return Located(problem, solution.x, solution)

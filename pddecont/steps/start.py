@@ -13,6 +13,7 @@ from pddecont.bifurcation.conditioned import Condition, SpecialCurve
 from pddecont.continuation.arclength import correct, tangent, tangent_of
 from pddecont.continuation.branch import State
 from pddecont.continuation.newton import NewtonSettings
+from pddecont.continuation.settling import settled
 from pddecont.errors import ConvergenceError, InputError, RunError, SignatureError
 from pddecont.orbit.curve import Curve, settle, sizes_of
 from pddecont.orbit.monitors import Monitor
@@ -28,7 +29,6 @@ SLOW = 1e-6
 SHORT = 1e-6
 EDGE = 1e-9
 STILL = 1e-6
-MAX_MESHES = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,18 +162,9 @@ def _entered(task: Task, problem: OrbitProblem, guess: Array, kind: str) -> Star
 
 def _special(task: Task, problem: OrbitProblem, guess: Array, kind: str, note: str) -> Start:
     curve, x = _curve(task, problem, guess)
-    special = SpecialCurve(curve, condition_of(task, curve, x, kind, note))
-    for _ in range(MAX_MESHES):
-        if not special.holds(x):
-            special, x, _ = special.refit(x, [], solved=False)
-        along = special.along(x)
-        solution = correct(special, x, along, special.metric(), NewtonSettings())
-        if special.suits(solution.x):
-            break
-        special, x, _ = special.refit(solution.x, [], solved=True)
-    else:
-        raise ConvergenceError("no mesh reaches the tolerance at its start; raise 'mesh: {tol}' or the degree")
-    direction = tangent_of(solution, special.metric(), along)
+    special, solution = settled(SpecialCurve(curve, condition_of(task, curve, x, kind, note)), x,
+                                lambda c, g: correct(c, g, c.along(g), c.metric(), NewtonSettings()))  # fmt: skip
+    direction = tangent_of(solution, special.metric(), special.along(solution.x))
     moves = direction[special.problem.layout.free] / np.array(task.widths)
     forward = next((float(np.sign(m)) for m in moves if abs(m) > STILL * np.max(np.abs(moves))), 1.0)
     return Start(_state(task, special, solution.x, forward * direction), kind)
@@ -190,6 +181,8 @@ def condition_of(task: Task, curve: Curve, x: Array, kind: str, note: str) -> Co
     if kind == torus.KIND:
         own = known(problem, x).own
         upper = own[own.imag > 0.0]
+        if not len(upper):
+            raise ConvergenceError("no complex pair of multipliers is left at this point")
         return torus.Torus(known, complex(upper[np.argmin(np.abs(np.abs(upper) - 1.0))]))
     if kind == user.KIND:
         monitor = next((m for m in task.users if m.name == note), None)
