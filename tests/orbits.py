@@ -8,7 +8,8 @@ import numpy as np
 
 from pddecont.model.document import parse_document
 from pddecont.orbit.curve import settle
-from pddecont.simulate.integrate import Tolerances, simulate
+from pddecont.simulate.integrate import simulate
+from pddecont.simulate.simulator import Method
 from pddecont.steps.context import Context, Silent
 from pddecont.steps.orbit import first_guess
 from pddecont.steps.plan import load_plan
@@ -32,7 +33,7 @@ def decay(problem, x, n_periods):
     Its distances d_k from where it ends, one period apart, obey d_{k+1} = r d_k, or where two multipliers show d_{k+2} = s d_{k+1} - p d_k.
     """
     period = problem.period(x)
-    trajectory = simulate(problem.numeric, problem.parameters, problem.delay, (n_periods + 0.4) * period, Tolerances(1e-11, 1e-13))
+    trajectory = simulate(problem.numeric, problem.parameters, problem.delay, (n_periods + 0.4) * period, Method(1e-11, 1e-13))
     z = np.array([trajectory((k + 0.37) * period) for k in range(n_periods)])
     d = z - z[-1]
     size = np.max(np.abs(d), axis=1)

@@ -86,7 +86,8 @@ class Progress:
         self.quiet = quiet
         self.moving = not quiet and sys.stderr.isatty()
         self.console: Any = None
-        self.status: Any = None
+        self.bar: Any = None
+        self.task: Any = None
         self.name = ""
         if self.moving:
             from rich.console import Console
@@ -98,17 +99,28 @@ class Progress:
         self.name = name
         if self.quiet:
             return
-        if self.moving:
-            self.status = self.console.status(f"{name}: {kind}")
-            self.status.start()
-        else:
+        if not self.moving:
             say(f"{name}: {kind} ...")
+            return
+        from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeRemainingColumn
+
+        self.bar = Progress(SpinnerColumn(), TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[rate]}"),
+                            TimeRemainingColumn(), console=self.console, transient=True)  # fmt: skip
+        self.task = self.bar.add_task(f"{name}: {kind}", total=None, rate="")
+        self.bar.start()
 
     def progress(self, text: str, fraction: float | None = None) -> None:
         """Hear how far a step is."""
-        if self.status is not None:
-            share = "" if fraction is None else f" ({100 * fraction:.0f} %)"
-            self.status.update(f"{self.name}: {text}{share}")
+        if self.bar is not None:
+            share = {} if fraction is None else {"completed": 100 * fraction, "total": 100}
+            self.bar.update(self.task, description=f"{self.name}: {text}", **share)
+
+    def advance(self, done: int, total: int, what: str) -> None:
+        """Hear how many of a number of like things are done."""
+        if self.bar is not None:
+            elapsed = self.bar.tasks[0].elapsed or 0.0
+            rate = f"{done / elapsed:.3g} a second" if elapsed else ""
+            self.bar.update(self.task, description=f"{self.name}: {done} of {total} {what}", completed=done, total=total, rate=rate)
 
     def done(self, text: str) -> None:
         """Hear how a step ended."""
@@ -119,6 +131,6 @@ class Progress:
 
     def stop(self) -> None:
         """Clear the moving line."""
-        if self.status is not None:
-            self.status.stop()
-            self.status = None
+        if self.bar is not None:
+            self.bar.stop()
+            self.bar = None

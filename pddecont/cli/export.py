@@ -10,7 +10,7 @@ import click
 
 from pddecont.cli.console import plain, print_json
 
-TABLES = ("points", "special", "orbit", "multipliers", "trajectory", "events")
+TABLES = ("points", "special", "orbit", "multipliers", "trajectory", "events", "returns", "cells")
 
 
 @click.command("export")
@@ -24,13 +24,14 @@ def command(file: str, step: str | None, name: str, label: str | None, index: in
     """Write a table of results file FILE to standard output."""
     from pddecont.errors import ResultsError
     from pddecont.results.reader import read_results
+    from pddecont.results.tables import TABLES as KINDS
     from pddecont.results.tables import has_multipliers, table
 
     if label is not None and index is not None:
         raise click.UsageError("--label and --index exclude each other")
     results = read_results(file)
     if step is None:
-        wanted = ("simulate",) if name in ("trajectory", "events") else ("orbit", "continue")
+        wanted = KINDS[name]
         candidates = [s for s in results.steps.values() if s.kind in wanted]
         if not candidates:
             raise ResultsError(f"{file} has no step with a table '{name}' (steps: {', '.join(results.steps) or 'none'})")

@@ -8,7 +8,7 @@ import click
 
 from pddecont.cli.console import say
 
-KINDS = ("diagram", "plane", "manifold", "multipliers", "orbit", "profile", "trajectory")
+KINDS = ("diagram", "plane", "manifold", "multipliers", "orbit", "profile", "trajectory", "sweep", "basin")
 
 
 @click.command("plot")
@@ -36,6 +36,8 @@ def command(file: str, output: Path | None, steps: tuple[str, ...], kind: str | 
       orbit        orbits in the plane of two states
       profile      states over one period
       trajectory   a simulation
+      sweep        a brute-force diagram: returns over a parameter, with branches in it and Lyapunov exponents below it
+      basin        the map of basins of attraction
     """  # noqa: D301 - click's mark for text that is not wrapped anew
     from pddecont.plot.choice import View
     from pddecont.plot.figure import draw

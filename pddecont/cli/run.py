@@ -19,10 +19,13 @@ from pddecont.cli.console import Progress, print_json, say
 @click.option("--until", metavar="STEP", help="Stop after this step.")
 @click.option("--resume", is_flag=True, help="Go on with an output that exists.")
 @click.option("--overwrite", is_flag=True, help="Replace an output that exists.")
+@click.option("--workers", type=click.IntRange(1), default=1, show_default=True, metavar="N", help="Cores for sweeps and basins.")
+@click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler whose workers do sweeps and basins, such as tcp://host:8786.")
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors and warnings.")
 @click.option("--json", "as_json", is_flag=True, help="Write one JSON document on what was computed to standard output.")
 def command(file: str, output: Path | None, assignments: tuple[str, ...], without: tuple[str, ...], only: str | None,
-            until: str | None, resume: bool, overwrite: bool, quiet: bool, as_json: bool) -> None:  # fmt: skip
+            until: str | None, resume: bool, overwrite: bool, workers: int, scheduler: str | None, quiet: bool,
+            as_json: bool) -> None:  # fmt: skip
     """Do the steps of run file FILE, or of the run block of model FILE.
 
     FILE is a path, '-' for standard input, or the name of a shipped model or run.
@@ -42,7 +45,8 @@ def command(file: str, output: Path | None, assignments: tuple[str, ...], withou
     path = output or Path(f"{stem}.h5")
     progress = Progress(quiet or as_json)
     try:
-        execute(plan, path, progress, resume=resume, overwrite=overwrite, only=only, until=until)
+        execute(plan, path, progress, resume=resume, overwrite=overwrite, only=only, until=until, workers=workers,
+                scheduler=scheduler)
     finally:
         progress.stop()
     if as_json:

@@ -106,6 +106,20 @@ class Model:
         """Return the scope of an expression in the parameters alone."""
         return Scope({name: symbol(name) for name in self.parameters}, time=False, place=place)
 
+    def delayed_value(self, state: str, delay: sympy.Expr) -> sympy.Expr:
+        """Return the symbol of a delayed value that the model itself reads; raise :class:`ExpressionError` for any other."""
+        if delay == 0:
+            return symbol(state)
+        for i, k in self.delayed:
+            if self.states[i] == state and self.delays[k] == delay:
+                return delayed_symbol(state, delay)
+        known = ", ".join(s.name for s in self.delayed_symbols)
+        raise ExpressionError(f"only delayed values that the model itself reads can be used here ({known or 'none'})")
+
+    def history_scope(self) -> Scope:
+        """Return the scope of an expression for the history before the start: parameters and t."""
+        return Scope({name: symbol(name) for name in self.parameters}, place="the initial history")
+
     def evaluate(self, expr: sympy.Expr, values: Mapping[str, float] | None = None) -> float:
         """Return the number that an expression in the parameters stands for."""
         numbers = {symbol(k): v for k, v in {**self.parameters, **(values or {})}.items()}

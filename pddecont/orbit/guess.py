@@ -32,9 +32,9 @@ def orbit_from_cycle(numeric: NumericModel, p: Array, delay: DelayMethod, cycle:
     mesh = new_mesh(bare, theta, rule)
     times = cycle.times[0] + mesh.base_times(theta)
     values = np.empty((mesh.n_base, numeric.n_states))
-    for s, arc in enumerate(cycle.arcs):
+    for s in range(len(segments)):
         inside = slice(mesh.first_base[s], mesh.last_base[s] + 1)
-        values[inside] = [arc(t) for t in times[inside]]
+        values[inside] = cycle.states(s, times[inside])
     reference = values if not cycle.signature and not model.forced else None
     problem = replace(bare, mesh=mesh, reference=reference)
     return problem, problem.layout.join(values, durations, start, np.zeros(0))

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from pddecont.errors import suggest
 from pddecont.model.codegen import ArrayFunction, NumericModel, ParameterFunction
 from pddecont.model.expression import ExpressionError, Scope, build, parse
-from pddecont.model.system import Model, delayed_symbol, symbol
+from pddecont.model.system import symbol
 from pddecont.orbit.admissibility import closest_approach
 from pddecont.orbit.extrema import profile
 from pddecont.orbit.mesh import Places
@@ -48,7 +48,7 @@ def parse_monitor(numeric: NumericModel, name: str, text: str | float, others: M
         symbols.append(sympy.Symbol(f"measure {len(measures)}", real=True))
         return symbols[-1]
 
-    inner = model.scope("a monitor", delayed=_known_delays(model))
+    inner = model.scope("a monitor", delayed=model.delayed_value)
 
     def along(reduce: Callable[[OrbitProblem, Array, ArrayFunction], float]) -> Callable[[ast.Call, Scope], sympy.Expr]:
         def builtin(node: ast.Call, _: Scope) -> sympy.Expr:
@@ -95,19 +95,6 @@ def parse_monitor(numeric: NumericModel, name: str, text: str | float, others: M
 
 def _nothing(problem: OrbitProblem, x: Array) -> float:
     return 0.0
-
-
-def _known_delays(model: Model) -> Callable[[str, sympy.Expr], sympy.Expr]:
-    def delayed(state: str, delay: sympy.Expr) -> sympy.Expr:
-        if delay == 0:
-            return symbol(state)
-        for i, k in model.delayed:
-            if model.states[i] == state and model.delays[k] == delay:
-                return delayed_symbol(state, delay)
-        known = ", ".join(delayed_symbol(model.states[i], model.delays[k]).name for i, k in model.delayed)
-        raise ExpressionError(f"a monitor reads only delayed values that the model itself uses ({known or 'none'})")
-
-    return delayed
 
 
 def _only(node: ast.Call) -> ast.expr:

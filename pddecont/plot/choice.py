@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from pddecont.errors import ResultsError
-from pddecont.plot.columns import default_height, free_of
+from pddecont.plot.columns import agree, default_height, free_of
 from pddecont.plot.diagram import special_rows
 from pddecont.plot.manifold import signals, within_plane
 from pddecont.results.reader import Results, Step
 from pddecont.results.tables import has_multipliers
 
 # Views that show one step at a time.
-SINGLE = ("orbit", "profile", "trajectory", "multipliers")
+SINGLE = ("orbit", "profile", "trajectory", "multipliers", "basin")
 MAX_PANELS = 6
 
 
@@ -33,7 +33,7 @@ def kinds_for(step: Step) -> tuple[str, ...]:
     """Return the views of a step, the one that suits it best first."""
     if step.kind == "continue" and len(free_of(step)) == 2:
         return "plane", "diagram", "manifold", "orbit", "profile", "multipliers"
-    return {"simulate": ("trajectory",), "orbit": ("orbit", "profile", "multipliers"),
+    return {"simulate": ("trajectory",), "sweep": ("sweep",), "basin": ("basin",), "orbit": ("orbit", "profile", "multipliers"),
             "continue": ("diagram", "orbit", "profile", "multipliers", "manifold")}.get(step.kind, ())  # fmt: skip
 
 
@@ -51,6 +51,8 @@ def choose(results: Results, view: View) -> tuple[str, list[Step]]:
 def _asked(results: Results, view: View) -> tuple[str, list[Step]]:
     steps = [results.step(name) for name in dict.fromkeys(view.steps)]
     kind = view.kind or next(iter(kinds_for(steps[-1])), "")
+    if kind == "sweep":
+        return kind, _swept(steps)
     for step in steps:
         if not len(step):
             raise ResultsError(f"step '{step.name}' has no points yet")
@@ -68,7 +70,7 @@ def _asked(results: Results, view: View) -> tuple[str, list[Step]]:
 
 def _suitable(results: Results, view: View) -> tuple[str, list[Step]]:
     full = [s for s in results.steps.values() if len(s) and kinds_for(s)]
-    full = [s for kind in ("simulate", "orbit", "continue") for s in full if s.kind == kind]
+    full = [s for kind in ("simulate", "orbit", "basin", "sweep", "continue") for s in full if s.kind == kind]
     kind = view.kind or (kinds_for(full[-1])[0] if full else "")
     fit = [s for s in full if kind in kinds_for(s)]
     if not fit:
@@ -76,6 +78,8 @@ def _suitable(results: Results, view: View) -> tuple[str, list[Step]]:
         raise ResultsError(f"{results.path} holds nothing to draw{wanted} (steps: {', '.join(results.steps) or 'none'})")
     if kind == "multipliers":
         fit = [s for s in fit if has_multipliers(s)] or fit
+    if kind == "sweep":
+        return kind, _swept([s for s in full if s.kind == "continue" or free_of(s) == free_of(fit[-1])])
     if kind in SINGLE:
         return kind, fit[-1:]
     if kind == "manifold" and view.x and view.y and {view.x, view.y} <= set(signals(fit[-1])):
@@ -87,6 +91,17 @@ def _suitable(results: Results, view: View) -> tuple[str, list[Step]]:
         return kind, found
     fit = [s for s in fit if kind != "diagram" or len(free_of(s)) == 1] or fit
     return kind, [s for s in fit if set(free_of(s)) == set(free_of(fit[-1]))]
+
+
+def _swept(steps: list[Step]) -> list[Step]:
+    """Return the sweeps among ``steps``, after the branches in the same parameter that may be drawn over them."""
+    sweeps = [s for s in steps if s.kind == "sweep" and len(s)]
+    if not sweeps:
+        raise ResultsError("a brute-force diagram needs a sweep step with points")
+    free = free_of(sweeps[-1])
+    others = [name for name in sweeps[-1].meta["parameters"] if name not in free]
+    branches = [s for s in steps if s.kind == "continue" and len(s) and free_of(s) == free and agree(s, sweeps[-1], others)]
+    return [*branches, *sweeps]
 
 
 def pair(steps: list[Step], view: View) -> tuple[str, str]:

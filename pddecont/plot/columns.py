@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -50,3 +51,13 @@ def title(step: Step, row: int) -> str:
     """Return a point's label and its free parameters."""
     values = [f"{label(name)} = {column(step, name)[row]:.6g}" for name in free_of(step)]
     return "  ".join([t for t in (step.labels[row],) if t] + values)
+
+
+def agree(step: Step, other: Step, names: Sequence[str]) -> bool:
+    """Whether parameters have one value on two steps."""
+
+    def value(s: Step, name: str) -> float:
+        return float(s.points["parameters"][0, list(s.meta["parameters"]).index(name)])
+
+    return all(name in step.meta["parameters"] and np.isclose(value(step, name), value(other, name), rtol=1e-9, atol=1e-12)
+               for name in names)  # fmt: skip

@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 
 from pddecont.errors import ResultsError
+from pddecont.plot.basin import draw_basin
+from pddecont.plot.brute_force import draw_branches, draw_classes, draw_exponents, draw_returns, has_exponents
 from pddecont.plot.choice import View, choose, chosen_rows, height, pair
 from pddecont.plot.columns import default_columns, free_of, title
 from pddecont.plot.diagram import draw_diagram
@@ -44,7 +46,7 @@ def picture(results: Results, view: View) -> Any:
     """Return ``view`` of a results file as a matplotlib figure."""
     kind, steps = choose(results, view)
     views = {"diagram": _diagram, "plane": _plane, "manifold": _manifold, "multipliers": _multipliers, "orbit": _orbits,
-             "profile": _profiles, "trajectory": _trajectory}  # fmt: skip
+             "profile": _profiles, "trajectory": _trajectory, "sweep": _sweep, "basin": _basin}  # fmt: skip
     return views[kind](steps, view)
 
 
@@ -153,7 +155,38 @@ def _profiles(steps: list[Step], view: View) -> Any:
     return figure
 
 
+def _sweep(steps: list[Step], view: View) -> Any:
+    """Return the brute-force diagram, with Lyapunov exponents below it where they were computed."""
+    sweeps, branches = [s for s in steps if s.kind == "sweep"], [s for s in steps if s.kind == "continue"]
+    free = free_of(sweeps[-1])
+    if len(free) == 2:
+        figure = _figure(6.4, 5.0)
+        axes = figure.subplots()
+        return _finished(figure, axes, [], draw_classes(axes, sweeps[-1], view.x or free[0], view.y or free[1]))
+    x, y = view.x or free[0], view.y or sweeps[-1].meta["states"][0]
+    measured = [s for s in sweeps if has_exponents(s)]
+    figure = _figure(7.4, 6.6 if measured else 4.6)
+    panels = figure.subplots(2 if measured else 1, sharex=True, squeeze=False, height_ratios=[2, 1] if measured else [1])[:, 0]
+    handles = draw_returns(panels[0], sweeps, x, y) + draw_branches(panels[0], branches, sweeps[-1], x, y)
+    if measured:
+        panels[0].set_xlabel("")
+        draw_exponents(panels[1], measured, x)
+    return _finished(figure, panels[0], [], handles)
+
+
+def _basin(steps: list[Step], view: View) -> Any:
+    figure = _figure(6.4, 5.4)
+    axes = figure.subplots()
+    return _finished(figure, axes, [], draw_basin(axes, steps[0]))
+
+
 def _trajectory(steps: list[Step], view: View) -> Any:
-    figure = _figure(8.5, 3.6)
-    draw_trajectory(figure.subplots(), steps[0], [view.y] if view.y else list(steps[0].meta["states"])[:2])
+    """Return a panel for each of a trajectory's first states and its signals, or for the one that was asked for."""
+    step = steps[0]
+    names = [view.y] if view.y else [*list(step.meta["states"])[:2], *step.meta.get("signals", [])]
+    figure = _figure(8.5, 1.2 + 2.2 * len(names))
+    panels = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
+    for axes, name in zip(panels, names, strict=True):
+        draw_trajectory(axes, step, name)
+    panels[-1].set_xlabel(label("t"))
     return figure

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from pddecont.plot.columns import column, free_of
+from pddecont.plot.columns import agree, column, free_of
 from pddecont.plot.diagram import special_rows
 from pddecont.plot.plane import curve_colour, curve_handles
 from pddecont.plot.stretches import colouring, stretches, style_handles
@@ -31,12 +31,7 @@ def within_plane(steps: Sequence[Step], x: str, y: str) -> list[Step]:
         return []
     first = (curves or branches[-1:])[0]
     others = [name for name in first.meta["parameters"] if name not in (x, y)]
-    return [*(s for s in curves if _agree(s, first, others)), *(s for s in branches if _agree(s, first, others))]
-
-
-def _agree(step: Step, other: Step, names: Sequence[str]) -> bool:
-    return all(name in step.meta["parameters"] and np.isclose(column(step, name)[0], column(other, name)[0], rtol=1e-9, atol=1e-12)
-               for name in names)  # fmt: skip
+    return [*(s for s in curves if agree(s, first, others)), *(s for s in branches if agree(s, first, others))]
 
 
 def draw_manifold(axes: Any, steps: Sequence[Step], x: str, y: str, z: str) -> tuple[list[Tag], list[Any]]:

@@ -81,15 +81,19 @@ def draw_profile(axes: Any, step: Step, row: int, states: list[str], title: str 
         axes.set_title(title, fontsize=9.5)
 
 
-def draw_trajectory(axes: Any, step: Step, states: list[str], last: float | None = None) -> None:
-    """Draw a trajectory's states over time; ``last`` shows only the end of it."""
+def draw_trajectory(axes: Any, step: Step, name: str) -> None:
+    """Draw a state or a signal of a trajectory over time; dashed lines stand where parameters change."""
     rows = step.orbit(0)
-    t = rows["time"]
-    shown = t >= (t[-1] - last if last else t[0])
-    for k, state in enumerate(states):
-        axes.plot(t[shown], rows["states"][shown, state_index(step, state)], color=COLOURS[k % len(COLOURS)], lw=0.9,
-                  label=label(state))  # fmt: skip
-    axes.set_xlabel(label("t"))
-    axes.set_ylabel(", ".join(label(s) for s in states))
-    if len(states) > 1:
-        axes.legend(fontsize=8)
+    states, signals = list(step.meta["states"]), list(step.meta.get("signals", []))
+    if name in signals:
+        values = rows["signals"][:, signals.index(name)]
+    elif name in states:
+        values = rows["states"][:, states.index(name)]
+    else:
+        known = [*states, *signals]
+        raise ResultsError(f"step '{step.name}' has no state or signal '{name}'{suggest(name, known)} (there are: {', '.join(known)})")
+    axes.plot(rows["time"], values, color=COLOURS[(states + signals).index(name) % len(COLOURS)], lw=0.9)
+    for t in step.meta.get("changes", []):
+        if t >= rows["time"][0]:
+            axes.axvline(t, color="0.3", lw=0.9, ls="--")
+    axes.set_ylabel(label(name))

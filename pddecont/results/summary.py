@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from pddecont.results.attractors import class_of
 from pddecont.results.reader import Results, Step
 
 WORDS = {
@@ -29,6 +30,9 @@ def step_summary(step: Step) -> dict[str, Any]:
         "name": step.name, "kind": step.kind, "n_points": len(step), "done": step.done,
         "special": [step.labels[i] for i in step.order if step.labels[i]], "termination": list(step.termination),
     }  # fmt: skip
+    if step.kind in ("sweep", "basin"):
+        found = [class_of(step, i) for i in range(len(step)) if step.labels[i]]
+        return result | {"special": [], "attractors": {name: found.count(name) for name in dict.fromkeys(found)}}
     free = step.meta.get("free") or []
     if len(free) == 2:
         result |= {"free": list(free), "curve": step.meta.get("curve") or None}

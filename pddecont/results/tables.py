@@ -8,10 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.errors import ResultsError
+from pddecont.results.attractors import attractor_rows, cell_rows, return_rows
 from pddecont.results.reader import Step
 
 Row = dict[str, Any]
-TABLES = ("points", "special", "orbit", "multipliers", "trajectory", "events")
+ORBITS, ATTRACTORS = ("orbit", "continue"), ("sweep", "basin")
+# The steps that have each table.
+TABLES = {"points": (*ORBITS, *ATTRACTORS), "special": ORBITS, "orbit": ORBITS, "multipliers": ORBITS, "trajectory": ("simulate",),
+          "events": ("simulate",), "returns": ATTRACTORS, "cells": ("basin",)}  # fmt: skip
 
 
 def table(step: Step, name: str, row: int | None = None) -> list[Row]:
@@ -22,11 +26,11 @@ def table(step: Step, name: str, row: int | None = None) -> list[Row]:
     ResultsError
         If this kind of step has no such table, or the step no such point, or its multipliers were not computed.
     """
-    kinds = {"points": ("orbit", "continue"), "special": ("orbit", "continue"), "orbit": ("orbit", "continue"),
-             "multipliers": ("orbit", "continue"), "trajectory": ("simulate",), "events": ("simulate",)}  # fmt: skip
-    if step.kind not in kinds[name]:
-        has = ", ".join(t for t in TABLES if step.kind in kinds[t])
+    if step.kind not in TABLES[name]:
+        has = ", ".join(t for t, kinds in TABLES.items() if step.kind in kinds)
         raise ResultsError(f"step '{step.name}' is a {step.kind} step and has no table '{name}' (it has: {has})")
+    if step.kind in ATTRACTORS:
+        return {"points": attractor_rows, "returns": return_rows, "cells": cell_rows}[name](step)
     if name in ("points", "special"):
         rows = point_rows(step)
         return [r for r in rows if r["label"]] if name == "special" else rows
@@ -96,9 +100,10 @@ def note(step: Step, i: int) -> str:
 def trajectory_rows(step: Step, i: int) -> list[Row]:
     """Return one row a time of a trajectory."""
     rows = step.orbit(i)
-    names, modes = step.meta["states"], step.meta["modes"]
+    names, modes = [*step.meta["states"], *step.meta.get("signals", [])], step.meta["modes"]
+    values = np.hstack([rows["states"], rows["signals"]]) if "signals" in rows else rows["states"]
     return [{"t": float(t), "mode": modes[m], **dict(zip(names, map(float, z), strict=True))}
-            for t, m, z in zip(rows["time"], rows["mode"], rows["states"], strict=True)]  # fmt: skip
+            for t, m, z in zip(rows["time"], rows["mode"], values, strict=True)]  # fmt: skip
 
 
 def event_rows(step: Step, i: int) -> list[Row]:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from pddecont.errors import SignatureError
 from pddecont.model.codegen import NumericModel
-from pddecont.simulate.trajectory import Arc, Trajectory
+from pddecont.simulate.trajectory import Trajectory
 
 Array = NDArray[np.float64]
 MAX_PERIODS = 64
@@ -21,15 +21,20 @@ CLOSE = 1e-4
 class Cycle:
     """The last period of a trajectory.
 
-    ``signature`` names its segments (empty: no events), ``times`` (S + 1,) bounds them, ``arcs`` holds their dense output,
+    ``signature`` names its segments (empty: no events), ``times`` (S + 1,) bounds them, ``arcs`` numbers them in the trajectory,
     ``n_periods`` counts forcing periods (1 for an autonomous model), ``mode`` is the mode at its start.
     """
 
     signature: tuple[str, ...]
     times: Array
-    arcs: tuple[Arc, ...]
+    arcs: tuple[int, ...]
     n_periods: int
     mode: str
+    trajectory: Trajectory
+
+    def states(self, segment: int, t: Array) -> Array:
+        """Return the states at times ``t`` in a segment, shape (n_times, n_states)."""
+        return self.trajectory.in_arc(self.arcs[segment], t)
 
 
 def recognise(numeric: NumericModel, p: Array, trajectory: Trajectory) -> Cycle:
@@ -42,7 +47,7 @@ def recognise(numeric: NumericModel, p: Array, trajectory: Trajectory) -> Cycle:
     """
     if numeric.model.forced:
         return _forced(trajectory, float(numeric.period.value(p)[0]))
-    if trajectory.events:
+    if len(trajectory.events):
         return _by_events(trajectory)
     return _by_section(trajectory)
 
@@ -53,9 +58,9 @@ def _forced(trajectory: Trajectory, period: float) -> Cycle:
     if most < 1:
         raise SignatureError(f"the trajectory is shorter than two forcing periods ({period:.6g}); raise 't_end'")
     offsets = np.linspace(0.0, 1.0, 24, endpoint=False) * period
-    recent = np.array([trajectory(end - o) for o in offsets])
+    recent = trajectory(end - offsets)
     size = _size(recent)
-    distances = [_distance(recent, np.array([trajectory(end - o - k * period) for o in offsets]), size) for k in range(1, most + 1)]
+    distances = [_distance(recent, trajectory(end - offsets - k * period), size) for k in range(1, most + 1)]
     for k, distance in enumerate(distances, 1):
         if distance < CLOSE:
             cycle = _cycle_of(trajectory, end, k * period, k)
@@ -67,7 +72,7 @@ def _forced(trajectory: Trajectory, period: float) -> Cycle:
 
 def _between_events(trajectory: Trajectory, period: float) -> float:
     """Return a time near the end, away from events: there a state has two values, and returns could not be compared."""
-    times = [e.t for e in trajectory.events if e.t > trajectory.t_end - 3.0 * period]
+    times = trajectory.events.t[trajectory.events.t > trajectory.t_end - 3.0 * period]
     if len(times) < 2:
         return trajectory.t_end
     longest = int(np.argmax(np.diff(times)))
@@ -77,13 +82,11 @@ def _between_events(trajectory: Trajectory, period: float) -> float:
 def _cycle_of(trajectory: Trajectory, end: float, length: float, n_periods: int) -> Cycle | None:
     """Return the last ``length`` of the trajectory, from event to event; None if its events do not repeat."""
     events = trajectory.events
-    inside = [i for i, e in enumerate(events) if end - length < e.t <= end]
-    if not inside:
-        arc = trajectory.arcs[-1]
-        return Cycle((), np.array([end - length, end]), (arc,), n_periods, arc.mode)
-    q = len(inside)
-    last = inside[-1]
-    if last - q < 0 or abs(events[last].t - events[last - q].t - length) > 1e-3 * length:
+    inside = np.flatnonzero((end - length < events.t) & (events.t <= end))
+    if not len(inside):
+        return Cycle((), np.array([end - length, end]), (int(trajectory.arc[-1]),), n_periods, trajectory.mode[-1], trajectory)
+    q, last = len(inside), int(inside[-1])
+    if last - q < 0 or abs(events.t[last] - events.t[last - q] - length) > 1e-3 * length:
         return None
     return _from_events(trajectory, last - q, last, n_periods)
 
@@ -92,31 +95,29 @@ def _from_events(trajectory: Trajectory, first: int, last: int, n_periods: int) 
     """Return the cycle between two events, turned to begin with the segment that comes first in name and lasts longest."""
     events = trajectory.events
     count = last - first
-    names = [events[first + 1 + i].segment for i in range(count)]
-    lengths = [events[first + 1 + i].t - events[first + i].t for i in range(count)]
+    lengths = np.diff(events.t[first : last + 1])
     # The trajectory may hold one more turn before, so that any segment can be the first.
     turn = min(range(count), key=lambda i: (-lengths[i],))
     if first + turn - count >= 0:
         first = first + turn - count
-    names = [events[first + 1 + i].segment for i in range(count)]
-    times = np.array([events[first + i].t for i in range(count + 1)])
-    arcs = tuple(trajectory.arcs[first + 1 + i] for i in range(count))
-    return Cycle(tuple(names), times, arcs, n_periods, arcs[0].mode)
+    arcs = tuple(int(arc) for arc in events.arc[first : first + count])
+    return Cycle(events.segment[first + 1 : first + 1 + count], events.t[first : first + count + 1], arcs, n_periods,
+                 trajectory.mode_of(arcs[0]), trajectory)  # fmt: skip
 
 
 def _by_events(trajectory: Trajectory) -> Cycle:
     events = trajectory.events
-    states = np.array([e.after for e in events])
+    states = events.after
     size = _size(states[-200:])
     most = min(MAX_PERIODS * 4, (len(events) - 1) // 2)
     distances, lengths = [], []
     for q in range(1, most + 1):
-        same = all(events[-1 - i].segment == events[-1 - i - q].segment for i in range(q))
-        gaps = np.array([events[-1 - i].t - events[-1 - i - q].t for i in range(q)])
+        same = events.segment[-q:] == events.segment[-2 * q : -q]
+        gaps = events.t[-q:] - events.t[-2 * q : -q]
         distance = _distance(states[-q:], states[-2 * q : -q], size) if same else np.inf
         distance = max(distance, float(np.ptp(gaps) / np.max(gaps))) if same else np.inf
         distances.append(distance)
-        lengths.append(events[-1].t - events[-1 - q].t)
+        lengths.append(float(events.t[-1] - events.t[-1 - q]))
         if distance < CLOSE:
             return _from_events(trajectory, len(events) - 1 - q, len(events) - 1, 1)
     _refuse(distances, lengths, "events")
@@ -141,19 +142,20 @@ def _by_section(trajectory: Trajectory) -> Cycle:
             middle = 0.5 * (a + b)
             a, b = (middle, b) if trajectory(middle)[state] < level else (a, middle)
         passages.append(b)
-    points = np.array([trajectory(s) for s in passages])
+    points = trajectory(np.array(passages))
     distances, lengths = [], []
     for q in range(1, min(MAX_PERIODS, (len(passages) - 1) // 2) + 1):
         gaps = np.array([passages[-1 - i] - passages[-1 - i - q] for i in range(q)])
         distance = max(_distance(points[-q:], points[-2 * q : -q], swing), float(np.ptp(gaps) / np.max(gaps)))
         length = passages[-1] - passages[-1 - q]
         grid = np.linspace(0.0, length, 24)
-        here, there = (np.array([trajectory(passages[-1] - back - s) for s in grid]) for back in (0.0, length))
+        here, there = (trajectory(passages[-1] - back - grid) for back in (0.0, length))
         distance = max(distance, _distance(here, there, swing)) if passages[-1] - 2 * length > t[0] else np.inf
         distances.append(distance)
         lengths.append(length)
         if distance < CLOSE:
-            return Cycle((), np.array([passages[-1] - length, passages[-1]]), (trajectory.arcs[-1],), 1, trajectory.arcs[-1].mode)
+            times = np.array([passages[-1] - length, passages[-1]])
+            return Cycle((), times, (int(trajectory.arc[-1]),), 1, trajectory.mode[-1], trajectory)
     _refuse(distances, lengths, "passages")
     raise AssertionError
 

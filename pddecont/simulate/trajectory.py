@@ -1,114 +1,99 @@
-"""A trajectory: smooth arcs with dense output, joined by events."""
+"""A trajectory: the steps of an integration with their continuous extensions, and the events between them."""
 
 from __future__ import annotations
 
-from bisect import bisect_right
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
-class Step:
-    """One integration step's continuous extension (DOP853's, degree 7) for the model's states.
+class Events:
+    """Events in order: time, name of the segment that ended, states before and after the reset, the arc that began."""
 
-    It spans ``t0`` to ``t1`` and is part of the trajectory up to ``end``, which comes before ``t1`` where an event cuts the step.
+    t: Array
+    segment: tuple[str, ...]
+    before: Array
+    after: Array
+    arc: Integers
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """Steps of an integration.
+
+    Step i spans ``time[i]`` to ``time[i] + length[i]`` and belongs to the trajectory up to ``end[i]``, sooner where an event cuts it;
+    ``value`` (n_steps, n_states) and ``coefficients`` (n_steps, 7, n_states) make its continuous extension. Steps with one number
+    in ``arc`` lie between two events; ``mode`` is the arc's mode.
 
     Reference: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993), section II.6.
     """
 
-    t0: float
-    t1: float
-    y0: Array
+    time: Array
+    length: Array
+    end: Array
+    arc: Integers
+    mode: tuple[str, ...]
+    value: Array
     coefficients: Array
-    end: float
+    events: Events
+    n_steps: int
 
-    def __call__(self, t: float) -> Array:
-        """Return the states at ``t``, shape (n_states,)."""
-        s = (t - self.t0) / (self.t1 - self.t0)
-        y = np.zeros_like(self.y0)
-        for i, f in enumerate(reversed(self.coefficients)):
-            y += f
-            y *= s if i % 2 == 0 else 1.0 - s
-        return y + self.y0
-
-
-    def component(self, t: float, i: int) -> float:
-        """Return state ``i`` at ``t``."""
-        s = (t - self.t0) / (self.t1 - self.t0)
-        y = 0.0
-        for k, f in enumerate(reversed(self.columns[i])):
-            y = (y + f) * (s if k % 2 == 0 else 1.0 - s)
-        return y + self.columns_y0[i]
-
-    @cached_property
-    def columns(self) -> list[list[float]]:
-        """The coefficients of each state as plain numbers."""
-        return self.coefficients.T.tolist()
-
-    @cached_property
-    def columns_y0(self) -> list[float]:
-        """The states at the step's start as plain numbers."""
-        return self.y0.tolist()
-
-
-@dataclass(frozen=True, eq=False)
-class Happening:
-    """An event of a trajectory: the segment that it ended, states just before and just after the reset."""
-
-    t: float
-    segment: str
-    before: Array
-    after: Array
-
-
-@dataclass(eq=False)
-class Arc:
-    """The steps between two events, in one mode."""
-
-    mode: str
-    steps: list[Step] = field(default_factory=list)
-
-    def __call__(self, t: float) -> Array:
-        """Return the states at ``t``; times outside the arc give its ends' polynomials."""
-        i = bisect_right(self.steps, t, key=lambda s: s.t0) - 1
-        return self.steps[max(i, 0)](t)
-
-
-@dataclass(eq=False)
-class Trajectory:
-    """Arcs and the events between them; ``events[i]`` joins ``arcs[i]`` to ``arcs[i + 1]``."""
-
-    t0: float
-    arcs: list[Arc]
-    events: list[Happening]
-    n_steps: int = 0
+    @property
+    def t0(self) -> float:
+        """Time at which what is kept begins."""
+        return float(self.time[0])
 
     @property
     def t_end(self) -> float:
         """Time at which the trajectory ends."""
-        return self.arcs[-1].steps[-1].end if self.arcs[-1].steps else self.events[-1].t
+        return float(self.end[-1])
 
-    def arc_at(self, t: float) -> Arc:
-        """Return the arc that runs at ``t``; at an event the one that begins there."""
-        return self.arcs[bisect_right(self.events, t, key=lambda e: e.t)]
+    def __call__(self, t: float | Array) -> Array:
+        """Return the states at ``t``, shape (n_states,) or (n_times, n_states); at an event those after it."""
+        times = np.atleast_1d(np.asarray(t, dtype=float))
+        found = self._at(times, np.clip(np.searchsorted(self.time, times, side="right") - 1, 0, len(self.time) - 1))
+        return found if np.ndim(t) else found[0]
 
-    def __call__(self, t: float) -> Array:
-        """Return the states at ``t``, shape (n_states,)."""
-        return self.arc_at(t)(t)
+    def in_arc(self, arc: int, t: Array) -> Array:
+        """Return the states at times ``t`` in an arc, shape (n_times, n_states); times outside read its ends' polynomials."""
+        first, last = np.searchsorted(self.arc, arc), np.searchsorted(self.arc, arc, side="right")
+        if first == last:
+            # Two events at one moment: the arc between them has no length.
+            return np.repeat(self.events.after[self.events.arc == arc][:1], len(t), axis=0)
+        return self._at(t, np.clip(first + np.searchsorted(self.time[first:last], t, side="right") - 1, first, last - 1))
+
+    def mode_of(self, arc: int) -> str:
+        """Return the mode of an arc."""
+        return self.mode[min(int(np.searchsorted(self.arc, arc)), len(self.mode) - 1)]
+
+    def _at(self, t: Array, step: NDArray[np.intp]) -> Array:
+        s = ((t - self.time[step]) / self.length[step])[:, None]
+        y = np.zeros((len(t), self.value.shape[1]))
+        for i in range(self.coefficients.shape[1] - 1, -1, -1):
+            y = (y + self.coefficients[step, i]) * (s if i % 2 == 0 else 1.0 - s)
+        return y + self.value[step]
 
     def sampled(self, per_step: int = 4) -> tuple[Array, Array, list[str]]:
         """Return times, states (n_times, n_states) and modes, ``per_step`` times in every step, both sides of events."""
-        times, states, modes = [], [], []
-        for arc in self.arcs:
-            for i, step in enumerate(arc.steps):
-                first = 0 if i == 0 else 1
-                for t in np.linspace(step.t0, step.end, per_step + 1)[first:]:
-                    times.append(t)
-                    states.append(step(t))
-                    modes.append(arc.mode)
-        return np.array(times), np.array(states), modes
+        shares = np.arange(per_step + 1) / per_step
+        times = self.time[:, None] + shares * (self.end - self.time)[:, None]
+        times[:, -1] = self.end
+        steps = np.repeat(np.arange(len(self.time))[:, None], per_step + 1, axis=1)
+        shown = np.ones(times.shape, dtype=bool)
+        shown[1:, 0] = self.arc[1:] != self.arc[:-1]
+        times, steps = times[shown], steps[shown]
+        return times, self._at(times, steps), [self.mode[i] for i in steps]
+
+    def every(self, interval: float, t_from: float) -> tuple[Array, Array, list[str]]:
+        """Return times ``interval`` apart from ``t_from`` on, states (n_times, n_states) and modes."""
+        times = np.asarray(t_from + interval * np.arange(int((self.t_end - t_from) / interval * (1 + 1e-12)) + 1), dtype=np.float64)
+        steps = np.clip(np.searchsorted(self.time, times, side="right") - 1, 0, len(self.time) - 1)
+        return times, self._at(times, steps), [self.mode[i] for i in steps]

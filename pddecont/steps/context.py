@@ -19,6 +19,7 @@ from pddecont.orbit.record import from_rows, mesh_from_row
 from pddecont.results.reader import Results, read_results
 from pddecont.results.reader import Step as RecordedStep
 from pddecont.simulate.trajectory import Trajectory
+from pddecont.simulate.workers import Workers
 from pddecont.stability.multipliers import Known
 from pddecont.steps.plan import Plan, mesh_rule
 from pddecont.steps.schema import Source, Stability, Step
@@ -37,6 +38,10 @@ class Reporter(Protocol):
         """Hear how far a step is."""
         ...
 
+    def advance(self, done: int, total: int, what: str) -> None:
+        """Hear how many of a number of like things are done."""
+        ...
+
     def done(self, text: str) -> None:
         """Hear how a step ended."""
         ...
@@ -51,6 +56,9 @@ class Silent:
     def progress(self, text: str, fraction: float | None = None) -> None:
         """Hear how far a step is."""
 
+    def advance(self, done: int, total: int, what: str) -> None:
+        """Hear how many of a number of like things are done."""
+
     def done(self, text: str) -> None:
         """Hear how a step ended."""
 
@@ -62,6 +70,7 @@ class Context:
     plan: Plan
     path: Path
     reporter: Reporter
+    workers: Workers = field(default_factory=Workers)
     trajectories: dict[str, tuple[Trajectory, Array]] = field(default_factory=dict)
 
     def results(self) -> Results:
@@ -83,6 +92,13 @@ def source_step(context: Context, source: Source) -> tuple[RecordedStep, int]:
     if row >= len(recorded):
         raise ResultsError(f"step '{source.step}' of {results.path} has {len(recorded)} points, no index {row}")
     return recorded, row
+
+
+def attractor_step(context: Context, source: Source) -> RecordedStep | None:
+    """Return the sweep or basin step that a step starts from, or None if it starts from something else."""
+    results = context.results() if source.file is None else read_results(context.plan.base / source.file)
+    recorded = results.step(source.step)
+    return recorded if recorded.kind in ("sweep", "basin") else None
 
 
 def orbit_at(context: Context, step: Step, source: Source) -> tuple[OrbitProblem, Array]:

@@ -17,11 +17,11 @@ from pddecont.orbit.monitors import parse_monitor
 from pddecont.orbit.problem import OrbitProblem
 from pddecont.results.writer import StepWriter
 from pddecont.simulate.recognise import recognise
+from pddecont.simulate.trajectory import Trajectory
 from pddecont.stability.multipliers import describe
-from pddecont.steps.context import Context, known_multipliers, mesh_settings, orbit_at, settings_text
+from pddecont.steps.context import Context, attractor_step, known_multipliers, mesh_settings, orbit_at, settings_text
 from pddecont.steps.points import orbit_row, orbit_spec
 from pddecont.steps.schema import Step
-from pddecont.steps.simulate import integrate
 
 Array = NDArray[np.float64]
 POOR = 1e-3
@@ -35,11 +35,29 @@ def first_guess(context: Context, step: Step) -> tuple[OrbitProblem, Array]:
     source = body.from_
     above = {s.name: s for s in plan.run.steps}
     if source.file is None and above[source.step].kind == "simulate":
-        trajectory = integrate(context, above[source.step])
-        p = plan.step_parameters(step, context.trajectories[source.step][1])
-        cycle = recognise(plan.numeric, p, trajectory)
-        return orbit_from_cycle(plan.numeric, p, plan.delay_method(step), cycle, context.rule_of(step))
-    return orbit_at(context, step, source)
+        trajectory, p = _trajectory(context, above[source.step])
+    elif attractor_step(context, source) is not None:
+        trajectory, p = _from_attractor(context, step)
+    else:
+        return orbit_at(context, step, source)
+    p = plan.step_parameters(step, p)
+    cycle = recognise(plan.numeric, p, trajectory)
+    return orbit_from_cycle(plan.numeric, p, plan.delay_method(step), cycle, context.rule_of(step))
+
+
+def _trajectory(context: Context, source: Step) -> tuple[Trajectory, Array]:
+    """Return the trajectory of a simulate step and the parameters at its end."""
+    from pddecont.steps.simulate import integrate
+
+    return integrate(context, source), context.trajectories[source.name][1]
+
+
+def _from_attractor(context: Context, step: Step) -> tuple[Trajectory, Array]:
+    """Return a few periods of the attractor that a step starts from, and its parameters."""
+    from pddecont.steps.restart import attractor_trajectory
+
+    assert step.orbit is not None
+    return attractor_trajectory(context, step, step.orbit.from_)
 
 
 def run_orbit(context: Context, step: Step) -> None:

@@ -24,7 +24,7 @@ from pddecont.model.system import Model, check_signature, parse_model
 from pddecont.model.validation import validate
 from pddecont.orbit.meshing import MeshRule
 from pddecont.shipped.find import find
-from pddecont.steps.schema import Delay, Mesh, RunBlock, RunFile, Step
+from pddecont.steps.schema import Basin, Delay, Initial, Integration, Mesh, RunBlock, RunFile, Step, Sweep
 
 Array = NDArray[np.float64]
 COLUMNS = {"index", "label", "kind", "period", "stable", "admissible", "error_estimate", "n_unknowns", "n_unstable", "note"}
@@ -65,6 +65,11 @@ class Plan:
         """Return the number that an expression of the run file stands for at parameters ``p``."""
         values = dict(zip(self.model.parameters, self.parameters if p is None else p, strict=True))
         return self.model.evaluate(parse(text, self.model.parameter_scope("a run file")), values)
+
+    @staticmethod
+    def plain(text: str) -> str | float:
+        """Return the text of a key as a number where it is one."""
+        return _plain(text)
 
     def delay_method(self, step: Step) -> DelayMethod:
         """Return the way the delay is discretised in ``step``."""
@@ -229,6 +234,10 @@ class _Planner:
         self.check_source((*path, step.kind, "from"), step, earlier)
         if step.simulate:
             self.check_simulate((*path, "simulate"), step, values)
+        if step.sweep:
+            self.check_sweep((*path, "sweep"), step, values)
+        if step.basin:
+            self.check_basin((*path, "basin"), step, values)
         if step.orbit and step.orbit.signature is not None:
             self.check_signature((*path, "orbit", "signature"), step.orbit.signature)
         if step.continue_:
@@ -268,6 +277,11 @@ class _Planner:
                                 f"(steps above: {', '.join(earlier) or 'none'})")  # fmt: skip
             return
         kind = earlier[source.step].kind
+        if kind in ("sweep", "basin") and source.point is None and source.index is None:
+            self.complain(path, f"'{source.step}' holds many attractors; say which: {{step: {source.step}, point: A1}}")
+        if step.kind == "continue" and kind in ("sweep", "basin"):
+            self.complain(path, f"'{source.step}' holds attractors; put an orbit step between: "
+                                f"{{name: orbit, orbit: {{from: {{step: {source.step}, point: A1}}}}}}")  # fmt: skip
         if step.kind == "continue" and kind == "simulate":
             self.complain(path, f"'{source.step}' is a trajectory; put an orbit step between: "
                                 f"{{name: orbit, orbit: {{from: {source.step}}}}}")  # fmt: skip
@@ -276,18 +290,131 @@ class _Planner:
 
     def check_simulate(self, path: tuple[str | int, ...], step: Step, values: Mapping[str, float]) -> None:
         assert step.simulate is not None
-        t_end = self.formula((*path, "t_end"), step.simulate.t_end, values)
-        if t_end <= 0:
-            self.complain((*path, "t_end"), f"t_end is {t_end:g}; expected a positive time")
-        for name, text in step.simulate.initial.items():
-            here = (*path, "initial", name)
-            if name == "mode":
-                if text not in self.model.modes:
-                    self.complain(here, f"mode '{text}' is not defined (modes: {', '.join(self.model.modes)})")
-            elif name not in self.model.states:
-                self.complain(here, f"'{name}' is not a state{suggest(name, self.model.states)}", key=True)
+        body = step.simulate
+        t_end = self.positive_time((*path, "t_end"), body.t_end, values)
+        self.check_initial((*path, "initial"), body.initial, values)
+        self.check_integration(path, step, body)
+        for text, changes in body.at.items():
+            here = (*path, "at", text)
+            time = self.formula(here, _plain(text), values)
+            if not 0 < time < t_end:
+                self.complain(here, f"the time {time:g} does not lie between 0 and t_end, {t_end:g}", key=True)
+            for name, value in changes.items():
+                if name not in values:
+                    self.complain((*here, name), f"'{name}' is not a parameter{suggest(name, values)}", key=True)
+                else:
+                    self.formula((*here, name), value, values)
+        since = self.formula((*path, "record", "from"), body.record.from_, values)
+        if not 0 <= since < t_end:
+            self.complain((*path, "record", "from"), f"the time {since:g} does not lie between 0 and t_end, {t_end:g}")
+        scope = self.model.scope("a signal", delayed=self.model.delayed_value)
+        for name, formula in body.record.signals.items():
+            here = (*path, "record", "signals", name)
+            if name in self.model.states:
+                self.complain(here, f"'{name}' is a state already; give the signal another name", key=True)
+            try:
+                expr = parse(formula, scope)
+            except ExpressionError as exc:
+                self.complain(here, str(exc), offset=exc.offset)
+                continue
+            if (step.delay or self.run.delay).method == "chain" and expr.free_symbols & set(self.model.delayed_symbols):
+                self.complain(here, "a chain has no delayed values of its own to record; give this step 'delay: {method: direct}'")
+        if body.record.every is not None:
+            self.positive_time((*path, "record", "every"), body.record.every, values)
+
+    def positive_time(self, path: tuple[str | int, ...], text: str | float, values: Mapping[str, float]) -> float:
+        time = self.formula(path, text, values)
+        if time <= 0:
+            self.complain(path, f"{path[-1]} is {time:g}; expected a positive time")
+        return time
+
+    def check_initial(self, path: tuple[str | int, ...], initial: Initial, values: Mapping[str, float]) -> None:
+        if initial.mode is not None and initial.mode not in self.model.modes:
+            self.complain((*path, "mode"), f"mode '{initial.mode}' is not defined (modes: {', '.join(self.model.modes)})")
+        for name, text in initial.states.items():
+            if name not in self.model.states:
+                self.complain((*path, name), f"'{name}' is not a state{suggest(name, self.model.states)}", key=True)
             else:
-                self.formula(here, text, values)
+                self.formula((*path, name), text, values)
+        if not isinstance(initial.history, Mapping):
+            return
+        for name, text in initial.history.items():
+            here = (*path, "history", name)
+            if name not in self.model.states:
+                self.complain(here, f"'{name}' is not a state{suggest(name, self.model.states)}", key=True)
+            try:
+                parse(text, self.model.history_scope())
+            except ExpressionError as exc:
+                self.complain(here, str(exc), offset=exc.offset)
+
+    def check_integration(self, path: tuple[str | int, ...], step: Step, body: Integration) -> None:
+        for event, mode in body.stick.items():
+            if event not in self.model.events:
+                self.complain((*path, "stick", event), f"'{event}' is not an event{suggest(event, self.model.events)}", key=True)
+            if mode not in self.model.modes:
+                self.complain((*path, "stick", event), f"mode '{mode}' is not defined{suggest(mode, self.model.modes)} "
+                                                       f"(modes: {', '.join(self.model.modes)})")  # fmt: skip
+        delay = step.delay or self.run.delay
+        if delay.method == "chebyshev":
+            self.complain(path, "trajectories are computed with the delay itself or the chain, not with a Chebyshev delay line; give this "
+                                "step 'delay: {method: direct}'", key=True)  # fmt: skip
+
+    def check_settling(self, path: tuple[str | int, ...], step: Step, body: Sweep | Basin, values: Mapping[str, float]) -> None:
+        self.check_integration(path, step, body)
+        self.positive_time((*path, "transient"), body.transient, values)
+        if body.lyapunov and body.method == "stiff":
+            self.complain((*path, "lyapunov"), "Lyapunov exponents go with the explicit method; leave 'method: stiff' out")
+        section = body.section
+        if (section is None or section.phase is not None) and not self.model.forced:
+            events = next(iter(self.model.events), None)
+            example = f"{{event: {events}}}" if events else f"{{zero: {self.model.states[0]} - 1}}"
+            self.complain((*path, "section") if section else path, "the model has no forcing whose periods could count returns; say where "
+                          f"they are counted: 'section: {example}'", key=section is None)  # fmt: skip
+        if section is not None and section.event is not None and section.event not in self.model.events:
+            self.complain((*path, "section", "event"), f"'{section.event}' is not an event{suggest(section.event, self.model.events)} "
+                                                       f"(events: {', '.join(self.model.events) or 'none'})")  # fmt: skip
+        if section is not None and section.zero is not None:
+            try:
+                parse(section.zero, self.model.scope("a section"))
+            except ExpressionError as exc:
+                self.complain((*path, "section", "zero"), str(exc), offset=exc.offset)
+        for name, (low, high, n) in body.over.items():
+            here = (*path, "over", name)
+            ends = [self.formula((*here, k), text, values) for k, text in enumerate((low, high))]
+            if ends[0] > ends[1] or (ends[0] == ends[1] and n != 1):
+                self.complain(here, f"the range is empty: {ends[0]:g} is not below {ends[1]:g}")
+
+    def check_sweep(self, path: tuple[str | int, ...], step: Step, values: Mapping[str, float]) -> None:
+        body = step.sweep
+        assert body is not None
+        self.check_settling(path, step, body, values)
+        for name in body.over:
+            if name not in values:
+                self.complain((*path, "over", name), f"'{name}' is not a parameter{suggest(name, values)} "
+                                                     f"(parameters: {', '.join(values)})", key=True)  # fmt: skip
+        for i, initial in enumerate(body.initial):
+            self.check_initial((*path, "initial", i), initial, values)
+            if isinstance(initial.history, Mapping) and i and initial.history != body.initial[0].history:
+                self.complain((*path, "initial", i), "all initial states of a sweep share one history; give other histories a step of "
+                                                     "their own")  # fmt: skip
+        for name, limits in body.random.box.items() if body.random else ():
+            here = (*path, "random", "box", name)
+            if name not in self.model.states:
+                self.complain(here, f"'{name}' is not a state{suggest(name, self.model.states)}", key=True)
+            for k, text in enumerate(limits):
+                self.formula((*here, k), text, values)
+
+    def check_basin(self, path: tuple[str | int, ...], step: Step, values: Mapping[str, float]) -> None:
+        body = step.basin
+        assert body is not None
+        self.check_settling(path, step, body, values)
+        self.check_initial((*path, "initial"), body.initial, values)
+        for name in body.over:
+            if name not in self.model.states:
+                self.complain((*path, "over", name), f"'{name}' is not a state{suggest(name, self.model.states)} "
+                                                     f"(states: {', '.join(self.model.states)})", key=True)  # fmt: skip
+            elif name in body.initial.states:
+                self.complain((*path, "initial", name), f"'{name}' varies over the grid and cannot be given too", key=True)
 
     def check_continue(self, path: tuple[str | int, ...], step: Step, values: Mapping[str, float]) -> None:
         body = step.continue_

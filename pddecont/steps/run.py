@@ -9,20 +9,22 @@ from pathlib import Path
 
 import pddecont
 from pddecont.errors import ResultsError, RunError, suggest
+from pddecont.results.reader import Step as RecordedStep
 from pddecont.results.reader import read_results
 from pddecont.results.writer import create, drop_steps
+from pddecont.simulate.workers import Workers
 from pddecont.steps.context import Context, Reporter, Silent, settings_text
 from pddecont.steps.continuation import run_continue
 from pddecont.steps.orbit import run_orbit
 from pddecont.steps.plan import Plan
 from pddecont.steps.schema import Step
-from pddecont.steps.simulate import run_simulate
 
-PACKAGES = ("numpy", "scipy", "sympy", "h5py")
+PACKAGES = ("numpy", "scipy", "sympy", "h5py", "numba")
 
 
 def execute(plan: Plan, path: Path, reporter: Reporter | None = None, *, resume: bool = False, overwrite: bool = False,
-            only: str | None = None, until: str | None = None) -> None:  # fmt: skip
+            only: str | None = None, until: str | None = None, workers: int = 1,
+            scheduler: str | None = None) -> None:  # fmt: skip
     """Do the steps of ``plan`` and keep their results in the file at ``path``.
 
     Raises
@@ -37,7 +39,7 @@ def execute(plan: Plan, path: Path, reporter: Reporter | None = None, *, resume:
         check_same(plan, path)
     else:
         create(path, plan.model_text, plan.run_text, plan.source, json.dumps(versions()), overwrite=overwrite)
-    context = Context(plan, path, reporter or Silent())
+    context = Context(plan, path, reporter or Silent(), Workers(workers, scheduler))
     for step in steps:
         recorded = read_results(path).steps.get(step.name)
         if recorded is not None and recorded.meta.get("settings") != settings_text(plan, step):
@@ -47,10 +49,32 @@ def execute(plan: Plan, path: Path, reporter: Reporter | None = None, *, resume:
             context.reporter.done("done already")
         elif step.continue_:
             run_continue(context, step, recorded)
+        elif step.orbit:
+            _anew(path, recorded)
+            run_orbit(context, step)
         else:
-            if recorded is not None:
-                drop_steps(path, [step.name])
-            (run_simulate if step.simulate else run_orbit)(context, step)
+            _simulate(context, step, recorded)
+
+
+def _anew(path: Path, recorded: RecordedStep | None) -> None:
+    """Drop what an unfinished step left, where it cannot be gone on with."""
+    if recorded is not None:
+        drop_steps(path, [recorded.name])
+
+
+def _simulate(context: Context, step: Step, recorded: RecordedStep | None) -> None:
+    """Do a step that simulates; the integrator is imported by runs that have one, and by no others."""
+    from pddecont.steps.basin import run_basin
+    from pddecont.steps.simulate import run_simulate
+    from pddecont.steps.sweep import run_sweep
+
+    if step.sweep:
+        run_sweep(context, step, recorded)
+    elif step.basin:
+        run_basin(context, step, recorded)
+    else:
+        _anew(context.path, recorded)
+        run_simulate(context, step)
 
 
 def chosen_steps(plan: Plan, only: str | None, until: str | None) -> list[Step]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, ConfigDict, Field, WithJsonSchema, model_validator
 from pydantic_core import PydanticCustomError
 
 from pddecont.model.validation import Formula, Identifier, Strict
@@ -66,13 +66,129 @@ def _source(value: Any) -> Any:
 From = Annotated[Source, BeforeValidator(_source)]
 
 
-class Simulate(Strict):
+class Integration(Strict):
+    """How trajectories are computed."""
+
+    rtol: float = Field(1e-9, gt=0, lt=1, description="relative error allowed in a step")
+    atol: float = Field(1e-11, gt=0, description="absolute error allowed in a step")
+    method: Literal["explicit", "stiff"] = Field("explicit", description="explicit: DOP853; stiff: Radau IIA of order 5")
+    stick: dict[Identifier, Identifier] = Field(default_factory=dict, description="mode to go on in where an event accumulates, by event")
+
+
+def _history(value: Any) -> Any:
+    words = ("model", "constant")
+    if isinstance(value, dict) or value in words:
+        return value
+    raise PydanticCustomError("history", "expected model, constant, or a mapping of states to expressions in t; found {value}",
+                              {"value": repr(value)})  # fmt: skip
+
+
+History = Annotated[Any, BeforeValidator(_history), WithJsonSchema({"anyOf": [
+    {"enum": ["model", "constant"]}, {"type": "object", "additionalProperties": {"anyOf": [{"type": "number"}, {"type": "string"}]}}]})]
+
+
+class Initial(Strict):
+    """Where a trajectory starts: any states by name, the mode, the history before."""
+
+    model_config = ConfigDict(extra="allow")
+    mode: Identifier | None = Field(None, description="mode at the start")
+    history: History = Field("model", description="before the start: the model's, constant (the initial states), or expressions in t")
+
+    @property
+    def states(self) -> dict[str, str | float]:
+        """The states that are given, by name."""
+        return dict(self.model_extra or {})
+
+    @model_validator(mode="after")
+    def _numbers(self) -> Initial:
+        for name, value in self.states.items():
+            if isinstance(value, bool) or not isinstance(value, (str, int, float)):
+                raise PydanticCustomError("state", "'{name}' takes a number or an expression", {"name": name})
+        return self
+
+
+class Record(Strict):
+    """What is kept of a trajectory."""
+
+    from_: Formula = Field(0.0, alias="from", description="time from which on it is kept")
+    every: Formula | None = Field(None, description="time between the samples that are written (default: four a step)")
+    signals: dict[Identifier, Formula] = Field(default_factory=dict, description="expressions recorded along it, delayed values too")
+
+
+class Simulate(Integration):
     """Integrate from an initial state or history."""
 
     t_end: Formula = Field(description="time at which to stop")
-    initial: dict[Identifier, Formula] = Field(default_factory=dict, description="states at t = 0, and the mode")
-    rtol: float = Field(1e-9, gt=0, lt=1, description="relative error allowed in a step")
-    atol: float = Field(1e-11, gt=0, description="absolute error allowed in a step")
+    initial: Initial = Field(default_factory=lambda: Initial.model_validate({}))
+    at: dict[str, dict[Identifier, Formula]] = Field(default_factory=dict, description="parameters that change, by time")
+    record: Record = Field(default_factory=lambda: Record.model_validate({}))
+
+
+def _grid(value: Any) -> Any:
+    if not isinstance(value, list) or len(value) != 3:
+        raise PydanticCustomError("grid", "expected a list of three: [lowest, highest, how many]", {})
+    n = value[2]
+    if isinstance(n, bool) or not isinstance(n, int | float) or n != int(n) or not 1 <= n <= 100_000:
+        raise PydanticCustomError("grid", "the third, how many values there are, is a whole number from 1 to 100000", {})
+    return value
+
+
+Grid = Annotated[list[Formula], BeforeValidator(_grid)]
+
+
+class Section(Strict):
+    """Where returns are counted; without it once a forcing period, from phase 0."""
+
+    phase: float | None = Field(None, ge=0, lt=1, description="part of the forcing period that has passed at each return")
+    event: Identifier | None = Field(None, description="an event of the model; the state after it is the return")
+    zero: Formula | None = Field(None, description="an expression whose zeros are the returns")
+    direction: Literal["rising", "falling", "any"] = Field("rising", description="direction in which 'zero' is crossed")
+
+    @model_validator(mode="after")
+    def _one(self) -> Section:
+        if sum(x is not None for x in (self.phase, self.event, self.zero)) != 1:
+            raise PydanticCustomError("section", "expected exactly one of phase, event, zero", {})
+        return self
+
+
+class Settling(Integration):
+    """How a motion is followed until it has settled, and told from others."""
+
+    rtol: float = Field(1e-8, gt=0, lt=1, description="relative error allowed in a step")
+    atol: float = Field(1e-10, gt=0, description="absolute error allowed in a step")
+    transient: Formula = Field(description="longest time that a motion is given to settle")
+    section: Section | None = Field(None, description="where returns are counted")
+    max_period: int = Field(16, ge=1, le=256, description="longest period, in returns, that is told from no period")
+    returns: int = Field(64, ge=2, le=100_000, description="returns kept of a motion without period")
+    lyapunov: bool = Field(False, description="the largest Lyapunov exponent of each attractor")
+
+
+class Scatter(Strict):
+    """Initial states at random."""
+
+    number: int = Field(ge=1, le=100_000, description="how many")
+    seed: int = Field(1, ge=0, description="start of the random numbers")
+    box: dict[Identifier, Annotated[list[Formula], BeforeValidator(lambda v: _range(v))]] = Field(
+        min_length=1, description="lowest and highest value of each state that varies")
+
+
+class Sweep(Settling):
+    """Where motions settle over a grid of one or two parameters."""
+
+    over: dict[Identifier, Grid] = Field(min_length=1, max_length=2, description="parameters: lowest, highest, how many values")
+    initial: list[Initial] = Field(default_factory=lambda: [Initial.model_validate({})], min_length=1, description=(
+        "initial states; each is tried at every parameter"))
+    random: Scatter | None = Field(None, description="more initial states, at random")
+    carry: Literal["none", "up", "down", "both"] = Field("none", description=(
+        "go on from where the motion stood at the parameter before, upwards, downwards or both; the first parameter is carried along"))
+
+
+class Basin(Settling):
+    """Which attractor each of a grid of initial states leads to."""
+
+    over: dict[Identifier, Grid] = Field(min_length=2, max_length=2, description="two states: lowest, highest, how many values")
+    initial: Initial = Field(default_factory=lambda: Initial.model_validate({"history": "constant"}), description=(
+        "the other states, the mode and the history (constant unless given)"))
 
 
 class Stability(Strict):
@@ -95,7 +211,7 @@ StabilityChoice = Annotated[bool | Stability, BeforeValidator(_stability), Field
 class Orbit(Strict):
     """Find the periodic orbit that a trajectory has settled to, or solve a recorded orbit anew."""
 
-    from_: From = Field(alias="from", description="a simulate step, or an orbit")
+    from_: From = Field(alias="from", description="a simulate step, an attractor of a sweep or basin, or an orbit")
     signature: list[Identifier] | None = Field(None, description="segments that the orbit must have")
     stability: StabilityChoice = False
 
@@ -145,6 +261,8 @@ class Step(Strict):
     delay: Delay | None = None
     mesh: Mesh | None = None
     simulate: Simulate | None = None
+    sweep: Sweep | None = None
+    basin: Basin | None = None
     orbit: Orbit | None = None
     continue_: Continue | None = Field(None, alias="continue")
 
@@ -171,7 +289,7 @@ class Step(Strict):
         return self
 
 
-KINDS = ("simulate", "orbit", "continue")
+KINDS = ("simulate", "sweep", "basin", "orbit", "continue")
 
 
 class RunBlock(Strict):

@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pddecont.results.layout import Column, StepSpec
 from pddecont.results.writer import StepWriter
-from pddecont.simulate.integrate import Tolerances, simulate
+from pddecont.simulate.integrate import simulate
 from pddecont.simulate.trajectory import Trajectory
 from pddecont.steps.context import Context, settings_text
+from pddecont.steps.integration import history_of, method_of, start_of
+from pddecont.steps.plan import Plan
 from pddecont.steps.schema import Step
+from pddecont.steps.signals import signal_values
+
+Array = NDArray[np.float64]
 
 
 def integrate(context: Context, step: Step) -> Trajectory:
@@ -19,42 +25,66 @@ def integrate(context: Context, step: Step) -> Trajectory:
     body, plan = step.simulate, context.plan
     assert body is not None
     p = plan.step_parameters(step)
-    t_end = plan.number(body.t_end, p)
-    initial = None
-    given = {k: v for k, v in body.initial.items() if k != "mode"}
-    if given:
-        defaults = [plan.model.evaluate(e.subs({"t": 0}), dict(zip(plan.model.parameters, p, strict=True))) for e in plan.model.history]
-        initial = [plan.number(given[s], p) if s in given else d for s, d in zip(plan.model.states, defaults, strict=True)]
-    mode = body.initial.get("mode")
-    trajectory = simulate(plan.numeric, p, plan.delay_method(step), t_end, Tolerances(body.rtol, body.atol), initial,
-                          None if mode is None else str(mode), lambda t: context.reporter.progress(f"t = {t:.6g}", t / t_end))  # fmt: skip
-    context.trajectories[step.name] = (trajectory, p)
+    t_end, start = plan.number(body.t_end, p), start_of(plan, body.initial, p)
+    changes = schedule(plan, step, p)
+    # Signals read delayed values of what is recorded.
+    longest = max(float(np.max(plan.numeric.delays.value(q), initial=0.0)) for q in (p, *(q for _, q in changes)))
+    trajectory = simulate(
+        plan.numeric, p, plan.delay_method(step), t_end, method_of(body), initial=list(start.states), mode=start.mode,
+        constant=start.constant, history=history_of(plan, body.initial), schedule=changes,
+        keep_from=plan.number(body.record.from_, p) - longest,
+        heard=lambda t: context.reporter.progress(f"t = {t:.6g}", t / t_end))  # fmt: skip
+    context.trajectories[step.name] = (trajectory, changes[-1][1] if changes else p)
     return trajectory
+
+
+def schedule(plan: Plan, step: Step, p: Array) -> list[tuple[float, Array]]:
+    """Return the times at which parameters change, in order, and the parameters from then on."""
+    assert step.simulate is not None
+    changes = []
+    for time, values in sorted(((plan.number(plan.plain(text), p), v) for text, v in step.simulate.at.items()), key=lambda pair: pair[0]):
+        p = p.copy()
+        for name, text in values.items():
+            p[plan.numeric.parameter_index(name)] = plan.number(text, p)
+        changes.append((time, p))
+    return changes
 
 
 def run_simulate(context: Context, step: Step) -> None:
     """Integrate and record the trajectory with its events."""
     plan = context.plan
     trajectory = integrate(context, step)
-    p = context.trajectories[step.name][1]
+    assert step.simulate is not None
+    p = plan.step_parameters(step)
+    record, changes = step.simulate.record, schedule(plan, step, p)
+    signals = record.signals
     model, n = plan.model, plan.numeric.n_states
     modes, segments = list(model.modes), list(model.segments)
     spec = StepSpec(
         step.name, "simulate",
         {"parameters": Column("f8", (len(p),)), "t_end": Column("f8"), "n_steps": Column("i8"), "n_events": Column("i8")},
         {"time": Column("f8"), "states": Column("f8", (n,)), "mode": Column("i4"), "event_time": Column("f8"),
-         "event_segment": Column("i4"), "before": Column("f8", (n,)), "after": Column("f8", (n,))},
+         "event_segment": Column("i4"), "before": Column("f8", (n,)), "after": Column("f8", (n,)),
+         "signals": Column("f8", (len(signals),))},
         {"parameters": list(model.parameters), "states": list(model.states), "modes": modes, "segments": segments,
-         "model": model.name, "settings": settings_text(plan, step)})  # fmt: skip
-    times, states, in_mode = trajectory.sampled()
+         "model": model.name, "settings": settings_text(plan, step),
+         "changes": [t for t, _ in changes], "signals": list(signals)})  # fmt: skip
+    since = plan.number(record.from_, p)
+    if record.every is None:
+        times, states, in_mode = trajectory.sampled()
+        late = times >= since
+        times, states, in_mode = times[late], states[late], [m for m, kept in zip(in_mode, late, strict=True) if kept]
+    else:
+        times, states, in_mode = trajectory.every(plan.number(record.every, p), since)
+    values = signal_values(plan, signals, trajectory, times, states, [(-np.inf, p), *changes])
     events = trajectory.events
+    late = events.t >= since
     with StepWriter(context.path, spec, capacity=1) as writer:
         writer.append(
             {"parameters": p, "t_end": trajectory.t_end, "n_steps": trajectory.n_steps, "n_events": len(events)},
-            {"time": times, "states": states, "mode": np.array([modes.index(m) for m in in_mode]),
-             "event_time": np.array([e.t for e in events]), "event_segment": np.array([segments.index(e.segment) for e in events]),
-             "before": np.array([e.before for e in events]).reshape(-1, n),
-             "after": np.array([e.after for e in events]).reshape(-1, n)})  # fmt: skip
+            {"time": times, "states": states, "mode": np.array([modes.index(m) for m in in_mode]), "signals": values,
+             "event_time": events.t[late], "event_segment": np.array([segments.index(s) for s in events.segment], dtype=int)[late],
+             "before": events.before[late], "after": events.after[late]})  # fmt: skip
         text = f"reached t = {trajectory.t_end:.10g} in {trajectory.n_steps} steps with {len(events)} events"
         writer.terminate(text)
     context.reporter.done(text)

@@ -1,0 +1,100 @@
+"""DOP853: the explicit Runge-Kutta pair of order 8(5,3) with its continuous extension of order 7.
+
+An extension of order 7 is what a method of order 8 needs: a delayed value, and the end of a step that an event cuts, then have
+local errors of h^8 each, and the global order is 8 (Bellen, Zennaro, Numerical Methods for Delay Differential Equations, 2003,
+theorem 6.1.2).
+
+References: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993), sections II.5 and II.6. The coefficients are
+those that scipy.integrate.DOP853 shows.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import scipy.integrate
+
+from pddecont.simulate.kernel.calls import at, inner
+from pddecont.simulate.kernel.slopes import slopes
+from pddecont.simulate.kernel.tables import MODE
+
+_METHOD = scipy.integrate.DOP853
+N_STAGES = 12
+A = np.ascontiguousarray(np.vstack([np.pad(_METHOD.A, ((0, 0), (0, 16 - _METHOD.A.shape[1]))), np.zeros((1, 16)),
+                                    np.pad(_METHOD.A_EXTRA, ((0, 0), (0, 16 - _METHOD.A_EXTRA.shape[1])))]))  # fmt: skip
+B = np.array(_METHOD.B)
+C = np.concatenate([_METHOD.C, [1.0], _METHOD.C_EXTRA])
+E3, E5 = np.array(_METHOD.E3), np.array(_METHOD.E5)
+D = np.array(_METHOD.D)
+
+
+@inner
+def explicit_step(c, t, h):
+    """Try a step; return its error relative to the tolerances (above 1: too large). ``c.stages[0]`` holds the slopes at ``t``.
+
+    Leaves the new values in the second row of ``c.trial``, the slopes there in row 12 of ``c.stages``.
+    """
+    y, stages, mode, n = c.y, c.stages, c.count[MODE], c.dimension
+    inner, new = c.trial, at(c.trial, n)
+    for stage in range(1, N_STAGES):
+        for i in range(n):
+            total = 0.0
+            for j in range(stage):
+                total += A[stage, j] * stages[j * n + i]
+            inner[i] = y[i] + h * total
+        slopes(c, mode, t + C[stage] * h, inner, at(stages, stage * n))
+    for i in range(n):
+        total = 0.0
+        for j in range(N_STAGES):
+            total += B[j] * stages[j * n + i]
+        new[i] = y[i] + h * total
+    slopes(c, mode, t + h, new, at(stages, N_STAGES * n))
+    return _error(c, new, h)
+
+
+@inner
+def _error(c, new, h):
+    """Return the error estimate of section II.10: of orders 5 and 3 together, mean square over the components."""
+    y, stages, n = c.y, c.stages, c.dimension
+    largest = 1e-300
+    for i in range(c.n_full, n):
+        largest = max(largest, abs(y[i]))
+    sum3, sum5 = 0.0, 0.0
+    for i in range(n):
+        allowed = c.atol + c.rtol * max(abs(y[i]), abs(new[i])) if i < c.n_full else c.rtol * largest
+        e3, e5 = 0.0, 0.0
+        for j in range(N_STAGES + 1):
+            e3 += E3[j] * stages[j * n + i]
+            e5 += E5[j] * stages[j * n + i]
+        sum3 += (e3 / allowed) ** 2
+        sum5 += (e5 / allowed) ** 2
+    if not math.isfinite(sum3 + sum5):
+        return math.inf
+    if sum5 == 0.0 and sum3 == 0.0:
+        return 0.0
+    return abs(h) * sum5 / math.sqrt((sum5 + 0.01 * sum3) * n)
+
+
+@inner
+def explicit_extension(c, t, h):
+    """Write the coefficients of the continuous extension of the step just tried."""
+    y, stages, mode, n = c.y, c.stages, c.count[MODE], c.dimension
+    inner, new, out = c.trial, at(c.trial, n), c.extension
+    for stage in range(N_STAGES + 1, 16):
+        for i in range(n):
+            total = 0.0
+            for j in range(stage):
+                total += A[stage, j] * stages[j * n + i]
+            inner[i] = y[i] + h * total
+        slopes(c, mode, t + C[stage] * h, inner, at(stages, stage * n))
+    for i in range(n):
+        step = new[i] - y[i]
+        out[i] = step
+        out[n + i] = h * stages[i] - step
+        out[2 * n + i] = 2.0 * step - h * (stages[N_STAGES * n + i] + stages[i])
+        for row in range(4):
+            total = 0.0
+            for j in range(16):
+                total += D[row, j] * stages[j * n + i]
+            out[(3 + row) * n + i] = h * total

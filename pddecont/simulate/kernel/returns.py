@@ -1,0 +1,231 @@
+"""Returns of a motion to a section: until it repeats itself, until it reaches an attractor that is known, or for its tangent's growth."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from pddecont.simulate.kernel.advance import begin, run
+from pddecont.simulate.kernel.calls import entry, inner
+from pddecont.simulate.kernel.tables import (
+    CONSTANT,
+    FIRST,
+    N_COEFFICIENTS,
+    N_PENDING,
+    SHIFT,
+    USED,
+    Status,
+    T,
+    new_log,
+    new_memory,
+)
+
+# A motion has a period when it comes back so closely (relative to its size, and to the error allowed in a step) this many times
+# running ...
+SAME, SAME_ERRORS, REPEATS = 1e-7, 30.0, 3
+# ... and otherwise if it comes back this closely when its time is over.
+CLOSE = 1e-4
+# How near to an attractor's returns a motion is that is taken to stay there.
+ARRIVED = 1e-4
+STEPS = 1 << 40
+
+
+@inner
+def next_return(system, values, memory, work, log, period, phase, t_end):
+    """Integrate to the next return: the next time at which ``phase`` of the forcing period has passed, or to the section.
+
+    ``period`` is 0 where returns are to a section. Returns the memory and a status; REACHED where ``t_end`` comes first.
+    """
+    if period > 0.0:
+        t = memory.clock[T]
+        turn = math.floor(t / period - phase + 1.0 + 1e-9)
+        t_stop = (turn + phase) * period
+        if t_stop > t_end:
+            memory, status = run(system, values, memory, log, work, t_end, STEPS)
+            return memory, status
+        memory, status = run(system, values, memory, log, work, t_stop, STEPS)
+        if status == Status.REACHED:
+            status = Status.SECTION
+        return memory, status
+    memory, status = run(system, values, memory, log, work, t_end, STEPS)
+    return memory, status
+
+
+@entry
+def settle(system, values, memory, work, period, phase, t_end, max_period, states, times, hits):
+    """Follow a motion until it repeats itself or its time is over; return the memory, a status, its period and its returns.
+
+    ``states`` (n_returns, n), ``times`` (n_returns,) and ``hits`` (n_returns, n_segments) are filled as a ring: return number i goes to
+    row i modulo n_returns, ``hits`` counts ends of segments up to it. The period in returns is 0 where there is none.
+    """
+    log = new_log(0, 0, 0)
+    n, room = system.n, len(times)
+    size = np.zeros(n)
+    number = 0
+    running = np.zeros(max_period + 1, np.int64)
+    same = max(SAME, SAME_ERRORS * values.rtol)
+    while True:
+        memory, status = next_return(system, values, memory, work, log, period, phase, t_end)
+        if status != Status.SECTION:
+            break
+        row = number % room
+        for i in range(n):
+            states[row, i] = memory.y[i]
+            size[i] = max(abs(memory.y[i]), size[i])
+        times[row] = memory.clock[T]
+        for k in range(hits.shape[1]):
+            hits[row, k] = memory.hits[k]
+        number += 1
+        for q in range(1, min(max_period, number - 1, room - 1) + 1):
+            before = (number - 1 - q) % room
+            distance = _distance(states, row, before, size)
+            same_events = _same_counts(hits, number, q, room)
+            running[q] = running[q] + 1 if distance <= same and same_events else 0
+            # As many times as the period is long, and longer than the longest delay.
+            if running[q] >= REPEATS * q and times[row] - times[(number - 1 - min(running[q], room - 1)) % room] >= values.longest:
+                return memory, Status.SECTION, q, number
+    q = _period(states, hits, number, max_period, room, size) if status == Status.REACHED else 0
+    return memory, status, q, number
+
+
+@inner
+def _distance(states, a, b, size):
+    distance = 0.0
+    for i in range(states.shape[1]):
+        distance = max(distance, abs(states[a, i] - states[b, i]) / (size[i] + 1e-12))
+    return distance
+
+
+@inner
+def _same_counts(hits, number, q, room):
+    """Whether the last ``q`` returns brought as many ends of each segment as the ``q`` before them."""
+    if number - 1 - 2 * q < 0 or 2 * q >= room:
+        return number - 1 >= q
+    last, middle, first = (number - 1) % room, (number - 1 - q) % room, (number - 1 - 2 * q) % room
+    for k in range(hits.shape[1]):
+        if hits[last, k] - hits[middle, k] != hits[middle, k] - hits[first, k]:
+            return False
+    return True
+
+
+@inner
+def _period(states, hits, number, max_period, room, size):
+    """Return the period of the returns kept, told less strictly: the motion may still be settling."""
+    kept = min(number, room)
+    for q in range(1, max_period + 1):
+        if 2 * q + 1 > kept or not _same_counts(hits, number, q, room):
+            continue
+        worst = 0.0
+        for back in range(min(q + 2, kept - q)):
+            worst = max(worst, _distance(states, (number - 1 - back) % room, (number - 1 - back - q) % room, size))
+        if worst <= CLOSE:
+            return q
+    return 0
+
+
+@entry
+def recognise_cells(system, values, work, template, initial, mode, constant, period, phase, t_end, points, owner, following, length,
+                    size, labels, times):  # fmt: skip
+    """Write which known attractor each of ``initial`` (n_cells, n) leads to, and when it was recognised; -1 where none was.
+
+    ``template`` holds all variables at the start but those. ``points`` (n_points, n) are the attractors' returns, ``owner`` says whose
+    each is, ``following`` which comes after it, ``length`` how many returns the attractor has. A motion is on an attractor when its
+    returns are near to the attractor's, in their order, for longer than these take and than the longest delay.
+    """
+    log = new_log(0, 0, 0)
+    for cell in range(len(initial)):
+        memory = new_memory(system, values)
+        memory.y[:] = template
+        memory.y[: system.n] = initial[cell]
+        if constant == 1:
+            memory.count[CONSTANT] = 1
+            memory.constant[:] = initial[cell]
+            _start_chain(system, memory)
+        begin(system, values, memory, work, 0.0, mode)
+        labels[cell], expected, since, met = -1, -1, 0.0, 0
+        while True:
+            memory, status = next_return(system, values, memory, work, log, period, phase, t_end)
+            if status != Status.SECTION:
+                break
+            if expected >= 0 and _near(points, expected, memory.y, size):
+                found, met = expected, met + 1
+            else:
+                found, met = _nearest(points, memory.y, size), 1
+                since = memory.clock[T]
+            expected = -1 if found < 0 else following[found]
+            if found >= 0 and met > length[found] and memory.clock[T] - since >= values.longest:
+                labels[cell] = owner[found]
+                break
+        times[cell] = memory.clock[T]
+
+
+@inner
+def _start_chain(system, memory):
+    """Let the chains of a constant history begin: every stage has the state's value, and no derivatives."""
+    for i in range(len(system.pair_state) if system.chain_n > 0 else 0):
+        for stage in range(system.chain_n):
+            memory.y[system.n + (i * system.chain_n + stage) * system.chain_order] = memory.constant[system.pair_state[i]]
+
+
+@inner
+def _near(points, j, y, size):
+    for i in range(points.shape[1]):
+        if not abs(points[j, i] - y[i]) <= ARRIVED * size[i]:
+            return False
+    return True
+
+
+@inner
+def _nearest(points, y, size):
+    """Return the point that ``y`` is near to (-1: none)."""
+    for j in range(len(points)):
+        if _near(points, j, y, size):
+            return j
+    return -1
+
+
+@entry
+def growth(system, values, memory, work, interval, logs):
+    """Write the logarithm of the tangent's growth over each of ``len(logs)`` intervals; return the memory and a status."""
+    log = new_log(0, 0, 0)
+    _rescale(system, memory)
+    for k in range(len(logs)):
+        t_stop = memory.clock[T] + interval
+        while True:
+            memory, status = run(system, values, memory, log, work, t_stop, STEPS)
+            if status != Status.SECTION:
+                break
+        if status != Status.REACHED:
+            return memory, status
+        logs[k] = _rescale(system, memory)
+    return memory, Status.REACHED
+
+
+@inner
+def _rescale(system, memory):
+    """Make the tangent, and all that depends on it, of length 1; return the logarithm of the length that it had."""
+    full, kept = system.n_full, len(system.kept)
+    mask = len(memory.past_time) - 1
+    length = 0.0
+    for i in range(full):
+        length = max(length, abs(memory.y[full + i]))
+    numbers = range(memory.count[FIRST], memory.count[FIRST] + memory.count[USED])
+    for number in numbers:
+        for k in range(kept):
+            length = max(length, abs(memory.past_value[number & mask, kept + k]))
+    if not 0.0 < length < math.inf:
+        return -math.inf
+    for i in range(full):
+        memory.y[full + i] /= length
+    for number in numbers:
+        j = number & mask
+        memory.past_shift[j] /= length
+        for k in range(kept):
+            memory.past_value[j, kept + k] /= length
+            for i in range(N_COEFFICIENTS):
+                memory.past_coefficients[j, i, kept + k] /= length
+    for k in range(memory.count[N_PENDING]):
+        memory.pending_shift[k] /= length
+    memory.clock[SHIFT] /= length
+    return math.log(length)

@@ -1,0 +1,84 @@
+"""The state of an integration as one row of numbers, to be kept in a file and gone on from."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pddecont.simulate.kernel.tables import (
+    FIRST,
+    N_BREAKING,
+    N_COEFFICIENTS,
+    N_PENDING,
+    READY,
+    SHIFT,
+    T_START,
+    TURN,
+    USED,
+    ZENO_TIME,
+    Memory,
+    System,
+    T,
+    Values,
+    enlarged,
+    new_memory,
+)
+
+Array = NDArray[np.float64]
+
+
+def pack(memory: Memory) -> Array:
+    """Return all that is needed to go on: clock, counters, variables, the past as far as delays reach, what is under way."""
+    first, used = int(memory.count[FIRST]), int(memory.count[USED])
+    ring = np.arange(first, first + used) % len(memory.past_time)
+    pending, breaking = slice(int(memory.count[N_PENDING])), slice(int(memory.count[N_BREAKING]))
+    parts = [memory.clock, memory.count, memory.y, memory.constant, memory.reading, memory.accumulation, memory.hits, memory.side,
+             memory.past_time[ring], memory.past_length[ring], memory.past_end[ring], memory.past_arc[ring], memory.past_value[ring],
+             memory.past_coefficients[ring], memory.pending_time[pending], memory.pending_event[pending],
+             memory.breaking_time[breaking], memory.breaking_level[breaking]]  # fmt: skip
+    return np.concatenate([np.ravel(part).astype(float) for part in parts])
+
+
+def unpack(system: System, values: Values, row: Array) -> Memory:
+    """Return the state of an integration from :func:`pack`; with a tangent in ``system`` the tangent is zero."""
+    memory = new_memory(system, values)
+    left = np.array(row)
+
+    def take(shape: tuple[int, ...]) -> Array:
+        nonlocal left
+        size = int(np.prod(shape))
+        part, left = left[:size], left[size:]
+        return part.reshape(shape)
+
+    memory.clock[:] = take(memory.clock.shape)
+    memory.count[:] = take(memory.count.shape)
+    memory.y[: system.n_full] = take((system.n_full,))
+    for target in (memory.constant, memory.reading, memory.accumulation, memory.hits, memory.side):
+        target[:] = take(target.shape)
+    first, used, kept = int(memory.count[FIRST]), int(memory.count[USED]), len(system.kept)
+    n_pending, n_breaking = int(memory.count[N_PENDING]), int(memory.count[N_BREAKING])
+    # An empty memory grows without its ring having to be moved.
+    memory.count[USED] = 0
+    while len(memory.past_time) <= max(used, n_pending, n_breaking) + 2:
+        memory = enlarged(memory)
+    memory.count[USED] = used
+    ring = np.arange(first, first + used) % len(memory.past_time)
+    for target in (memory.past_time, memory.past_length, memory.past_end, memory.past_arc):
+        target[ring] = take((used,))
+    memory.past_value[ring, :kept] = take((used, kept))
+    memory.past_coefficients[ring, :, :kept] = take((used, N_COEFFICIENTS, kept))
+    memory.pending_time[:n_pending], memory.pending_event[:n_pending] = take((n_pending,)), take((n_pending,))
+    memory.breaking_time[:n_breaking], memory.breaking_level[:n_breaking] = take((n_breaking,)), take((n_breaking,))
+    memory.count[READY] = 0
+    memory.clock[SHIFT] = 0.0
+    return memory
+
+
+def moved(memory: Memory, t: float) -> Memory:
+    """Return an integration whose clock, with all times it keeps, is set so that it stands at ``t``."""
+    back = float(memory.clock[T]) - t
+    for place in (T, T_START, ZENO_TIME, TURN):
+        memory.clock[place] -= back
+    for times in (memory.past_time, memory.past_end, memory.pending_time, memory.breaking_time, memory.accumulation[:, 0]):
+        times -= back
+    return memory

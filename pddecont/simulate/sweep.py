@@ -1,0 +1,133 @@
+"""Brute-force diagrams: where motions settle, parameter by parameter, from given starts or carried along."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+
+import numpy as np
+import sympy
+from numpy.typing import NDArray
+
+from pddecont.delay.operator import DelayMethod
+from pddecont.errors import ConvergenceError
+from pddecont.model.codegen import NumericModel
+from pddecont.model.system import Model
+from pddecont.simulate.attractors import Attractor, Clock, lyapunov, settled
+from pddecont.simulate.kernel.tables import Values
+from pddecont.simulate.simulator import Method, Section, Simulator
+from pddecont.simulate.snapshot import moved, unpack
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Task:
+    """What all chunks of a step share: a model and how it is integrated. Two tasks are one if they are the same object."""
+
+    model: Model = field(compare=False, hash=False)
+    delay: DelayMethod
+    method: Method = field(compare=False, hash=False)
+    section: Section = field(compare=False, hash=False)
+    history: tuple[sympy.Expr, ...] | None = field(compare=False, hash=False)
+    token: str
+
+    def simulator(self) -> Simulator:
+        """Return a simulator of its own for whoever asks: intermediate results are not shared."""
+        return Simulator(_numeric(self), self.delay, self.method, self.section, self.history)
+
+
+@lru_cache(maxsize=8)
+def _numeric(task: Task) -> NumericModel:
+    return NumericModel(task.model)
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """Where a motion starts: states (n,), mode, and whether they are its history too."""
+
+    states: Array
+    mode: str
+    constant: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Cell:
+    """One parameter point of a sweep: parameters, when returns come, where motions start."""
+
+    index: int
+    p: Array
+    clock: Clock
+    starts: tuple[Start, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """An attractor at one parameter point, the share of the starts that lead to it, and its Lyapunov exponent with its uncertainty."""
+
+    cell: Cell
+    attractor: Attractor
+    share: float
+    exponent: float
+    uncertainty: float
+
+
+@dataclass(frozen=True, eq=False)
+class Chunk:
+    """Parameter points for one worker; where ``carried``, each motion goes on from where it stood at the point before."""
+
+    task: Task
+    cells: tuple[Cell, ...]
+    carried: bool
+    exponents: bool
+
+
+def sweep_chunk(chunk: Chunk) -> list[Found]:
+    """Return the attractors of a chunk's parameter points, those of one point in the order in which the starts find them."""
+    simulator = chunk.task.simulator()
+    before: list[Attractor | None] = []
+    found: list[Found] = []
+    for cell in chunk.cells:
+        values = simulator.values(cell.p)
+        now = []
+        for i, start in enumerate(cell.starts):
+            previous = before[i] if chunk.carried and before else None
+            now.append(_follow(simulator, values, cell, start, previous))
+        before = list(now)
+        for attractor, share in distinct(now):
+            exponent = _exponent(simulator, values, attractor, cell.clock) if chunk.exponents else (np.nan, np.nan)
+            found.append(Found(cell, attractor, share, *exponent))
+    return found
+
+
+def _exponent(simulator: Simulator, values: Values, attractor: Attractor, clock: Clock) -> tuple[float, float]:
+    try:
+        return lyapunov(simulator, values, attractor, clock.transient)
+    except ConvergenceError:
+        return np.nan, np.nan
+
+
+def _follow(simulator: Simulator, values: Values, cell: Cell, start: Start, previous: Attractor | None) -> Attractor:
+    if previous is None or previous.failed:
+        memory = simulator.start(values, start.states, start.mode, constant=start.constant)
+    else:
+        old = simulator.values(previous.p)
+        memory = moved(unpack(simulator.system, old, previous.memory), cell.clock.phase * cell.clock.period)
+        simulator.change(memory, old, cell.p)
+    return settled(simulator, values, memory, cell.clock)
+
+
+def distinct(attractors: Sequence[Attractor]) -> list[tuple[Attractor, float]]:
+    """Return each different attractor once, with its share."""
+    kinds: list[Attractor] = []
+    counts: list[int] = []
+    for attractor in attractors:
+        for k, known in enumerate(kinds):
+            if attractor.same_as(known):
+                counts[k] += 1
+                break
+        else:
+            kinds.append(attractor)
+            counts.append(1)
+    return [(a, n / len(attractors)) for a, n in zip(kinds, counts, strict=True)]

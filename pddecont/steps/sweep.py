@@ -1,0 +1,102 @@
+"""The ``sweep`` step: brute-force diagrams over one or two parameters."""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+from collections import Counter
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pddecont.results.layout import Column, StepSpec
+from pddecont.results.reader import Step as RecordedStep
+from pddecont.results.writer import StepWriter
+from pddecont.simulate.sweep import Cell, Chunk, Start, Task, sweep_chunk
+from pddecont.simulate.workers import in_order
+from pddecont.steps.attractors import attractor_arrays, attractor_columns, attractor_row
+from pddecont.steps.context import Context, settings_text
+from pddecont.steps.integration import clock_of, grid_values, history_of, method_of, returns_of, start_of
+from pddecont.steps.plan import Plan
+from pddecont.steps.schema import Section, Step, Sweep
+
+Array = NDArray[np.float64]
+# Motions in a chunk of work that is not carried along.
+CHUNK = 8
+
+
+def run_sweep(context: Context, step: Step, recorded: RecordedStep | None) -> None:
+    """Find the attractors at every parameter point; those of an unfinished step are kept."""
+    plan, body = context.plan, step.sweep
+    assert body is not None
+    names = list(body.over)
+    spec = StepSpec(
+        step.name, "sweep",
+        {**attractor_columns(plan), "chunk": Column("i8"), "cell": Column("i8"), "direction": Column("i4"), "share": Column("f8")},
+        attractor_arrays(plan),
+        {"parameters": list(plan.model.parameters), "states": list(plan.model.states), "segments": list(plan.model.segments), "free": names,
+         "section": (body.section or Section.model_validate({"phase": 0.0})).model_dump(exclude_none=True), "model": plan.model.name,
+         "settings": settings_text(plan, step)})  # fmt: skip
+    chunks = chunks_of(plan, step)
+    # The last chunk in the file may lack some of its rows: it is done again.
+    first = int(recorded.points["chunk"][-1]) if recorded is not None and len(recorded) else 0
+    kept = int(np.sum(recorded.points["chunk"] < first)) if recorded is not None and len(recorded) else 0
+    kept_rows = {name: int(recorded.orbits[f"{name}_end"][kept - 1]) if recorded is not None and kept else 0 for name in spec.orbits}
+    counts: Counter[str] = Counter()
+    n_cells, done = sum(len(c.cells) for _, c in chunks), sum(len(c.cells) for _, c in chunks[:first])
+    with StepWriter(context.path, spec, kept=kept, kept_rows=kept_rows) as writer:
+        for number, found in enumerate(in_order(context.workers, sweep_chunk, [c for _, c in chunks[first:]]), first):
+            direction, chunk = chunks[number]
+            for f in found:
+                points, arrays = attractor_row(f.attractor, f.cell.p, (f.exponent, f.uncertainty))
+                writer.append({**points, "chunk": number, "cell": f.cell.index, "direction": direction, "share": f.share}, arrays)
+                counts["failed" if f.attractor.failed else "periodic" if f.attractor.period else "without period"] += 1
+            done += len(chunk.cells)
+            context.reporter.advance(done, n_cells, "parameter points")
+        text = f"{n_cells} parameter points; attractors: " + ", ".join(f"{n} {what}" for what, n in sorted(counts.items()))
+        writer.terminate(text)
+    context.reporter.done(text)
+
+
+def chunks_of(plan: Plan, step: Step) -> list[tuple[int, Chunk]]:
+    """Return the work of a sweep: direction (+1 up, -1 down, 0 not carried) and chunk, in an order that only the file decides."""
+    body = step.sweep
+    assert body is not None
+    p = plan.step_parameters(step)
+    names = list(body.over)
+    grids = [grid_values(plan, step, name) for name in names]
+    initial = body.initial[0]
+    task = Task(plan.model, plan.delay_method(step), method_of(body), returns_of(plan, body), history_of(plan, initial),
+                hashlib.sha256((plan.model_text + settings_text(plan, step)).encode()).hexdigest())  # fmt: skip
+
+    def cell(index: int, values: tuple[float, ...]) -> Cell:
+        here = p.copy()
+        for name, value in zip(names, values, strict=True):
+            here[plan.numeric.parameter_index(name)] = value
+        return Cell(index, here, clock_of(plan, body, here), starts(plan, body, here))
+
+    # The first parameter runs fastest, so that one line of cells is one motion carried along.
+    lines = [[cell(j * len(grids[0]) + i, (x, *rest)) for i, x in enumerate(grids[0])]
+             for j, rest in enumerate(itertools.product(*grids[1:]))]  # fmt: skip
+    if body.carry == "none":
+        cells = [c for line in lines for c in line]
+        size = max(1, CHUNK // len(cells[0].starts))
+        return [(0, Chunk(task, tuple(cells[i : i + size]), False, body.lyapunov)) for i in range(0, len(cells), size)]
+    ways = {"up": (1,), "down": (-1,), "both": (1, -1)}[body.carry]
+    return [(way, Chunk(task, tuple(line[::way]), True, body.lyapunov)) for line in lines for way in ways]
+
+
+def starts(plan: Plan, body: Sweep, p: Array) -> tuple[Start, ...]:
+    """Return where motions start at parameters ``p``: the states that are given, then those at random, the same at every point."""
+    given = [start_of(plan, initial, p) for initial in body.initial]
+    if body.random is None:
+        return tuple(given)
+    rng = np.random.default_rng(body.random.seed)
+    base = given[0]
+    scattered = []
+    for _ in range(body.random.number):
+        states = base.states.copy()
+        for name, (low, high) in body.random.box.items():
+            states[plan.model.states.index(name)] = rng.uniform(plan.number(low, p), plan.number(high, p))
+        scattered.append(Start(states, base.mode, base.constant))
+    return (*given, *scattered) if "initial" in body.model_fields_set else tuple(scattered)
