@@ -21,7 +21,7 @@ from pddecont.model.system import Model
 from pddecont.simulate.kernel import cache_folder
 from pddecont.simulate.kernel.calls import SIGNATURE
 
-HEADER = """from math import acos, asin, atan, atan2, cos, cosh, exp, log, pi, sin, sinh, sqrt, tan, tanh
+HEADER = """from math import acos, asin, atan, atan2, cos, cosh, e, exp, log, pi, sin, sinh, sqrt, tan, tanh
 
 
 def generated(which, t, x, xd, p, out):

@@ -15,7 +15,7 @@ from pddecont.simulate.simulator import Method, Simulator
 from pddecont.simulate.trajectory import Events, Trajectory
 
 Array = NDArray[np.float64]
-LOG_STEPS, LOG_EVENTS = 4096, 1024
+LOG_STEPS, LOG_EVENTS = 4096, 4096
 
 
 def simulate(numeric: NumericModel, p: Array, delay: DelayMethod, t_end: float, method: Method | None = None, *,

@@ -41,12 +41,13 @@ DIRECTIONS = {"rising": 1, "falling": -1, "any": 0}
 
 @dataclass(frozen=True)
 class Method:
-    """How to integrate: error allowed in a step, explicit or stiff, and to which mode an accumulating event hands over."""
+    """How to integrate: error allowed in a step, explicit or stiff, the mode an accumulating event hands over to, the longest step."""
 
     rtol: float = 1e-9
     atol: float = 1e-11
     stiff: bool = False
     stick: Mapping[str, str] = field(default_factory=dict)
+    max_step: float = np.inf
 
 
 @dataclass(frozen=True)
@@ -119,7 +120,7 @@ class Simulator:
         tau = np.asarray(numeric.delays.value(p), dtype=float)
         later = [float(numeric.event_delay(e.name).value(p)[0]) if e.delay is not None else 0.0 for e in model.events.values()]
         later += [0.0] * (self.section.expr is not None)
-        bounds = [np.inf]
+        bounds = [method.max_step]
         if not isinstance(self.delay, Chain):
             bounds += [x for x in tau if x > 0]
         if model.forced:

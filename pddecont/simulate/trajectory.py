@@ -60,6 +60,8 @@ class Trajectory:
         """Return the states at ``t``, shape (n_states,) or (n_times, n_states); at an event those after it."""
         times = np.atleast_1d(np.asarray(t, dtype=float))
         found = self._at(times, np.clip(np.searchsorted(self.time, times, side="right") - 1, 0, len(self.time) - 1))
+        if len(self.events) and self.events.t[-1] >= self.t_end:
+            found[times >= self.t_end] = self.events.after[-1]
         return found if np.ndim(t) else found[0]
 
     def in_arc(self, arc: int, t: Array) -> Array:

@@ -37,7 +37,7 @@ def run_basin(context: Context, step: Step, recorded: RecordedStep | None) -> No
         {**attractor_arrays(plan), "label": Column("i4"), "settling": Column("f8")},
         {"parameters": list(plan.model.parameters), "states": list(plan.model.states), "segments": list(plan.model.segments), "over": names,
          "x": xs.tolist(), "y": ys.tolist(), "model": plan.model.name, "settings": settings_text(plan, step)})  # fmt: skip
-    task = Task(plan.model, plan.delay_method(step), method_of(body), returns_of(plan, body), history_of(plan, body.initial),
+    task = Task(plan.model, plan.delay_method(step), method_of(plan, body), returns_of(plan, body), history_of(plan, body.initial),
                 hashlib.sha256((plan.model_text + settings_text(plan, step)).encode()).hexdigest())  # fmt: skip
     clock, start = clock_of(plan, body, p), start_of(plan, body.initial, p)
     places = [plan.model.states.index(name) for name in names]

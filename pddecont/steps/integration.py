@@ -19,9 +19,10 @@ from pddecont.steps.schema import Initial, Integration, Settling, Step
 Array = NDArray[np.float64]
 
 
-def method_of(body: Integration) -> Method:
+def method_of(plan: Plan, body: Integration) -> Method:
     """Return how a step integrates."""
-    return Method(body.rtol, body.atol, body.method == "stiff", dict(body.stick))
+    longest = np.inf if body.max_step is None else plan.number(body.max_step)
+    return Method(body.rtol, body.atol, body.method == "stiff", dict(body.stick), longest)
 
 
 def start_of(plan: Plan, initial: Initial, p: Array) -> Start:

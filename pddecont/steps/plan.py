@@ -354,6 +354,8 @@ class _Planner:
             if mode not in self.model.modes:
                 self.complain((*path, "stick", event), f"mode '{mode}' is not defined{suggest(mode, self.model.modes)} "
                                                        f"(modes: {', '.join(self.model.modes)})")  # fmt: skip
+        if body.max_step is not None:
+            self.positive_time((*path, "max_step"), body.max_step, self.model.parameters)
         delay = step.delay or self.run.delay
         if delay.method == "chebyshev":
             self.complain(path, "trajectories are computed with the delay itself or the chain, not with a Chebyshev delay line; give this "

@@ -48,7 +48,7 @@ def attractor_trajectory(context: Context, step: Step, source: Source) -> tuple[
     body = origin.sweep or origin.basin
     assert body is not None
     initial = body.initial[0] if isinstance(body.initial, list) else body.initial
-    simulator = Simulator(plan.numeric, plan.delay_method(origin), method_of(body), returns_of(plan, body), history_of(plan, initial))
+    simulator = Simulator(plan.numeric, plan.delay_method(origin), method_of(plan, body), returns_of(plan, body), history_of(plan, initial))
     values = simulator.values(attractor.p)
     clock = clock_of(plan, body, attractor.p)
     memory = moved(unpack(simulator.system, values, attractor.memory), clock.phase * clock.period)

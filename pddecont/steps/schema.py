@@ -72,6 +72,7 @@ class Integration(Strict):
     rtol: float = Field(1e-9, gt=0, lt=1, description="relative error allowed in a step")
     atol: float = Field(1e-11, gt=0, description="absolute error allowed in a step")
     method: Literal["explicit", "stiff"] = Field("explicit", description="explicit: DOP853; stiff: Radau IIA of order 5")
+    max_step: Formula | None = Field(None, description="longest step, where an event function has features that longer ones would miss")
     stick: dict[Identifier, Identifier] = Field(default_factory=dict, description="mode to go on in where an event accumulates, by event")
 
 

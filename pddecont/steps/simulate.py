@@ -30,7 +30,7 @@ def integrate(context: Context, step: Step) -> Trajectory:
     # Signals read delayed values of what is recorded.
     longest = max(float(np.max(plan.numeric.delays.value(q), initial=0.0)) for q in (p, *(q for _, q in changes)))
     trajectory = simulate(
-        plan.numeric, p, plan.delay_method(step), t_end, method_of(body), initial=list(start.states), mode=start.mode,
+        plan.numeric, p, plan.delay_method(step), t_end, method_of(plan, body), initial=list(start.states), mode=start.mode,
         constant=start.constant, history=history_of(plan, body.initial), schedule=changes,
         keep_from=plan.number(body.record.from_, p) - longest,
         heard=lambda t: context.reporter.progress(f"t = {t:.6g}", t / t_end))  # fmt: skip

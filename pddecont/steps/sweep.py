@@ -38,24 +38,31 @@ def run_sweep(context: Context, step: Step, recorded: RecordedStep | None) -> No
          "section": (body.section or Section.model_validate({"phase": 0.0})).model_dump(exclude_none=True), "model": plan.model.name,
          "settings": settings_text(plan, step)})  # fmt: skip
     chunks = chunks_of(plan, step)
-    # The last chunk in the file may lack some of its rows: it is done again.
-    first = int(recorded.points["chunk"][-1]) if recorded is not None and len(recorded) else 0
-    kept = int(np.sum(recorded.points["chunk"] < first)) if recorded is not None and len(recorded) else 0
-    kept_rows = {name: int(recorded.orbits[f"{name}_end"][kept - 1]) if recorded is not None and kept else 0 for name in spec.orbits}
-    counts: Counter[str] = Counter()
+    first, kept, kept_rows, points = 0, 0, dict.fromkeys(spec.orbits, 0), {}
+    if recorded is not None and len(recorded):
+        # The last chunk in the file may lack some of its rows: it is done again.
+        points = dict(recorded.points)
+        first = int(points["chunk"][-1])
+        kept = int(np.sum(points["chunk"] < first))
+        kept_rows = {name: int(recorded.orbits[f"{name}_end"][kept - 1]) if kept else 0 for name in spec.orbits}
+    counts = Counter(_kind(bool(points["note"][i]), int(points["period"][i])) for i in range(kept))
     n_cells, done = sum(len(c.cells) for _, c in chunks), sum(len(c.cells) for _, c in chunks[:first])
     with StepWriter(context.path, spec, kept=kept, kept_rows=kept_rows) as writer:
         for number, found in enumerate(in_order(context.workers, sweep_chunk, [c for _, c in chunks[first:]]), first):
             direction, chunk = chunks[number]
             for f in found:
-                points, arrays = attractor_row(f.attractor, f.cell.p, (f.exponent, f.uncertainty))
-                writer.append({**points, "chunk": number, "cell": f.cell.index, "direction": direction, "share": f.share}, arrays)
-                counts["failed" if f.attractor.failed else "periodic" if f.attractor.period else "without period"] += 1
+                row, arrays = attractor_row(f.attractor, f.cell.p, (f.exponent, f.uncertainty))
+                writer.append({**row, "chunk": number, "cell": f.cell.index, "direction": direction, "share": f.share}, arrays)
+                counts[_kind(bool(f.attractor.failed), f.attractor.period)] += 1
             done += len(chunk.cells)
             context.reporter.advance(done, n_cells, "parameter points")
         text = f"{n_cells} parameter points; attractors: " + ", ".join(f"{n} {what}" for what, n in sorted(counts.items()))
         writer.terminate(text)
     context.reporter.done(text)
+
+
+def _kind(failed: bool, period: int) -> str:
+    return "failed" if failed else "periodic" if period else "without period"
 
 
 def chunks_of(plan: Plan, step: Step) -> list[tuple[int, Chunk]]:
@@ -66,7 +73,7 @@ def chunks_of(plan: Plan, step: Step) -> list[tuple[int, Chunk]]:
     names = list(body.over)
     grids = [grid_values(plan, step, name) for name in names]
     initial = body.initial[0]
-    task = Task(plan.model, plan.delay_method(step), method_of(body), returns_of(plan, body), history_of(plan, initial),
+    task = Task(plan.model, plan.delay_method(step), method_of(plan, body), returns_of(plan, body), history_of(plan, initial),
                 hashlib.sha256((plan.model_text + settings_text(plan, step)).encode()).hexdigest())  # fmt: skip
 
     def cell(index: int, values: tuple[float, ...]) -> Cell:

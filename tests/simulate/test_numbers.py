@@ -93,7 +93,8 @@ def test_on_off_period_and_extrema():
     assert sorted(events.before[-2:, 0]) == pytest.approx([low, high], abs=1e-12)
 
 
-WRIGHT_MARKED = ("name: wright\nstates: [x]\nparameters: {tau: 1}\nmodes: {m: {x': -2*x(t - tau)*(1 + x)}}\nevents: {zero: x, top: x(t - tau)}\n"
+WRIGHT_MARKED = ("name: wright\nstates: [x]\nparameters: {tau: 1}\nmodes: {m: {x': -2*x(t - tau)*(1 + x)}}\nevents: {zero: x, "
+                 "top: x(t - tau)}\n"
                  "segments:\n  zero: {mode: m, event: zero, direction: rising, to: m}\n"
                  "  top: {mode: m, event: top, direction: rising, to: m}\ninitial: {x: 0.5}\n")  # fmt: skip
 
@@ -112,8 +113,9 @@ def test_mackey_glass_period_where_it_doubles():
 
     What is left is the square of it: two rounds, each from a history that is the Fourier series of the round before.
     """
-    numeric = numeric_from("name: blood\nstates: [x]\nparameters: {tau: 1}\nmodes: {m: {x': 2*x(t - tau)/(1 + x(t - tau)**10) - x}}\n"
-                           "events: {one: x - 1}\nsegments: {s: {mode: m, event: one, direction: rising, to: m}}\ninitial: {x: 0.9}\n")  # fmt: skip
+    numeric = numeric_from("name: blood\nstates: [x]\nparameters: {tau: 1}\n"
+                           "modes: {m: {x': 2*x(t - tau)/(1 + x(t - tau)**10) - x}}\nevents: {one: x - 1}\nsegments: {s: {mode: m, "
+                           "event: one, direction: rising, to: m}}\ninitial: {x: 0.9}\n")  # fmt: skip
     history, n = None, 128
     for _ in range(3):
         trajectory = run(numeric, 150.0, tau=MACKEY_GLASS_PD["tau"], history=history)
@@ -122,8 +124,9 @@ def test_mackey_glass_period_where_it_doubles():
         times = t[-3] + period * np.arange(n) / n
         c = np.fft.rfft(trajectory(times)[:, 0] + trajectory(times + period)[:, 0]) / (2 * n)
         w = 2 * math.pi / period
-        history = (sympy.Add(float(c[0].real), *[2 * float(c[k].real) * sympy.cos(k * w * TIME) - 2 * float(c[k].imag) * sympy.sin(k * w * TIME)
-                                                 for k in range(1, n // 2 - 4)]),)  # fmt: skip
+        a, b = 2 * c.real, -2 * c.imag
+        waves = [float(a[k]) * sympy.cos(k * w * TIME) + float(b[k]) * sympy.sin(k * w * TIME) for k in range(1, n // 2 - 4)]
+        history = (sympy.Add(float(c[0].real), *waves),)
     assert period == pytest.approx(MACKEY_GLASS_PD["period"], abs=1e-9)
 
 
@@ -153,16 +156,18 @@ def order(h, errors):
     return np.polyfit(np.log(h), np.log(errors), 1)[0]
 
 
-@pytest.mark.parametrize(("stiff", "h", "low", "high"), [(False, [0.75, 0.6, 0.5, 0.4, 0.3], 7.7, 10.0), (True, [0.2, 0.1, 0.05, 0.025], 4.8, 5.4)])
+@pytest.mark.parametrize(
+    ("stiff", "h", "low", "high"), [(False, [0.75, 0.6, 0.5, 0.4, 0.3], 7.7, 10.0), (True, [0.2, 0.1, 0.05, 0.025], 4.8, 5.4)]
+)
 def test_order_without_events(stiff, h, low, high):
     assert low < order(h, [oscillator_error(Method(FIXED, FIXED, stiff), step) for step in h]) < high
 
 
-@pytest.mark.parametrize(("stiff", "parts", "low", "high"), [(False, [2, 3, 4, 5, 6], 7.5, 9.0), (True, [4, 8, 16, 32], 3.8, 5.4)])
+# Steps divide the time between bounces, so that the oscillation's own error of order 6 in phase is what moves Radau's bounces.
+@pytest.mark.parametrize(("stiff", "parts", "low", "high"), [(False, [4, 5, 6, 7, 8], 7.3, 8.7), (True, [4, 8, 16, 32], 4.7, 6.2)])
 def test_order_with_events_and_a_delay(stiff, parts, low, high):
     h = [math.pi / 2 / n for n in parts]
     errors = [bouncer_errors(Method(FIXED, FIXED, stiff), step) for step in h]
-    print(errors, np.diff(np.log(errors), axis=0) / np.diff(np.log(h))[:, None])
     assert low < order(h, [y for y, _ in errors]) < high
     assert low < order(h, [t for _, t in errors]) < high
 
@@ -172,6 +177,6 @@ def test_order_with_events_and_a_delay(stiff, parts, low, high):
 def test_errors_fall_with_the_tolerance(errors, stiff):
     allowed = 10.0 ** -np.arange(4, 11)
     made = np.array([errors(Method(rtol, rtol, stiff)) for rtol in allowed])
-    print(made / allowed)
-    assert np.all(made < 10 * allowed)
-    assert made[-1] < 1e-3 * made[2] or made[2] < 1e-12
+    assert np.all(made < 5 * allowed)
+    # The delay alone keeps the hybrid problem's steps short, so that loose tolerances change little there.
+    assert made[-1] < 0.01 * made.max()

@@ -25,6 +25,7 @@ from pddecont.simulate.kernel.tables import (
     NEXT_STEP,
     READY,
     T_START,
+    UNRESOLVED,
     USED,
     Status,
     T,
@@ -35,6 +36,8 @@ from pddecont.simulate.kernel.tables import (
 from pddecont.simulate.kernel.tangent import prepare_with_echoes
 
 SAFETY, SHRINK, GROW = 0.9, 0.2, 6.0
+# No step is made shorter than so many units of rounding for an event function's sake.
+SHORTEST = 1000.0
 
 
 @entry
@@ -101,8 +104,8 @@ def advance(c, t_stop, most_steps):
         if c.log_steps > 0 and c.log_n[0] + 1 > c.log_steps:
             return Status.LOG_FULL
         if c.count[N_PENDING] > 0 and c.pending_time[0] <= t + near(t):
-            status = moment(c, -1, 0)
-            if (status == Status.ZENO or status == Status.SLIDING) and stick(c):
+            status = _happen(c, -1, 0)
+            if (status == Status.ZENO or status == Status.SLIDING) and stick(c, t_stop):
                 continue
             if status != Status.REACHED:
                 return status
@@ -118,7 +121,7 @@ def advance(c, t_stop, most_steps):
         if status != Status.REACHED:
             return status
         status = _finish(c, t, h, stop)
-        if (status == Status.ZENO or status == Status.SLIDING) and stick(c):
+        if (status == Status.ZENO or status == Status.SLIDING) and stick(c, t_stop):
             continue
         if status != Status.REACHED:
             return status
@@ -234,6 +237,14 @@ def _finish(c, t, h, stop):
         s, c.found_side[n_segments] = first_crossing(c, c.section, direction, t, h, side)
         if s >= 0.0 and s < earliest:
             marked, hit, earliest = True, -1, s
+    if c.count[UNRESOLVED] == 1:
+        # An event function varies faster than a step of this length can show.
+        c.count[UNRESOLVED] = 0
+        if h > SHORTEST * near(t):
+            c.clock[NEXT_STEP] = h / 16.0
+            c.count[READY] = 0
+            c.count[N_REJECTED] += 1
+            return Status.REACHED
     whole = earliest > 1.0
     end = (stop if t + h >= stop - near(stop) else t + h) if whole else min(t + earliest * h, stop)
     if end > t:
@@ -268,7 +279,19 @@ def _finish(c, t, h, stop):
     if direction == 0:
         slope, _ = slope_and_size(c, c.segment_event[hit], mode, end, c.y)
         direction = -c.side[hit] if c.side[hit] != 0 else (1 if slope > 0.0 else -1)
-    return moment(c, hit, direction)
+    return _happen(c, hit, direction)
+
+
+@inner
+def _happen(c, hit, direction):
+    """Let everything happen that is due now, and note the sides on which the new arc begins.
+
+    They are those of the delayed values before this moment: one that jumps now carries its event function over zero, and that counts.
+    """
+    status = moment(c, hit, direction)
+    if c.count[FRESH] == 1:
+        _sides(c, c.clock[T])
+    return status
 
 
 @inner

@@ -16,11 +16,12 @@ import numpy as np
 from pddecont.simulate.kernel.calls import at, call, inner
 from pddecont.simulate.kernel.past import extension, near, read, read_slopes
 from pddecont.simulate.kernel.slopes import slopes
+from pddecont.simulate.kernel.tables import UNRESOLVED
 
 DEGREE = 8
 NODES = 0.5 - 0.5 * np.cos(np.pi * np.arange(DEGREE + 1) / DEGREE)
 CHECKS = np.array([0.3183, 0.8211])
-RESOLVED = 1e-10
+RESOLVED, RESOLVED_ERRORS, UNSEEN = 1e-10, 10.0, 1e-3
 FAR = 4.0
 MAX_HALVINGS = 6
 MAX_SPLITS = 40
@@ -102,7 +103,7 @@ def first_crossing(c, event, direction, t, h, side):
     while top >= 0:
         a, b, depth = stack[4 * top], stack[4 * top + 1], stack[4 * top + 2]
         top -= 1
-        on_surface = a == 0.0 and before == 0
+        on_surface = a == 0.0 and before == 0 and not _jumped(c, event, t, h)
         resolved = _interpolate(c, event, t, h, a, b, on_surface)
         if resolved == 2:
             after = 1 if c.bernstein[ROW] > 0.0 else -1
@@ -111,6 +112,7 @@ def first_crossing(c, event, direction, t, h, side):
             before = after
             continue
         if resolved == 0 and depth < MAX_HALVINGS:
+            c.count[UNRESOLVED] = 0
             middle = 0.5 * (a + b)
             _push(stack, top + 1, middle, b, depth + 1.0)
             _push(stack, top + 2, a, middle, depth + 1.0)
@@ -120,6 +122,13 @@ def first_crossing(c, event, direction, t, h, side):
         if found >= 0.0:
             return found, before
     return -1.0, before
+
+
+@inner
+def _jumped(c, event, t, h):
+    """Whether an event function that was zero has left its zero in a jump: a delayed value jumps where the step begins."""
+    near_start = abs(_along(c, event, t, h, 0.0))
+    return near_start > 1e-9 * (near_start + abs(_along(c, event, t, h, 0.5)) + abs(_along(c, event, t, h, 1.0)))
 
 
 @inner
@@ -152,6 +161,8 @@ def _interpolate(c, event, t, h, a, b, on_surface):
         worst = max(worst, abs(total - _along(c, event, t, h, a + (b - a) * CHECKS[i])))
     # The ends are known exactly, whatever the matrix's rounding.
     coefficients[0], coefficients[DEGREE] = nodes[0], nodes[DEGREE]
+    if worst > UNSEEN * largest:
+        c.count[UNRESOLVED] = 1
     nearest = math.inf
     sign = 0
     for i in range(DEGREE + 1):
@@ -163,7 +174,7 @@ def _interpolate(c, event, t, h, a, b, on_surface):
     if on_surface:
         for i in range(DEGREE):
             coefficients[i] = coefficients[i + 1] * DEGREE / (i + 1)
-    return int(worst <= RESOLVED * largest or worst < 0.1 * nearest)
+    return int(worst <= max(RESOLVED, RESOLVED_ERRORS * c.rtol) * largest or worst < 0.1 * nearest)
 
 
 @inner

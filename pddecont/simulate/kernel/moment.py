@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from pddecont.simulate.kernel.breaking import drop_pending, note_breaking, note_pending
+import math
+
+from pddecont.simulate.kernel.breaking import drop_pending, note_breaking, note_pending, queues_have_room
 from pddecont.simulate.kernel.calls import at, call, inner
 from pddecont.simulate.kernel.crossings import event_value, slope_and_size
 from pddecont.simulate.kernel.past import near, read
@@ -25,6 +27,7 @@ from pddecont.simulate.kernel.tangent import after_reset, before_reset, event_sh
 MAX_AT_ONCE = 1000
 SHRINKING = 8
 ACCUMULATED = 1e-10
+UNSEEN = 1000.0
 
 
 @inner
@@ -50,6 +53,10 @@ def moment(c, hit, direction):
             return status
         if event == c.stop_event:
             result = Status.SECTION
+        if not queues_have_room(c):
+            return Status.ROOM
+        if 0 < c.log_events <= c.log_n[1]:
+            return Status.LOG_FULL
     while c.count[N_PENDING] > 0 and c.pending_time[0] <= t + near(t):
         drop_pending(c, 0)
     return result
@@ -113,7 +120,9 @@ def _fire(c, segment, pending):
         shift = event_shift(c, event, mode, t)
     if c.tangent == 1:
         before_reset(c, c.segment_reset[segment], mode, t, shift)
-    crossing = c.crossing[event] if pending < 0 else 0
+    crossing, resolution = (c.crossing[event] if pending < 0 else 0), 0.0
+    if crossing != 0:
+        _, resolution = slope_and_size(c, event, mode, t, c.y)
     read(c, t, c.y, c.xd, 0)
     row = c.log_n[1]
     logged = row < c.log_events
@@ -146,6 +155,9 @@ def _fire(c, segment, pending):
     if _slides(c, event, crossing, mode, target, t):
         c.clock[ZENO_TIME] = t
         return Status.SLIDING
+    if _rests(c, event, crossing, target, t, resolution):
+        c.clock[ZENO_TIME] = t
+        return Status.ZENO
     return _accumulates(c, event, t)
 
 
@@ -155,20 +167,46 @@ def _slides(c, event, crossing, old, new, t):
 
     Both vector fields then point at the surface (Filippov's criterion), and no motion leaves it.
     """
-    if crossing == 0 or old == new or c.reads[event] == 1:
+    if crossing == 0 or old == new:
         return False
-    watched = False
-    for segment in range(c.n_segments):
-        if (c.segment_mode[segment] == new and c.segment_event[segment] == event
-                and c.segment_direction[segment] * crossing <= 0):  # fmt: skip
-            watched = True
-    if not watched:
+    if not _watched(c, event, -crossing, new):
         return False
     there, size = slope_and_size(c, event, new, t, c.y)
     if there * crossing >= 0.0 or abs(event_value(c, event, t, c.y)) > size:
         return False
     here, _ = slope_and_size(c, event, old, t, c.y)
     return here * crossing > 0.0
+
+
+@inner
+def _watched(c, event, direction, mode):
+    """Whether a segment of a mode ends where an event function crosses its zero in a direction."""
+    for segment in range(c.n_segments):
+        if c.segment_mode[segment] == mode and c.segment_event[segment] == event and c.segment_direction[segment] * direction >= 0:
+            return True
+    return False
+
+
+@inner
+def _rests(c, event, crossing, mode, t, resolution):
+    """Return whether the motion lies on the event's surface after the reset: it is pressed on it, and leaves it by less than rounding.
+
+    ``resolution`` is how far from zero the event function may have been, to rounding, when the event was met.
+    """
+    if crossing == 0 or not _watched(c, event, crossing, mode):
+        return False
+    slope, size = slope_and_size(c, event, mode, t, c.y)
+    size = max(size, resolution)
+    if abs(event_value(c, event, t, c.y)) > size:
+        return False
+    # How the slope itself changes along the flow, from a short way ahead.
+    ahead = 1e-6 * max(1.0, abs(t))
+    y = c.trial
+    for i in range(c.dimension):
+        y[i] = c.y[i] + ahead * c.slope[i]
+    later, _ = slope_and_size(c, event, mode, t + ahead, y)
+    curvature = (later - slope) / ahead
+    return curvature * crossing > 0.0 and slope * slope <= 2.0 * abs(curvature) * size
 
 
 @inner
@@ -186,19 +224,21 @@ def _accumulates(c, event, t):
     row[0], row[1], row[2] = t, gap, ratio
     if row[3] >= SHRINKING:
         rest = gap * ratio / (1.0 - ratio)
-        if rest <= ACCUMULATED * max(1.0, abs(t)):
+        slope, size = slope_and_size(c, event, c.count[MODE], t, c.y) if c.after[event] < 0 else (math.inf, 0.0)
+        # Below some gap rounding in the event function is all that is left of it.
+        if rest <= ACCUMULATED * max(1.0, abs(t)) or abs(slope) * gap <= UNSEEN * size:
             c.clock[ZENO_TIME] = t + rest
             return Status.ZENO
     return Status.REACHED
 
 
 @inner
-def stick(c):
+def stick(c, t_stop):
     """Hand over to the mode that the last event sticks to; return whether there is one."""
     mode = c.stick[c.count[LAST_EVENT]]
     if mode < 0:
         return False
-    c.clock[T] = c.clock[ZENO_TIME]
+    c.clock[T] = min(c.clock[ZENO_TIME], max(t_stop, c.clock[T]))
     c.count[MODE] = mode
     c.count[ARC] += 1
     c.count[FRESH], c.count[READY] = 1, 0

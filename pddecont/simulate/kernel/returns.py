@@ -80,12 +80,12 @@ def settle(system, values, memory, work, period, phase, t_end, max_period, state
         for q in range(1, min(max_period, number - 1, room - 1) + 1):
             before = (number - 1 - q) % room
             distance = _distance(states, row, before, size)
-            same_events = _same_counts(hits, number, q, room)
-            running[q] = running[q] + 1 if distance <= same and same_events else 0
+            alike = distance <= same and _same_counts(hits, number, q, room) and _same_gaps(times, number, q, room)
+            running[q] = running[q] + 1 if alike else 0
             # As many times as the period is long, and longer than the longest delay.
             if running[q] >= REPEATS * q and times[row] - times[(number - 1 - min(running[q], room - 1)) % room] >= values.longest:
                 return memory, Status.SECTION, q, number
-    q = _period(states, hits, number, max_period, room, size) if status == Status.REACHED else 0
+    q = _period(states, times, hits, number, max_period, room, size) if status == Status.REACHED else 0
     return memory, status, q, number
 
 
@@ -110,11 +110,20 @@ def _same_counts(hits, number, q, room):
 
 
 @inner
-def _period(states, hits, number, max_period, room, size):
+def _same_gaps(times, number, q, room):
+    """Whether the last ``q`` returns took as long as the ``q`` before them: returns that accumulate do not."""
+    if number - 1 - 2 * q < 0 or 2 * q >= room:
+        return number - 1 >= q
+    last, middle, first = times[(number - 1) % room], times[(number - 1 - q) % room], times[(number - 1 - 2 * q) % room]
+    return abs(last - 2.0 * middle + first) <= CLOSE * (last - middle)
+
+
+@inner
+def _period(states, times, hits, number, max_period, room, size):
     """Return the period of the returns kept, told less strictly: the motion may still be settling."""
     kept = min(number, room)
     for q in range(1, max_period + 1):
-        if 2 * q + 1 > kept or not _same_counts(hits, number, q, room):
+        if 2 * q + 1 > kept or not _same_counts(hits, number, q, room) or not _same_gaps(times, number, q, room):
             continue
         worst = 0.0
         for back in range(min(q + 2, kept - q)):

@@ -1,0 +1,113 @@
+"""Basins of attraction: one whose border is known, and the paper's."""
+
+import numpy as np
+import pytest
+
+from pddecont.model.document import parse_document
+from pddecont.results.attractors import attractor_rows, basin_shares, cell_rows, label_map, wilson
+from pddecont.results.reader import read_results
+from pddecont.steps import basin as basin_step
+from pddecont.steps.plan import load_plan
+from pddecont.steps.run import execute
+from tests.conftest import ROOT
+from tests.runs import run, run_model
+from tests.steps.test_sweep import same
+
+WELLS = ("name: wells\nstates: [x, y]\nparameters: {w: 1}\nforcing: {period: 2*pi/w}\n"
+         "modes: {m: {x': x - x**3, y': cos(w*t) - y}}\n"
+         "run: {steps: [{name: map, basin: {over: {x: [-2, 2, 40], y: [-1, 1, 10]}, transient: 200}}]}\n")  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def wells(tmp_path_factory):
+    return run_model(WELLS, tmp_path_factory.mktemp("basin") / "w.h5")
+
+
+def test_two_wells_share_the_plane_at_zero(wells):
+    """x' = x - x^3: whatever y does, x goes to 1 from x > 0 and to -1 from x < 0."""
+    step = wells.steps["map"]
+    labels, xs = label_map(step), np.array(step.meta["x"])
+    right = [i for i in range(len(step)) if step.labels[i] and step.orbit(i)["returns"][0, 0] > 0]
+    number = [i for i in range(len(step)) if step.labels[i]].index(right[0])
+    assert labels.shape == (10, 40)
+    assert np.array_equal(labels == number, np.broadcast_to(xs > 0, labels.shape))
+    # y at whole periods is that of y' = cos t - y: 1/2.
+    assert [step.orbit(i)["returns"][0] for i in right] == [pytest.approx([1.0, 0.5], abs=1e-6)]
+
+
+def test_shares_have_confidence_intervals(wells):
+    shares = list(basin_shares(wells.steps["map"]).values())
+    assert [s for s, _, _ in shares] == [0.5, 0.5]
+    # Wilson's interval for 200 of 400.
+    assert shares[0][1:] == pytest.approx((0.4512, 0.5488), abs=1e-4)
+    assert wilson(0, 10)[0] == 0.0
+    assert wilson(10, 10)[1] == pytest.approx(1.0, abs=1e-15)
+    rows = attractor_rows(wells.steps["map"])
+    assert [r["label"] for r in rows] == ["A1", "A2"]
+    assert "50.00 %" in wells.steps["map"].termination[0]
+
+
+def test_cells_are_a_table(wells):
+    rows = cell_rows(wells.steps["map"])
+    assert len(rows) == 400
+    assert {(r["x"] > 0, r["label"]) for r in rows} in ({(True, "A1"), (False, "A2")}, {(True, "A2"), (False, "A1")})
+    assert all(0 < r["settling"] < 200 for r in rows)
+
+
+PAPER = """
+model: ../models/impact_oscillator.yaml
+effects: {off: [feedback]}
+steps:
+  - {name: map, basin: {over: {x: [-2, 1.26, 24], v: [-2, 2, 20]}, transient: 400*2*pi/omega}}
+"""
+
+
+def test_the_basin_of_the_orbit_with_two_impacts_is_what_single_runs_say(tmp_path):
+    """The map's labels against runs from single states, followed to the end and recognised there by their last segments."""
+    from pddecont.delay.direct import Direct
+    from pddecont.model.codegen import NumericModel
+    from pddecont.model.system import load_model
+    from pddecont.simulate.integrate import simulate
+    from pddecont.simulate.recognise import recognise
+
+    step = run(PAPER, tmp_path / "p.h5").steps["map"]
+    rows = attractor_rows(step)
+    assert sorted(r["n_NC"] for r in rows) == [1, 2]
+    labels = label_map(step)
+    numeric = NumericModel(load_model(str(ROOT / "models" / "impact_oscillator.yaml"))[0])
+    p = numeric.parameter_values
+    p[numeric.parameter_index("K")] = 0.0
+    rng = np.random.default_rng(3)
+    for j, i in zip(rng.integers(0, 20, 12), rng.integers(0, 24, 12), strict=True):
+        initial = [step.meta["x"][i], step.meta["y"][j]]
+        trajectory = simulate(numeric, p, Direct(), 300 * 2 * np.pi / 0.8, initial=initial, constant=True)
+        assert len(recognise(numeric, p, trajectory).signature) == 2 * rows[labels[j, i]]["n_NC"]
+
+
+@pytest.mark.parametrize("broken_after", [0, 4])
+def test_a_broken_run_goes_on_to_the_same_map(wells, tmp_path, monkeypatch, broken_after):
+    plan = load_plan(parse_document(WELLS, "m.yaml"))
+    whole = basin_step.in_order
+
+    def breaking(workers, work, chunks):
+        for number, result in enumerate(whole(workers, work, chunks)):
+            if number == broken_after:
+                raise KeyboardInterrupt
+            yield result
+
+    monkeypatch.setattr(basin_step, "in_order", breaking)
+    with pytest.raises(KeyboardInterrupt):
+        execute(plan, tmp_path / "r.h5")
+    monkeypatch.setattr(basin_step, "in_order", whole)
+    execute(plan, tmp_path / "r.h5", resume=True, workers=2)
+    assert same(wells, read_results(tmp_path / "r.h5"), "map")
+
+
+def test_attractors_that_no_first_look_finds_are_found_all_the_same(tmp_path):
+    """A narrow basin: x' = -(x - 1)(x - 1.02)(x - 3) / 10 has its attractors at 1 and 3, and x = 1.02 between them."""
+    text = ("name: wells\nstates: [x, y]\nparameters: {w: 1}\nforcing: {period: 2*pi/w}\n"
+            "modes: {m: {x': -(x - 1)*(x - 1.02)*(x - 3), y': cos(w*t) - y}}\n"
+            "run: {steps: [{name: map, basin: {over: {x: [1.01, 3.01, 101], y: [0, 1, 2]}, transient: 4000}}]}\n")
+    step = run_model(text, tmp_path / "n.h5").steps["map"]
+    assert sorted(step.orbit(i)["returns"][0, 0] for i in range(len(step)) if step.labels[i]) == pytest.approx([1.0, 3.0], abs=1e-5)
+    assert np.all(np.sum(label_map(step) == label_map(step)[0, 0], axis=1) == 1)

@@ -1,0 +1,180 @@
+"""Brute-force diagrams: attractors against followed orbits, whoever computes them and however often the run was broken off."""
+
+import numpy as np
+import pytest
+
+from pddecont.errors import ResultsError
+from pddecont.model.document import parse_document
+from pddecont.results.attractors import attractor_rows, class_of, return_rows
+from pddecont.results.reader import read_results
+from pddecont.steps import sweep as sweep_step
+from pddecont.steps.plan import load_plan
+from pddecont.steps.run import execute
+from tests.conftest import ROOT
+from tests.runs import run, run_model
+
+FIG4_1 = """
+model: ../models/impact_oscillator.yaml
+effects: {off: [feedback]}
+mesh: {degree: 8, tol: 1.0e-10}
+steps:
+  - name: diagram
+    sweep: {over: {beta: [24, 40, 9]}, initial: [{x: 0, v: 0}, {x: -0.26, v: 1.74}], transient: 400*2*pi/omega}
+"""
+
+
+@pytest.fixture(scope="module")
+def diagram(tmp_path_factory):
+    return run(FIG4_1, tmp_path_factory.mktemp("sweep") / "a.h5")
+
+
+def test_two_attractors_coexist_and_are_told_apart(diagram):
+    step = diagram.steps["diagram"]
+    rows = attractor_rows(step)
+    both = {r["beta"] for r in rows if r["n_NC"] == 2} & {r["beta"] for r in rows if r["n_NC"] == 1}
+    # The followed orbit with two impacts exists from the fold at 26.5225 on; a start far from it finds it a little later.
+    assert min(both) == 28
+    assert {class_of(step, i) for i in range(len(step))} == {"period 2, 1 NC, 1 C", "period 2, 2 NC, 2 C"}
+    assert all(r["share"] == 0.5 for r in rows if r["beta"] in both)
+    assert all(r["turn"] == pytest.approx(2 * 2 * np.pi / 0.8, rel=1e-12) for r in rows)
+
+
+def test_an_orbit_starts_from_an_attractor_by_its_label(diagram, tmp_path):
+    step = diagram.steps["diagram"]
+    rows = [i for i in range(len(step)) if step.points["n_segments"][i, 0] == 2]
+    label, beta = step.labels[rows[2]], step.points["parameters"][rows[2], 4]
+    results = run(FIG4_1 + f"  - {{name: o, orbit: {{from: {{step: diagram, point: {label}}}, stability: true}}}}\n", tmp_path / "b.h5")
+    orbit = results.steps["o"]
+    assert orbit.points["parameters"][0, 4] == beta
+    assert orbit.orbit(0)["signature"].tobytes().decode().split() in (["NC", "C"] * 2, ["C", "NC"] * 2)
+    # The returns are where the collocated orbit is at whole periods.
+    times, states = orbit.orbit(0)["time"], orbit.orbit(0)["states"]
+    period = 2 * np.pi / 0.8
+    first = np.ceil(times[0] / period) * period
+    expected = [np.interp(first + k * period, times, states[:, 0]) for k in range(2)]
+    assert sorted(step.orbit(rows[2])["returns"][:, 0]) == pytest.approx(sorted(expected), abs=5e-3)
+    # The same orbit from a file that was written before.
+    other = run(FIG4_1.replace("[24, 40, 9]", "[30, 31, 1]")
+                + f"  - {{name: o, orbit: {{from: {{file: {tmp_path / 'b.h5'}, step: diagram, point: {label}}}}}}}\n", tmp_path / "c.h5")  # fmt: skip
+    assert other.steps["o"].points["period"][0] == pytest.approx(orbit.points["period"][0], rel=1e-12)
+    assert other.steps["o"].points["parameters"][0, 4] == beta
+
+
+def test_an_attractor_must_be_named(diagram, tmp_path):
+    with pytest.raises(Exception, match="say which"):
+        run(FIG4_1 + "  - {name: o, orbit: {from: diagram}}\n", tmp_path / "b.h5")
+    with pytest.raises(ResultsError, match="has no point 'A999'"):
+        run(FIG4_1.replace("9]", "2]") + "  - {name: o, orbit: {from: {step: diagram, point: A999}}}\n", tmp_path / "b.h5")
+
+
+def same(a, b, name="diagram"):
+    """Whether two steps hold the same numbers to the last bit."""
+    a, b = a.steps[name], b.steps[name]
+    assert a.termination == b.termination
+    for group in ("points", "orbits"):
+        for key, column in getattr(a, group).items():
+            assert np.array_equal(column, getattr(b, group)[key], equal_nan=column.dtype.kind == "f"), key
+    return True
+
+
+def test_the_answer_does_not_depend_on_the_number_of_workers(diagram, tmp_path):
+    execute(load_plan(parse_document(FIG4_1, str(ROOT / "configs" / "test.yaml"))), tmp_path / "w.h5", workers=3)
+    assert same(diagram, read_results(tmp_path / "w.h5"))
+
+
+@pytest.mark.parametrize("broken_after", [1, 3])
+def test_a_broken_run_goes_on_to_the_same_numbers(diagram, tmp_path, monkeypatch, broken_after):
+    plan = load_plan(parse_document(FIG4_1, str(ROOT / "configs" / "test.yaml")))
+    monkeypatch.setattr(sweep_step, "CHUNK", 4)
+    whole = sweep_step.in_order
+
+    def breaking(workers, work, chunks):
+        for number, result in enumerate(whole(workers, work, chunks)):
+            if number == broken_after:
+                raise KeyboardInterrupt
+            yield result
+
+    monkeypatch.setattr(sweep_step, "in_order", breaking)
+    with pytest.raises(KeyboardInterrupt):
+        execute(plan, tmp_path / "r.h5")
+    part = read_results(tmp_path / "r.h5").steps["diagram"]
+    assert 0 < len(part) < len(diagram.steps["diagram"])
+    monkeypatch.setattr(sweep_step, "in_order", whole)
+    execute(plan, tmp_path / "r.h5", resume=True)
+    execute(plan, tmp_path / "once.h5")
+    assert same(read_results(tmp_path / "once.h5"), read_results(tmp_path / "r.h5"))
+
+
+def test_an_attractor_carried_along_is_lost_at_the_fold(tmp_path):
+    """Carried down, the orbit with two impacts lasts to the fold of its branch at beta = 26.5224937149 (docs/paper.md)."""
+    text = FIG4_1.replace("[24, 40, 9]", "[26, 29, 13]").replace("transient", "carry: down, transient").replace("{x: 0, v: 0}, ", "")
+    step = run(text, tmp_path / "c.h5").steps["diagram"]
+    two = step.points["parameters"][step.points["n_segments"][:, 0] == 2, 4]
+    assert two.min() == 26.75
+    assert np.all(step.points["direction"] == -1)
+    with_one = step.points["parameters"][step.points["n_segments"][:, 0] == 1, 4]
+    assert sorted(with_one) == [26.0, 26.25, 26.5]
+
+
+def test_a_delay_equation_carried_along_keeps_its_past(tmp_path):
+    text = """
+model: ../models/impact_oscillator.yaml
+steps:
+  - {name: up, sweep: {over: {K: [0.15, 0.19, 9]}, transient: 600*2*pi/omega, carry: up}}
+  - {name: anew, sweep: {over: {K: [0.15, 0.19, 9]}, transient: 600*2*pi/omega}}
+"""
+    results = run(text, tmp_path / "d.h5")
+    # The reverse period doubling lies at K = 0.1769069625, and the wall is left at 0.1774776777 (docs/paper.md).
+    for name in ("up", "anew"):
+        step = results.steps[name]
+        gain = step.points["parameters"][:, 5]
+        assert np.all(step.points["period"][gain < 0.1768] == 2)
+        assert np.all(step.points["period"][gain > 0.1776] == 1)
+    for a, b in zip(results.steps["up"].orbits["returns"], results.steps["anew"].orbits["returns"], strict=True):
+        assert np.min(np.abs(results.steps["anew"].orbits["returns"][:, 0] - a[0])) < 1e-5, (a, b)
+
+
+
+
+def test_a_map_without_period_is_told_and_has_a_positive_exponent(tmp_path):
+    """At every whole t: y = r y (1 - y), the logistic map; its exponent at r = 4 is ln 2 a return."""
+    text = ("name: m\nstates: [y]\nparameters: {r: 4, w: 1}\nforcing: {period: w}\nmodes: {m: {y': 0}}\nevents: {tick: sin(2*pi*t)}\n"
+            "resets: {fold: {y: r*y*(1 - y)}}\nsegments: {s: {mode: m, event: tick, direction: rising, reset: fold, to: m}}\n"
+            "initial: {y: 0.3}\nrun: {steps: [{name: diagram, sweep: {over: {r: [3.2, 4, 2]}, section: {phase: 0.5}, transient: 2000, "
+            "returns: 300, lyapunov: true}}]}\n")  # fmt: skip
+    step = run_model(text, tmp_path / "l.h5").steps["diagram"]
+    assert list(step.points["period"]) == [2, 0]
+    assert class_of(step, 1) == "no period"
+    assert step.points["lyapunov"][1] == pytest.approx(np.log(2.0), abs=0.02)
+    # r = 3.2: the period-2 points are the roots of r^2 y^2 - r (r + 1) y + r + 1, the exponent ln |4 + 2 r - r^2| / 2.
+    assert step.points["lyapunov"][0] == pytest.approx(np.log(abs(4 + 6.4 - 3.2**2)) / 2, abs=1e-6)
+    y = [r["y"] for r in return_rows(step) if r["label"] == "A1"]
+    assert sorted(y) == pytest.approx(sorted(np.roots([3.2**2, -3.2 * 4.2, 4.2])), abs=1e-6)
+
+
+def test_what_fails_is_kept_with_its_reason(tmp_path):
+    text = ("name: m\nstates: [x, v]\nparameters: {g: 9.81, r: 0.8}\nmodes: {m: {x': v, v': -g}}\nevents: {hit: x}\n"
+            "resets: {bounce: {v: -r*v}}\nsegments: {s: {mode: m, event: hit, direction: falling, reset: bounce, to: m}}\n"
+            "initial: {x: 1}\nrun: {steps: [{name: diagram, sweep: {over: {g: [5, 10, 3]}, section: {event: hit}, transient: 100}}]}\n")
+    step = run_model(text, tmp_path / "z.h5").steps["diagram"]
+    assert step.labels == ("", "", "")
+    assert all("accumulate at t" in r["note"] for r in attractor_rows(step))
+
+
+def test_starts_at_random_are_the_same_every_time(tmp_path):
+    text = FIG4_1.replace("initial: [{x: 0, v: 0}, {x: -0.26, v: 1.74}]", "random: {number: 12, box: {x: [-1, 1], v: [-1.5, 1.5]}}")
+    text = text.replace("[24, 40, 9]", "[60, 60, 1]")
+    step = run(text, tmp_path / "a.h5").steps["diagram"]
+    assert len(step) == 2
+    assert step.points["share"].sum() == pytest.approx(1.0)
+    assert same(run(text, tmp_path / "a.h5"), run(text, tmp_path / "b.h5"))
+
+
+def test_two_parameters(tmp_path):
+    text = FIG4_1.replace("{beta: [24, 40, 9]}", "{beta: [28, 60, 2], a: [0.85, 0.95, 3]}").replace("400*", "200*")
+    step = run(text, tmp_path / "t.h5").steps["diagram"]
+    cells = sorted(set(step.points["cell"]))
+    assert cells == list(range(6))
+    at = {int(c): tuple(step.points["parameters"][list(step.points["cell"]).index(c), [4, 1]]) for c in cells}
+    assert at[1] == (60.0, 0.85)
+    assert at[2] == (28.0, pytest.approx(0.9))
