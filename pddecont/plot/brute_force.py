@@ -46,7 +46,8 @@ def draw_returns(axes: Any, steps: Sequence[Step], x: str, state: str) -> list[A
                     values = step.orbit(i)["returns"][:, j]
                     points.append(np.stack([np.full(len(values), step.points["parameters"][i, column]), values], axis=-1))
             xy = np.concatenate(points)
-            axes.plot(xy[:, 0], xy[:, 1], ".", ms=3.0 if len(xy) < 5000 else 1.2, mew=0, color=colour, rasterized=len(xy) > 20_000)
+            size = 3.0 if len(xy) < 5000 else 1.2
+            axes.plot(xy[:, 0], xy[:, 1], ".", ms=size, mew=0, color=colour, zorder=3, rasterized=len(xy) > 20_000)
     axes.set_xlabel(label(x))
     axes.set_ylabel(f"{label(state)} at returns")
     return [Line2D([], [], marker=".", ls="", color=colour, label=name) for name, colour in colours.items()]
@@ -66,7 +67,7 @@ def draw_branches(axes: Any, branches: Sequence[Step], sweep: Step, x: str, stat
                 continue
             xs = branch.points["parameters"][stretch.rows, column]
             for values in _joined([v[:n] for v in lines]).T:
-                axes.plot(xs, values, stretch.style, color="0.15", lw=0.9, zorder=3)
+                axes.plot(xs, values, stretch.style, color="0.15", lw=0.9, zorder=1)
                 drawn = True
     return [Line2D([], [], color="0.15", lw=0.9, label="followed orbits")] if drawn else []
 

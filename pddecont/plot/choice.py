@@ -60,7 +60,8 @@ def _asked(results: Results, view: View) -> tuple[str, list[Step]]:
             free = f" in {len(free_of(step))} parameter{'s'[: len(free_of(step)) - 1]}" if free_of(step) else ""
             raise ResultsError(f"step '{step.name}' is a {step.kind} step{free}; it can be drawn as "
                                f"{', '.join(kinds_for(step)) or 'nothing yet'}, not as {kind}")  # fmt: skip
-    if kind in SINGLE and len(steps) > 1:
+    together = kind == "orbit" and all(s.kind == "orbit" for s in steps)
+    if kind in SINGLE and len(steps) > 1 and not together:
         raise ResultsError(f"the view '{kind}' shows one step; choose one of {', '.join(s.name for s in steps)}")
     if kind == "plane" and len({frozenset(free_of(s)) for s in steps}) > 1:
         pairs = "; ".join(f"{s.name}: {', '.join(free_of(s))}" for s in steps)

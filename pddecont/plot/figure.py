@@ -16,7 +16,7 @@ from pddecont.plot.columns import default_columns, free_of, title
 from pddecont.plot.diagram import draw_diagram
 from pddecont.plot.manifold import draw_manifold, draw_orbits_along, signals
 from pddecont.plot.multipliers import draw_multipliers
-from pddecont.plot.orbits import draw_orbit, draw_profile, draw_trajectory
+from pddecont.plot.orbits import draw_orbit, draw_profile, draw_together, draw_trajectory
 from pddecont.plot.plane import draw_plane
 from pddecont.plot.style import RC, label
 from pddecont.plot.tags import Tag, place_tags
@@ -123,7 +123,7 @@ def _multipliers(steps: list[Step], view: View) -> Any:
 
 
 def _panels(n: int) -> tuple[Any, list[Any]]:
-    columns = min(n, 3)
+    columns = 2 if n == 4 else min(n, 3)
     lines = -(-n // columns)
     figure = _figure(4.2 * columns, 3.4 * lines)
     flat = list(np.ravel(figure.subplots(lines, columns, squeeze=False)))
@@ -135,6 +135,8 @@ def _panels(n: int) -> tuple[Any, list[Any]]:
 def _orbits(steps: list[Step], view: View) -> Any:
     if len(steps[0].meta["states"]) == 1:
         return _profiles(steps, view)
+    if len(steps) > 1:
+        return _orbits_together(steps, view)
     rows = chosen_rows(steps, view)
     figure, panels = _panels(len(rows))
     for axes, (step, row) in zip(panels, rows, strict=True):
@@ -144,6 +146,22 @@ def _orbits(steps: list[Step], view: View) -> Any:
         handles, names = panels[0].get_legend_handles_labels()
         unique = dict(zip(names, handles, strict=True))
         panels[0].legend(unique.values(), unique.keys(), fontsize=8)
+    return figure
+
+
+def _orbits_together(steps: list[Step], view: View) -> Any:
+    """Return a panel for each set of parameters with all orbits that have them, one over the other."""
+    groups: dict[tuple[float, ...], list[Step]] = {}
+    for step in steps:
+        groups.setdefault(tuple(step.points["parameters"][0]), []).append(step)
+    figure, panels = _panels(len(groups))
+    values = np.array(list(groups))
+    changing = np.flatnonzero(np.ptp(values, axis=0) > 0)
+    names = list(steps[0].meta["parameters"])
+    for axes, (parameters, same) in zip(panels, groups.items(), strict=True):
+        title = "  ".join(f"{label(names[k])} = {parameters[k]:.6g}" for k in changing)
+        draw_together(axes, same, *_states(steps[0], view), title)
+        axes.legend(fontsize=8)
     return figure
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -39,6 +40,21 @@ def draw_orbit(axes: Any, step: Step, row: int, x: str, y: str, title: str = "")
     axes.set_ylabel(label(y))
     if title:
         axes.set_title(title, fontsize=9.5)
+
+
+def draw_together(axes: Any, steps: Sequence[Step], x: str, y: str, title: str = "") -> None:
+    """Draw the orbits of several steps in one plane, each in its colour, later ones dashed over earlier ones."""
+    for k, step in enumerate(steps):
+        i, j = state_index(step, x), state_index(step, y)
+        # Where a reset jumps, nothing is drawn.
+        gap = np.full((1, len(step.meta["states"])), np.nan)
+        z = np.concatenate([part for _, arc in segments(step, 0) for part in (arc, gap)])
+        axes.plot(z[:, i], z[:, j], ls="-" if k == 0 else (0, (4, 2)), lw=1.6 if k == 0 else 1.2, color=COLOURS[k % len(COLOURS)],
+                  label=step.name)  # fmt: skip
+    _draw_surfaces(axes, steps[0], 0, state_index(steps[0], x), state_index(steps[0], y))
+    axes.set_xlabel(label(x))
+    axes.set_ylabel(label(y))
+    axes.set_title(title, fontsize=9.5)
 
 
 def _draw_surfaces(axes: Any, step: Step, row: int, i: int, j: int) -> None:

@@ -107,7 +107,7 @@ class Simulator:
             _integers(modes.index(s.to) for s in segments), _integers(after),
             _integers(bool(delayed & h.free_symbols) for h in functions.events), order, length, section,
             DIRECTIONS[self.section.direction], -1 if self.section.event is None else events.index(self.section.event),
-            int(self.method.stiff))  # fmt: skip
+            int(self.method.stiff), len(modes))  # fmt: skip
 
     @cached_property
     def work(self) -> Work:

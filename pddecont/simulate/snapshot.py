@@ -33,9 +33,9 @@ def pack(memory: Memory) -> Array:
     ring = np.arange(first, first + used) % len(memory.past_time)
     pending, breaking = slice(int(memory.count[N_PENDING])), slice(int(memory.count[N_BREAKING]))
     parts = [memory.clock, memory.count, memory.y, memory.constant, memory.reading, memory.accumulation, memory.hits, memory.side,
-             memory.past_time[ring], memory.past_length[ring], memory.past_end[ring], memory.past_arc[ring], memory.past_value[ring],
-             memory.past_coefficients[ring], memory.pending_time[pending], memory.pending_event[pending],
-             memory.breaking_time[breaking], memory.breaking_level[breaking]]  # fmt: skip
+             memory.next_step, memory.past_time[ring], memory.past_length[ring], memory.past_end[ring],
+             memory.past_arc[ring], memory.past_value[ring], memory.past_coefficients[ring], memory.pending_time[pending],
+             memory.pending_event[pending], memory.breaking_time[breaking], memory.breaking_level[breaking]]  # fmt: skip
     return np.concatenate([np.ravel(part).astype(float) for part in parts])
 
 
@@ -53,7 +53,7 @@ def unpack(system: System, values: Values, row: Array) -> Memory:
     memory.clock[:] = take(memory.clock.shape)
     memory.count[:] = take(memory.count.shape)
     memory.y[: system.n_full] = take((system.n_full,))
-    for target in (memory.constant, memory.reading, memory.accumulation, memory.hits, memory.side):
+    for target in (memory.constant, memory.reading, memory.accumulation, memory.hits, memory.side, memory.next_step):
         target[:] = take(target.shape)
     first, used, kept = int(memory.count[FIRST]), int(memory.count[USED]), len(system.kept)
     n_pending, n_breaking = int(memory.count[N_PENDING]), int(memory.count[N_BREAKING])

@@ -364,6 +364,9 @@ class _Planner:
     def check_settling(self, path: tuple[str | int, ...], step: Step, body: Sweep | Basin, values: Mapping[str, float]) -> None:
         self.check_integration(path, step, body)
         self.positive_time((*path, "transient"), body.transient, values)
+        if body.lyapunov and body.stick:
+            self.complain((*path, "lyapunov"), "what neighbouring motions do where events accumulate is not followed: Lyapunov exponents "
+                                               "do not go with 'stick'")  # fmt: skip
         if body.lyapunov and body.method == "stiff":
             self.complain((*path, "lyapunov"), "Lyapunov exponents go with the explicit method; leave 'method: stiff' out")
         section = body.section

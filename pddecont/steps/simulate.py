@@ -81,10 +81,11 @@ def run_simulate(context: Context, step: Step) -> None:
     late = events.t >= since
     with StepWriter(context.path, spec, capacity=1) as writer:
         writer.append(
-            {"parameters": p, "t_end": trajectory.t_end, "n_steps": trajectory.n_steps, "n_events": len(events)},
+            {"parameters": p, "t_end": trajectory.t_end, "n_steps": trajectory.n_steps, "n_events": int(late.sum())},
             {"time": times, "states": states, "mode": np.array([modes.index(m) for m in in_mode]), "signals": values,
              "event_time": events.t[late], "event_segment": np.array([segments.index(s) for s in events.segment], dtype=int)[late],
              "before": events.before[late], "after": events.after[late]})  # fmt: skip
-        text = f"reached t = {trajectory.t_end:.10g} in {trajectory.n_steps} steps with {len(events)} events"
+        when = f" since t = {since:.10g}" if since else ""
+        text = f"reached t = {trajectory.t_end:.10g} in {trajectory.n_steps} steps with {int(late.sum())} events{when}"
         writer.terminate(text)
     context.reporter.done(text)

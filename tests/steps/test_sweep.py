@@ -54,8 +54,8 @@ def test_an_orbit_starts_from_an_attractor_by_its_label(diagram, tmp_path):
     expected = [np.interp(first + k * period, times, states[:, 0]) for k in range(2)]
     assert sorted(step.orbit(rows[2])["returns"][:, 0]) == pytest.approx(sorted(expected), abs=5e-3)
     # The same orbit from a file that was written before.
-    other = run(FIG4_1.replace("[24, 40, 9]", "[30, 31, 1]")
-                + f"  - {{name: o, orbit: {{from: {{file: {tmp_path / 'b.h5'}, step: diagram, point: {label}}}}}}}\n", tmp_path / "c.h5")  # fmt: skip
+    source = f"{{file: {tmp_path / 'b.h5'}, step: diagram, point: {label}}}"
+    other = run(FIG4_1.replace("[24, 40, 9]", "[30, 31, 1]") + f"  - {{name: o, orbit: {{from: {source}}}}}\n", tmp_path / "c.h5")
     assert other.steps["o"].points["period"][0] == pytest.approx(orbit.points["period"][0], rel=1e-12)
     assert other.steps["o"].points["parameters"][0, 4] == beta
 

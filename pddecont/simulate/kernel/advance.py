@@ -8,7 +8,7 @@ from pddecont.simulate.kernel.breaking import next_stop, note_breaking, pass_bre
 from pddecont.simulate.kernel.calls import at, entry, inner
 from pddecont.simulate.kernel.crossings import event_value, first_crossing, slope_and_size, state_at
 from pddecont.simulate.kernel.moment import moment, stick
-from pddecont.simulate.kernel.pair import N_STAGES, explicit_extension, explicit_step
+from pddecont.simulate.kernel.pair import N_STAGES, explicit_extension, explicit_step, extension_error
 from pddecont.simulate.kernel.past import near, prepare, remember, room_left
 from pddecont.simulate.kernel.radau import stiff_extension, stiff_step
 from pddecont.simulate.kernel.slopes import slopes
@@ -22,7 +22,6 @@ from pddecont.simulate.kernel.tables import (
     N_PENDING,
     N_REJECTED,
     N_STEPS,
-    NEXT_STEP,
     READY,
     T_START,
     UNRESOLVED,
@@ -45,7 +44,6 @@ def begin(system, values, memory, work, t, mode):
     """Set the clock to ``t`` and the mode; the states stand in ``memory.y`` already."""
     c = core(system, values, memory, new_log(0, 0, 0), work)
     c.clock[T] = c.clock[T_START] = t
-    c.clock[NEXT_STEP] = 0.0
     c.count[MODE] = mode
     c.count[FRESH] = 1
     note_breaking(c, t, 0)
@@ -140,12 +138,12 @@ def _step(c, t, stop):
     else:
         for i in range(c.dimension):
             c.stages[i] = c.stages[N_STAGES * c.dimension + i]
-    if c.clock[NEXT_STEP] == 0.0:
-        c.clock[NEXT_STEP] = _first_length(c, t, first)
+    if c.next_step[c.count[MODE]] == 0.0:
+        c.next_step[c.count[MODE]] = _first_length(c, t, first)
         prepare(c, t + 0.5 * _tried(c, first))
     if c.count[FRESH] == 1:
         _sides(c, t)
-    wanted = min(c.clock[NEXT_STEP], c.max_step)
+    wanted = min(c.next_step[c.count[MODE]], c.max_step)
     rejected = False
     while True:
         h = wanted if 1.01 * wanted < rest else rest
@@ -158,26 +156,28 @@ def _step(c, t, stop):
             return h, Status.TOO_SMALL
         error = stiff_step(c, t, h) if c.stiff == 1 else explicit_step(c, t, h)
         order = 4.0 if c.stiff == 1 else 8.0
+        if error <= 1.0 and c.stiff == 0:
+            explicit_extension(c, t, h)
+            if (c.n_delays > 0 and c.chain_n == 0) or c.n_segments > 0:
+                error = max(error, extension_error(c, t, h))
         if error <= 1.0:
             factor = GROW if error == 0.0 else min(GROW, max(SHRINK, SAFETY * error ** (-1.0 / order)))
             if rejected:
                 factor = min(factor, 1.0)
             # A step cut short by a breaking point says nothing against the length that was wanted.
-            c.clock[NEXT_STEP] = max(h * factor, c.clock[NEXT_STEP]) if h < 0.99 * wanted and not rejected else h * factor
+            c.next_step[c.count[MODE]] = max(h * factor, c.next_step[c.count[MODE]]) if h < 0.99 * wanted and not rejected else h * factor
             break
         c.count[N_REJECTED] += 1
         rejected = True
         wanted = h * (0.1 if not math.isfinite(error) else max(SHRINK, SAFETY * error ** (-1.0 / order)))
     if c.stiff == 1:
         stiff_extension(c)
-    else:
-        explicit_extension(c, t, h)
     return h, Status.REACHED
 
 
 @inner
 def _tried(c, first):
-    return first if c.clock[NEXT_STEP] == 0.0 else min(first, c.clock[NEXT_STEP])
+    return first if c.next_step[c.count[MODE]] == 0.0 else min(first, c.next_step[c.count[MODE]])
 
 
 @inner
@@ -241,7 +241,7 @@ def _finish(c, t, h, stop):
         # An event function varies faster than a step of this length can show.
         c.count[UNRESOLVED] = 0
         if h > SHORTEST * near(t):
-            c.clock[NEXT_STEP] = h / 16.0
+            c.next_step[c.count[MODE]] = h / 16.0
             c.count[READY] = 0
             c.count[N_REJECTED] += 1
             return Status.REACHED

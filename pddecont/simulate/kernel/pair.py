@@ -16,11 +16,15 @@ import numpy as np
 import scipy.integrate
 
 from pddecont.simulate.kernel.calls import at, inner
+from pddecont.simulate.kernel.past import extension, extension_slope
 from pddecont.simulate.kernel.slopes import slopes
 from pddecont.simulate.kernel.tables import MODE
 
 _METHOD = scipy.integrate.DOP853
 N_STAGES = 12
+DEFECT_AT = (0.25, 0.6)
+# Over a step the defect grows to an error about a tenth as large (measured: benchmarks and tests/simulate/test_numbers.py).
+ALLOWED_DEFECT = 10.0
 A = np.ascontiguousarray(np.vstack([np.pad(_METHOD.A, ((0, 0), (0, 16 - _METHOD.A.shape[1]))), np.zeros((1, 16)),
                                     np.pad(_METHOD.A_EXTRA, ((0, 0), (0, 16 - _METHOD.A_EXTRA.shape[1])))]))  # fmt: skip
 B = np.array(_METHOD.B)
@@ -98,3 +102,23 @@ def explicit_extension(c, t, h):
             for j in range(16):
                 total += D[row, j] * stages[j * n + i]
             out[(3 + row) * n + i] = h * total
+
+
+@inner
+def extension_error(c, t, h):
+    """Return how far the continuous extension is from solving the equation, relative to the tolerances: its defect inside the step.
+
+    What delays read, and where events are found, is the extension, and where the solution bends within a step that can be much
+    worse than the step's end (Enright, J. Comput. Appl. Math. 25, 1989).
+    """
+    y, n, largest = c.trial, c.dimension, 0.0
+    for s in DEFECT_AT:
+        for i in range(n):
+            y[i] = extension(c.y[i], at(c.extension, i), n, s)
+        slopes(c, c.count[MODE], t + s * h, y, c.slope)
+        total = 0.0
+        for i in range(c.n_full):
+            allowed = c.atol + c.rtol * max(abs(c.y[i]), abs(c.trial[n + i]))
+            total += ((h * c.slope[i] - extension_slope(at(c.extension, i), n, s)) / allowed) ** 2
+        largest = max(largest, total)
+    return math.sqrt(largest / c.n_full) / ALLOWED_DEFECT if math.isfinite(largest) else math.inf

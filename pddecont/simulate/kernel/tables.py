@@ -63,6 +63,7 @@ class System(NamedTuple):
     section_direction: int
     stop_event: int
     stiff: int
+    n_modes: int
 
 
 class Values(NamedTuple):
@@ -85,7 +86,7 @@ class Memory(NamedTuple):
     to, and the coefficients of its continuous extension for the states that are read delayed. ``shift`` is how much later the arc
     began for the tangent. ``pending`` are delayed events under way, ``breaking`` the breaking points to come, both in order of time.
     ``hits`` counts how often each segment has ended, ``side`` is the sign of its event function (0: just left its zero), the
-    section's last.
+    section's last. ``next_step`` is the length that each mode's next step may have.
     """
 
     clock: Any
@@ -109,6 +110,7 @@ class Memory(NamedTuple):
     accumulation: Any
     hits: Any
     side: Any
+    next_step: Any
 
 
 class Log(NamedTuple):
@@ -222,6 +224,7 @@ class Core(NamedTuple):
     accumulation: Any
     hits: Any
     side: Any
+    next_step: Any
     log_steps: Any
     log_events: Any
     log_n: Any
@@ -253,8 +256,8 @@ class Core(NamedTuple):
 
 
 # Places in Memory.clock.
-T, NEXT_STEP, T_START, ZENO_TIME, SHIFT, TURN = 0, 1, 2, 3, 4, 5
-N_CLOCK = 6
+T, T_START, ZENO_TIME, SHIFT, TURN = 0, 1, 2, 3, 4
+N_CLOCK = 5
 # Places in Memory.count.
 MODE, FIRST, USED, ARC, N_STEPS, N_REJECTED, N_PENDING, N_BREAKING, FRESH, AT_ONCE, CONSTANT, READY, LAST_EVENT, UNRESOLVED = range(14)
 N_COUNT = 14
@@ -276,7 +279,7 @@ def new_memory(system, values):
         np.zeros(room), np.zeros(room, np.int64), np.zeros(room), np.zeros((room, n_past)), np.zeros((room, N_COEFFICIENTS, n_past)),
         np.zeros(len(values.tau), np.int64), reading, np.zeros(room), np.zeros(room, np.int64), np.zeros(room), np.zeros(room),
         np.zeros(room, np.int64), accumulation, np.zeros(len(system.segment_mode), np.int64),
-        np.zeros(len(system.segment_mode) + 1, np.int64))  # fmt: skip
+        np.zeros(len(system.segment_mode) + 1, np.int64), np.zeros(system.n_modes))  # fmt: skip
 
 
 @entry
@@ -311,7 +314,7 @@ def core(s, v, m, log, w):
         pointer(m.past_time), pointer(m.past_length), pointer(m.past_end), pointer(m.past_arc), pointer(m.past_shift),
         pointer(m.past_value), pointer(m.past_coefficients), pointer(m.cursor), pointer(m.reading), pointer(m.pending_time),
         pointer(m.pending_event), pointer(m.pending_shift), pointer(m.breaking_time), pointer(m.breaking_level),
-        pointer(m.accumulation), pointer(m.hits), pointer(m.side), len(log.time), len(log.event_time), pointer(log.n),
+        pointer(m.accumulation), pointer(m.hits), pointer(m.side), pointer(m.next_step), len(log.time), len(log.event_time), pointer(log.n),
         pointer(log.time), pointer(log.length), pointer(log.end), pointer(log.mode), pointer(log.arc), pointer(log.value),
         pointer(log.coefficients), pointer(log.event_time), pointer(log.event_segment), pointer(log.event_arc),
         pointer(log.before), pointer(log.after), pointer(w.stages), pointer(w.extension), pointer(w.trial), pointer(w.slope),
@@ -343,4 +346,5 @@ def enlarged(m):
         coefficients[j] = m.past_coefficients[i]
     return Memory(m.clock, m.count, m.y, m.constant, time, length, end, arc, shift, value, coefficients, m.cursor, m.reading,
                   _longer(m.pending_time), _longer(m.pending_event), _longer(m.pending_shift), _longer(m.breaking_time),
-                  _longer(m.breaking_level), m.accumulation, m.hits, m.side)  # fmt: skip
+                  _longer(m.breaking_level), m.accumulation, m.hits, m.side,
+                  m.next_step)  # fmt: skip
