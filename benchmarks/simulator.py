@@ -30,10 +30,14 @@ from scipy.integrate import solve_ivp
 from benchmarks.run import timed
 from pddecont.delay.direct import Direct
 from pddecont.model.codegen import NumericModel
+from pddecont.model.effects import without
 from pddecont.model.system import load_model
+from pddecont.simulate.attractors import Clock
+from pddecont.simulate.basin import Line, basin_line, first_look
 from pddecont.simulate.integrate import follow, simulate
 from pddecont.simulate.kernel.tables import N_REJECTED, N_STEPS
-from pddecont.simulate.simulator import Method, Simulator
+from pddecont.simulate.simulator import Method, Section, Simulator
+from pddecont.simulate.sweep import Start, Task
 
 ROOT = Path(__file__).parent.parent
 REFERENCE, SECOND = 1e-13, 3e-13
@@ -49,7 +53,10 @@ FIRST_OF_A_PROCESS = """
 import time
 from pddecont.delay.direct import Direct
 from pddecont.model.codegen import NumericModel
+from pddecont.model.effects import without
 from pddecont.model.system import load_model
+from pddecont.simulate.attractors import Clock
+from pddecont.simulate.basin import Line, basin_line, first_look
 from pddecont.simulate.integrate import simulate
 
 numeric = NumericModel(load_model("models/impact_oscillator.yaml")[0])
@@ -273,6 +280,28 @@ def steps(repeats=25) -> None:
     print()
 
 
+def basin(size=500, lines=20) -> None:
+    """Print what the basins of figure 4.1 at beta = 29 cost on a grid, from some of its lines."""
+    numeric, p = numeric_model("impact_oscillator")
+    model, _ = without(numeric.model, ["feedback"])
+    period = 2 * math.pi / 0.8
+    task = Task(model, Direct(), Method(1e-6, 1e-8), Section(), None, "benchmark")
+    clock = Clock(period, 0.0, 400 * period, 16, 64)
+    start = Start(np.zeros(2), "NC", True)
+    xs, vs = np.linspace(-2, 1.26, size), np.linspace(-2, 2, size)
+    coarse = np.stack(np.meshgrid(xs[:: size // 6], vs[:: size // 6]), axis=-1).reshape(-1, 2)
+    known = tuple(first_look(task, p, clock, coarse, start))
+    chosen = [Line(task, p, clock, np.stack([xs, np.full(size, v)], axis=-1), start, known) for v in vs[:: size // lines]]
+    basin_line(chosen[0])
+    begin = time.perf_counter()
+    for line in chosen:
+        basin_line(line)
+    seconds = (time.perf_counter() - begin) / len(chosen) * size
+    print(f"Basins of figure 4.1 at beta = 29, {len(known)} attractors: {seconds:.0f} s on one core for {size} x {size} initial states, from "
+          f"{len(chosen)} of its lines; {1e3 * seconds / size**2:.2f} ms each.")  # fmt: skip
+    print()
+
+
 def compilation() -> None:
     """Print what compiling the integrator costs once an installation, and loading it once a process."""
     numeric, p = numeric_model("impact_oscillator")
@@ -293,6 +322,7 @@ def main() -> None:
         against_solve_ivp()
         against_jitcdde()
         steps()
+        basin()
     finally:
         shutil.rmtree(os.environ["NUMBA_CACHE_DIR"])
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -13,16 +14,27 @@ from pddecont.results.reader import Step
 NOWHERE = "#d9d9d9"
 
 
-def draw_basin(axes: Any, step: Step) -> list[Any]:
+def basin_colours(steps: Sequence[Step]) -> dict[tuple[str, int], str]:
+    """Return a colour for each class of motion and the number of the attractor within it, the same on all basins."""
+    colours: dict[tuple[str, int], str] = {}
+    for step in steps:
+        for key in _keys(step):
+            colours.setdefault(key, NOWHERE if key[0] == "none" else COLOURS[len(colours) % len(COLOURS)])
+    return colours
+
+
+def _keys(step: Step) -> list[tuple[str, int]]:
+    names = [class_of(step, int(row)) for row in found(step)]
+    return [(name, names[:k].count(name)) for k, name in enumerate(names)]
+
+
+def draw_basin(axes: Any, step: Step, palette: Mapping[tuple[str, int], str]) -> list[Any]:
     """Draw the map of attractors over the grid of initial states; return the handles of the legend, the largest basin first."""
     from matplotlib.colors import ListedColormap
     from matplotlib.patches import Patch
 
     labels, rows, shares = label_map(step), found(step), basin_shares(step)
-    colours, n = [], 0
-    for row in rows:
-        colours.append(COLOURS[n % len(COLOURS)] if step.labels[row] else NOWHERE)
-        n += bool(step.labels[row])
+    colours = [palette[key] for key in _keys(step)]
     ys = np.array(step.meta["y"])[: len(labels)]
     xs = np.array(step.meta["x"])
     axes.pcolormesh(xs, ys, labels, cmap=ListedColormap(colours or [NOWHERE]), vmin=-0.5, vmax=max(len(rows), 1) - 0.5, alpha=0.75,

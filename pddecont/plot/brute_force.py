@@ -46,7 +46,7 @@ def draw_returns(axes: Any, steps: Sequence[Step], x: str, state: str) -> list[A
                     values = step.orbit(i)["returns"][:, j]
                     points.append(np.stack([np.full(len(values), step.points["parameters"][i, column]), values], axis=-1))
             xy = np.concatenate(points)
-            size = 3.0 if len(xy) < 5000 else 1.2
+            size = 5.0 if len(xy) < 1000 else 3.0 if len(xy) < 5000 else 1.2
             axes.plot(xy[:, 0], xy[:, 1], ".", ms=size, mew=0, color=colour, zorder=3, rasterized=len(xy) > 20_000)
     axes.set_xlabel(label(x))
     axes.set_ylabel(f"{label(state)} at returns")
@@ -67,9 +67,9 @@ def draw_branches(axes: Any, branches: Sequence[Step], sweep: Step, x: str, stat
                 continue
             xs = branch.points["parameters"][stretch.rows, column]
             for values in _joined([v[:n] for v in lines]).T:
-                axes.plot(xs, values, stretch.style, color="0.15", lw=0.9, zorder=1)
+                axes.plot(xs, values, stretch.style, color="0.45", lw=0.9, zorder=1)
                 drawn = True
-    return [Line2D([], [], color="0.15", lw=0.9, label="followed orbits")] if drawn else []
+    return [Line2D([], [], color="0.45", lw=0.9, label="followed orbits")] if drawn else []
 
 
 def _joined(lines: Sequence[Array]) -> Array:

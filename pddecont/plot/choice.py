@@ -12,7 +12,7 @@ from pddecont.results.reader import Results, Step
 from pddecont.results.tables import has_multipliers
 
 # Views that show one step at a time.
-SINGLE = ("orbit", "profile", "trajectory", "multipliers", "basin")
+SINGLE = ("orbit", "profile", "trajectory", "multipliers")
 MAX_PANELS = 6
 
 
@@ -83,6 +83,8 @@ def _suitable(results: Results, view: View) -> tuple[str, list[Step]]:
         return kind, _swept([s for s in full if s.kind == "continue" or free_of(s) == free_of(fit[-1])])
     if kind in SINGLE:
         return kind, fit[-1:]
+    if kind == "basin":
+        return kind, [s for s in fit if s.meta["over"] == fit[-1].meta["over"]][-MAX_PANELS:]
     if kind == "manifold" and view.x and view.y and {view.x, view.y} <= set(signals(fit[-1])):
         return kind, fit[-1:]
     if kind == "manifold":

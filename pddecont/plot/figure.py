@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from pddecont.errors import ResultsError
-from pddecont.plot.basin import draw_basin
+from pddecont.plot.basin import basin_colours, draw_basin
 from pddecont.plot.brute_force import draw_branches, draw_classes, draw_exponents, draw_returns, has_exponents
 from pddecont.plot.choice import View, choose, chosen_rows, height, pair
 from pddecont.plot.columns import default_columns, free_of, title
@@ -20,6 +20,7 @@ from pddecont.plot.orbits import draw_orbit, draw_profile, draw_together, draw_t
 from pddecont.plot.plane import draw_plane
 from pddecont.plot.style import RC, label
 from pddecont.plot.tags import Tag, place_tags
+from pddecont.results.attractors import found
 from pddecont.results.reader import Results, Step
 
 SUFFIXES = (".png", ".svg", ".pdf")
@@ -193,9 +194,19 @@ def _sweep(steps: list[Step], view: View) -> Any:
 
 
 def _basin(steps: list[Step], view: View) -> Any:
-    figure = _figure(6.4, 5.4)
-    axes = figure.subplots()
-    return _finished(figure, axes, [], draw_basin(axes, steps[0]))
+    """Return a panel for each basin, with the parameters in which they differ."""
+    values = np.array([step.points["parameters"][found(step)[0]] for step in steps])
+    changing = np.flatnonzero(np.ptp(values, axis=0) > 0)
+    if len(steps) == 1:
+        figure = _figure(6.4, 5.4)
+        axes = figure.subplots()
+        return _finished(figure, axes, [], draw_basin(axes, steps[0], basin_colours(steps)))
+    figure, panels = _panels(len(steps))
+    for axes, step, parameters in zip(panels, steps, values, strict=True):
+        handles = draw_basin(axes, step, basin_colours(steps))
+        axes.set_title("  ".join(f"{label(step.meta['parameters'][k])} = {parameters[k]:.6g}" for k in changing) or step.name, fontsize=9.5)
+        axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.16), fontsize=7.5)
+    return figure
 
 
 def _trajectory(steps: list[Step], view: View) -> Any:

@@ -1,0 +1,43 @@
+"""The compiler comes in with runs that simulate, and with no others."""
+
+import subprocess
+import sys
+
+from tests.conftest import ROOT
+
+FIRST = """
+model: {root}/models/impact_oscillator.yaml
+steps:
+  - {{name: t, simulate: {{t_end: 60*2*pi/omega}}}}
+  - {{name: o, orbit: {{from: t}}}}
+"""
+SECOND = """
+model: {root}/models/impact_oscillator.yaml
+steps:
+  - {{name: c, continue: {{from: {{file: a.h5, step: o}}, free: [K], range: {{K: [0.11, 0.13]}}, max_points: 3, stability: true}}}}
+"""
+CALL = """
+import sys
+from pddecont.cli import main
+try:
+    main({arguments})
+except SystemExit as exit:
+    assert exit.code in (0, None), exit.code
+print("numba" in sys.modules, "llvmlite" in sys.modules, "distributed" in sys.modules)
+"""
+
+
+def imported(folder, *arguments):
+    done = subprocess.run([sys.executable, "-c", CALL.format(arguments=list(arguments))], cwd=folder, capture_output=True, text=True,
+                          timeout=300, check=False)  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    return done.stdout.split()[-3:]
+
+
+def test_only_runs_that_simulate_import_the_compiler(tmp_path):
+    (tmp_path / "first.yaml").write_text(FIRST.format(root=ROOT))
+    (tmp_path / "second.yaml").write_text(SECOND.format(root=ROOT))
+    assert imported(tmp_path, "run", "first.yaml", "-o", "a.h5", "-q") == ["True", "True", "False"]
+    assert imported(tmp_path, "run", "second.yaml", "-o", "b.h5", "-q") == ["False"] * 3
+    for arguments in (["check", "first.yaml"], ["info", "a.h5"], ["plot", "b.h5", "-o", "b.png"], ["export", "b.h5"]):
+        assert imported(tmp_path, *arguments) == ["False"] * 3
