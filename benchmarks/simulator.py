@@ -37,7 +37,7 @@ from pddecont.simulate.basin import Line, basin_line, first_look
 from pddecont.simulate.integrate import follow, simulate
 from pddecont.simulate.kernel.tables import N_REJECTED, N_STEPS
 from pddecont.simulate.simulator import Method, Section, Simulator
-from pddecont.simulate.sweep import Start, Task
+from pddecont.simulate.task import Start, Task
 
 ROOT = Path(__file__).parent.parent
 REFERENCE, SECOND = 1e-13, 3e-13
@@ -297,8 +297,8 @@ def basin(size=500, lines=20) -> None:
     for line in chosen:
         basin_line(line)
     seconds = (time.perf_counter() - begin) / len(chosen) * size
-    print(f"Basins of figure 4.1 at beta = 29, {len(known)} attractors: {seconds:.0f} s on one core for {size} x {size} initial states, from "
-          f"{len(chosen)} of its lines; {1e3 * seconds / size**2:.2f} ms each.")  # fmt: skip
+    print(f"Basins of figure 4.1 at beta = 29, {len(known)} attractors: {seconds:.0f} s on one core for {size} x {size} initial states,")
+    print(f"from {len(chosen)} of its lines; {1e3 * seconds / size**2:.2f} ms each.")
     print()
 
 

@@ -122,6 +122,11 @@ class Progress:
             rate = f"{done / elapsed:.3g} a second" if elapsed else ""
             self.bar.update(self.task, description=f"{self.name}: {done} of {total} {what}", completed=done, total=total, rate=rate)
 
+    def note(self, text: str) -> None:
+        """Hear something that a person would want to know while waiting."""
+        if not self.quiet:
+            (self.console.print if self.bar is not None else say)(text)
+
     def done(self, text: str) -> None:
         """Hear how a step ended."""
         if self.quiet:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pddecont.simulate.attractors import Attractor, Clock, settled
 from pddecont.simulate.kernel.returns import recognise_cells
-from pddecont.simulate.sweep import Start, Task
+from pddecont.simulate.task import Start, Task
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]

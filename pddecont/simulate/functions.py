@@ -15,7 +15,7 @@ import numba
 import sympy
 from sympy.printing.pycode import PythonCodePrinter
 
-from pddecont.model.codegen import NumericModel, symbol_names
+from pddecont.model.codegen import symbol_names
 from pddecont.model.expression import TIME
 from pddecont.model.system import Model
 from pddecont.simulate.kernel import cache_folder
@@ -93,12 +93,6 @@ class ModelFunctions:
         model = self.model
         text = function_text(cases, symbol_names(model.state_symbols, model.delayed_symbols, model.parameter_symbols))
         return int(compiled(text).address)  # type: ignore[attr-defined]
-
-
-def model_functions(numeric: NumericModel, section: sympy.Expr | None = None,
-                    history: tuple[sympy.Expr, ...] | None = None) -> ModelFunctions:  # fmt: skip
-    """Return the compiled functions of a model."""
-    return ModelFunctions(numeric.model, section, history)
 
 
 class _Printer(PythonCodePrinter):

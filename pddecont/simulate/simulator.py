@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -219,10 +219,6 @@ class Simulator:
                     "field cannot be evaluated: check its logarithms, roots and divisions")  # fmt: skip
         return (f"no step is small enough near t = {t:.10g} in mode '{mode}': the solution grows without bound there, or the vector field "
                 "has a singularity or a jump that no event marks; a stiff model wants 'method: stiff'")  # fmt: skip
-
-    def at(self, method: Method) -> Simulator:
-        """Return this simulator with another method."""
-        return replace(self, method=method)
 
 
 def _integers(numbers: object) -> NDArray[np.int64]:

@@ -3,53 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from functools import lru_cache
+from dataclasses import dataclass
 
 import numpy as np
-import sympy
 from numpy.typing import NDArray
 
-from pddecont.delay.operator import DelayMethod
 from pddecont.errors import ConvergenceError
-from pddecont.model.codegen import NumericModel
-from pddecont.model.system import Model
 from pddecont.simulate.attractors import Attractor, Clock, lyapunov, settled
 from pddecont.simulate.kernel.tables import Values
-from pddecont.simulate.simulator import Method, Section, Simulator
+from pddecont.simulate.simulator import Simulator
 from pddecont.simulate.snapshot import moved, unpack
+from pddecont.simulate.task import Start, Task
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Task:
-    """What all chunks of a step share: a model and how it is integrated. Two tasks are one if they are the same object."""
-
-    model: Model = field(compare=False, hash=False)
-    delay: DelayMethod
-    method: Method = field(compare=False, hash=False)
-    section: Section = field(compare=False, hash=False)
-    history: tuple[sympy.Expr, ...] | None = field(compare=False, hash=False)
-    token: str
-
-    def simulator(self) -> Simulator:
-        """Return a simulator of its own for whoever asks: intermediate results are not shared."""
-        return Simulator(_numeric(self), self.delay, self.method, self.section, self.history)
-
-
-@lru_cache(maxsize=8)
-def _numeric(task: Task) -> NumericModel:
-    return NumericModel(task.model)
-
-
-@dataclass(frozen=True, eq=False)
-class Start:
-    """Where a motion starts: states (n,), mode, and whether they are its history too."""
-
-    states: Array
-    mode: str
-    constant: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,10 +52,13 @@ class Chunk:
 def sweep_chunk(chunk: Chunk) -> list[Found]:
     """Return the attractors of a chunk's parameter points, those of one point in the order in which the starts find them."""
     simulator = chunk.task.simulator()
+    # A motion that is carried along takes as much of its past with it as the longest delay on the way will read.
+    delays = [simulator.numeric.delays.value(cell.p).max(initial=0.0) for cell in chunk.cells] if chunk.carried else [0.0]
+    longest = float(max(delays))
     before: list[Attractor | None] = []
     found: list[Found] = []
     for cell in chunk.cells:
-        values = simulator.values(cell.p)
+        values = simulator.values(cell.p, longest)
         now = []
         for i, start in enumerate(cell.starts):
             previous = before[i] if chunk.carried and before else None
@@ -112,9 +81,9 @@ def _follow(simulator: Simulator, values: Values, cell: Cell, start: Start, prev
     if previous is None or previous.failed:
         memory = simulator.start(values, start.states, start.mode, constant=start.constant)
     else:
-        old = simulator.values(previous.p)
+        old = simulator.values(previous.p, values.longest)
         memory = moved(unpack(simulator.system, old, previous.memory), cell.clock.phase * cell.clock.period)
-        simulator.change(memory, old, cell.p)
+        simulator.change(memory, old, cell.p, values.longest)
     return settled(simulator, values, memory, cell.clock)
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,11 +11,11 @@ from pddecont.results.reader import Step as RecordedStep
 from pddecont.results.writer import StepWriter
 from pddecont.simulate.attractors import Attractor, lyapunov
 from pddecont.simulate.basin import Line, basin_line, first_look, number_of
-from pddecont.simulate.sweep import Task
+from pddecont.simulate.task import Task
 from pddecont.simulate.workers import in_order
 from pddecont.steps.attractors import attractor_arrays, attractor_columns, attractor_row, describe, no_attractor, recorded_attractor
 from pddecont.steps.context import Context, settings_text
-from pddecont.steps.integration import clock_of, grid_values, history_of, method_of, returns_of, start_of
+from pddecont.steps.integration import clock_of, grid_values, start_of, task_of
 from pddecont.steps.plan import Plan
 from pddecont.steps.schema import Step
 
@@ -37,8 +35,7 @@ def run_basin(context: Context, step: Step, recorded: RecordedStep | None) -> No
         {**attractor_arrays(plan), "label": Column("i4"), "settling": Column("f8")},
         {"parameters": list(plan.model.parameters), "states": list(plan.model.states), "segments": list(plan.model.segments), "over": names,
          "x": xs.tolist(), "y": ys.tolist(), "model": plan.model.name, "settings": settings_text(plan, step)})  # fmt: skip
-    task = Task(plan.model, plan.delay_method(step), method_of(plan, body), returns_of(plan, body), history_of(plan, body.initial),
-                hashlib.sha256((plan.model_text + settings_text(plan, step)).encode()).hexdigest())  # fmt: skip
+    task = task_of(plan, step, body, body.initial)
     clock, start = clock_of(plan, body, p), start_of(plan, body.initial, p)
     places = [plan.model.states.index(name) for name in names]
 

@@ -42,6 +42,10 @@ class Reporter(Protocol):
         """Hear how many of a number of like things are done."""
         ...
 
+    def note(self, text: str) -> None:
+        """Hear something that a person would want to know while waiting."""
+        ...
+
     def done(self, text: str) -> None:
         """Hear how a step ended."""
         ...
@@ -58,6 +62,9 @@ class Silent:
 
     def advance(self, done: int, total: int, what: str) -> None:
         """Hear how many of a number of like things are done."""
+
+    def note(self, text: str) -> None:
+        """Hear something that a person would want to know while waiting."""
 
     def done(self, text: str) -> None:
         """Hear how a step ended."""

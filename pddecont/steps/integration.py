@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping
 
 import numpy as np
@@ -12,7 +13,8 @@ from pddecont.model.expression import TIME, parse
 from pddecont.simulate.attractors import Clock
 from pddecont.simulate.simulator import Method
 from pddecont.simulate.simulator import Section as Returns
-from pddecont.simulate.sweep import Start
+from pddecont.simulate.task import Start, Task
+from pddecont.steps.context import settings_text
 from pddecont.steps.plan import Plan
 from pddecont.steps.schema import Initial, Integration, Settling, Step
 
@@ -60,6 +62,12 @@ def clock_of(plan: Plan, body: Settling, p: Array) -> Clock:
     period = float(plan.numeric.period.value(p)[0]) if stroboscopic and plan.model.forced else 0.0
     phase = body.section.phase if body.section is not None and body.section.phase is not None else 0.0
     return Clock(period, phase, plan.number(body.transient, p), body.max_period, body.returns)
+
+
+def task_of(plan: Plan, step: Step, body: Settling, initial: Initial) -> Task:
+    """Return what workers need to compute motions of a step."""
+    token = hashlib.sha256((plan.model_text + settings_text(plan, step)).encode()).hexdigest()
+    return Task(plan.model, plan.delay_method(step), method_of(plan, body), returns_of(plan, body), history_of(plan, initial), token)
 
 
 def grid_values(plan: Plan, step: Step, name: str) -> Array:

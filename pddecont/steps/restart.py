@@ -10,12 +10,11 @@ from numpy.typing import NDArray
 from pddecont.errors import ResultsError
 from pddecont.simulate.integrate import follow
 from pddecont.simulate.kernel.tables import T
-from pddecont.simulate.simulator import Simulator
 from pddecont.simulate.snapshot import moved, unpack
 from pddecont.simulate.trajectory import Trajectory
 from pddecont.steps.attractors import recorded_attractor
 from pddecont.steps.context import Context, attractor_step
-from pddecont.steps.integration import clock_of, history_of, method_of, returns_of
+from pddecont.steps.integration import clock_of, task_of
 from pddecont.steps.schema import Source, Step
 
 Array = NDArray[np.float64]
@@ -48,7 +47,7 @@ def attractor_trajectory(context: Context, step: Step, source: Source) -> tuple[
     body = origin.sweep or origin.basin
     assert body is not None
     initial = body.initial[0] if isinstance(body.initial, list) else body.initial
-    simulator = Simulator(plan.numeric, plan.delay_method(origin), method_of(plan, body), returns_of(plan, body), history_of(plan, initial))
+    simulator = task_of(plan, origin, body, initial).simulator()
     values = simulator.values(attractor.p)
     clock = clock_of(plan, body, attractor.p)
     memory = moved(unpack(simulator.system, values, attractor.memory), clock.phase * clock.period)

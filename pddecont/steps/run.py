@@ -64,6 +64,10 @@ def _anew(path: Path, recorded: RecordedStep | None) -> None:
 
 def _simulate(context: Context, step: Step, recorded: RecordedStep | None) -> None:
     """Do a step that simulates; the integrator is imported by runs that have one, and by no others."""
+    from pddecont.simulate.kernel import cache_folder
+
+    if not cache_folder().exists():
+        context.reporter.note("the integrator is compiled, once an installation; this takes about a minute")
     from pddecont.steps.basin import run_basin
     from pddecont.steps.simulate import run_simulate
     from pddecont.steps.sweep import run_sweep

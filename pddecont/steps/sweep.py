@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import itertools
 from collections import Counter
 
@@ -12,11 +11,12 @@ from numpy.typing import NDArray
 from pddecont.results.layout import Column, StepSpec
 from pddecont.results.reader import Step as RecordedStep
 from pddecont.results.writer import StepWriter
-from pddecont.simulate.sweep import Cell, Chunk, Start, Task, sweep_chunk
+from pddecont.simulate.sweep import Cell, Chunk, sweep_chunk
+from pddecont.simulate.task import Start
 from pddecont.simulate.workers import in_order
 from pddecont.steps.attractors import attractor_arrays, attractor_columns, attractor_row
 from pddecont.steps.context import Context, settings_text
-from pddecont.steps.integration import clock_of, grid_values, history_of, method_of, returns_of, start_of
+from pddecont.steps.integration import clock_of, grid_values, start_of, task_of
 from pddecont.steps.plan import Plan
 from pddecont.steps.schema import Section, Step, Sweep
 
@@ -72,9 +72,7 @@ def chunks_of(plan: Plan, step: Step) -> list[tuple[int, Chunk]]:
     p = plan.step_parameters(step)
     names = list(body.over)
     grids = [grid_values(plan, step, name) for name in names]
-    initial = body.initial[0]
-    task = Task(plan.model, plan.delay_method(step), method_of(plan, body), returns_of(plan, body), history_of(plan, initial),
-                hashlib.sha256((plan.model_text + settings_text(plan, step)).encode()).hexdigest())  # fmt: skip
+    task = task_of(plan, step, body, body.initial[0])
 
     def cell(index: int, values: tuple[float, ...]) -> Cell:
         here = p.copy()

@@ -3,14 +3,17 @@
 import numpy as np
 import pytest
 
+from pddecont.delay.direct import Direct
 from pddecont.errors import ResultsError
 from pddecont.model.document import parse_document
 from pddecont.results.attractors import attractor_rows, class_of, return_rows
 from pddecont.results.reader import read_results
+from pddecont.simulate.integrate import simulate
+from pddecont.simulate.simulator import Method
 from pddecont.steps import sweep as sweep_step
 from pddecont.steps.plan import load_plan
 from pddecont.steps.run import execute
-from tests.conftest import ROOT
+from tests.conftest import ROOT, numeric_from
 from tests.runs import run, run_model
 
 FIG4_1 = """
@@ -134,6 +137,20 @@ steps:
         assert np.min(np.abs(results.steps["anew"].orbits["returns"][:, 0] - a[0])) < 1e-5, (a, b)
 
 
+
+
+def test_a_delay_that_is_carried_along_finds_its_longer_past(tmp_path):
+    """tau goes from 0.2 to 1.4 after two periods, before anything has settled: the returns are those of one simulation that does so."""
+    text = ("name: m\nstates: [x]\nparameters: {tau: 0.2, w: 1}\nforcing: {period: 2*pi/w}\n"
+            "modes: {m: {x': -x(t - tau) + cos(w*t)}}\ninitial: {x: 0.3}\nrun: {steps: [{name: diagram, sweep: {over: "
+            "{tau: [0.2, 1.4, 2]}, carry: up, transient: 4*pi}}]}\n")  # fmt: skip
+    step = run_model(text, tmp_path / "t.h5").steps["diagram"]
+    numeric = numeric_from(text[: text.index("run:")])
+    period = 2 * np.pi
+    once = simulate(numeric, np.array([0.2, 1.0]), Direct(), 4 * period, Method(1e-11, 1e-13),
+                    schedule=[(2 * period, np.array([1.4, 1.0]))])  # fmt: skip
+    assert step.orbit(0)["returns"][:, 0] == pytest.approx(once(np.array([1, 2]) * period)[:, 0], abs=1e-7)
+    assert step.orbit(1)["returns"][:, 0] == pytest.approx(once(np.array([3, 4]) * period)[:, 0], abs=1e-7)
 
 
 def test_a_map_without_period_is_told_and_has_a_positive_exponent(tmp_path):
