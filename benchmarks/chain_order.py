@@ -9,7 +9,7 @@ from pathlib import Path
 
 from pddecont.model.document import parse_document
 from pddecont.results.reader import read_results
-from pddecont.steps.plan import load_plan
+from pddecont.steps.loading import load_plan
 from pddecont.steps.run import execute
 
 BASE = Path(__file__).parent.parent / "configs" / "chain_order.yaml"

@@ -11,8 +11,8 @@ from pddecont.orbit.curve import settle
 from pddecont.simulate.integrate import simulate
 from pddecont.simulate.simulator import Method
 from pddecont.steps.context import Context, Silent
+from pddecont.steps.loading import load_plan
 from pddecont.steps.orbit import first_guess
-from pddecont.steps.plan import load_plan
 from tests.conftest import ROOT
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pddecont.model.document import parse_document
 from pddecont.results.reader import read_results
-from pddecont.steps.plan import load_plan
+from pddecont.steps.loading import load_plan
 from pddecont.steps.run import execute
 from tests.conftest import ROOT
 

@@ -17,7 +17,7 @@ from pddecont.orbit.mesh import Mesh, equal_cuts, segment_pieces
 from pddecont.orbit.meshing import MeshRule, remeshed
 from pddecont.orbit.problem import OrbitProblem, eventless
 from pddecont.results.reader import read_results
-from pddecont.steps.plan import load_plan
+from pddecont.steps.loading import load_plan
 from pddecont.steps.run import execute
 from tests.conftest import ROOT, numeric_from
 from tests.problems import (

@@ -5,7 +5,7 @@ import pytest
 
 from pddecont.model.document import parse_document
 from pddecont.results.reader import read_results
-from pddecont.steps.plan import load_plan
+from pddecont.steps.loading import load_plan
 from pddecont.steps.run import execute
 from tests.conftest import CONFIGS, ROOT
 from tests.problems import PAPER_GR_K, PAPER_GR_TAU, SCHEME_GR_K

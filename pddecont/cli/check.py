@@ -13,7 +13,7 @@ def command(files: tuple[str, ...]) -> int:
     """Report every problem in model and run FILES, with line and column; compute nothing."""
     from pddecont.errors import InputError
     from pddecont.model.system import parse_model
-    from pddecont.steps.plan import is_run_file, load_document, load_plan
+    from pddecont.steps.loading import is_run_file, load_document, load_plan
 
     failed = False
     for file in files:

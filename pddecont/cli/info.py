@@ -45,7 +45,8 @@ def model_info(file: str, without: tuple[str, ...]) -> dict[str, Any]:
     """Return what a model, or a run file and its model, holds."""
     from pddecont.model.effects import without as leave_out
     from pddecont.model.system import parse_model
-    from pddecont.steps.plan import Overrides, is_run_file, load_document, load_plan
+    from pddecont.steps.loading import is_run_file, load_document, load_plan
+    from pddecont.steps.planner import Overrides
 
     document = load_document(file)
     steps = None

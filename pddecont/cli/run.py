@@ -32,7 +32,8 @@ def command(file: str, output: Path | None, assignments: tuple[str, ...], withou
     """
     from pddecont.results.reader import read_results
     from pddecont.results.summary import summary
-    from pddecont.steps.plan import Overrides, load_document, load_plan
+    from pddecont.steps.loading import load_document, load_plan
+    from pddecont.steps.planner import Overrides
     from pddecont.steps.run import execute
 
     if resume and overwrite:

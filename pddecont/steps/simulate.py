@@ -11,7 +11,7 @@ from pddecont.simulate.integrate import simulate
 from pddecont.simulate.trajectory import Trajectory
 from pddecont.steps.context import Context, settings_text
 from pddecont.steps.integration import history_of, method_of, start_of
-from pddecont.steps.plan import Plan
+from pddecont.steps.plan import Plan, as_number
 from pddecont.steps.schema import Step
 from pddecont.steps.signals import signal_values
 
@@ -42,7 +42,7 @@ def schedule(plan: Plan, step: Step, p: Array) -> list[tuple[float, Array]]:
     """Return the times at which parameters change, in order, and the parameters from then on."""
     assert step.simulate is not None
     changes = []
-    for time, values in sorted(((plan.number(plan.plain(text), p), v) for text, v in step.simulate.at.items()), key=lambda pair: pair[0]):
+    for time, values in sorted(((plan.number(as_number(text), p), v) for text, v in step.simulate.at.items()), key=lambda pair: pair[0]):
         p = p.copy()
         for name, text in values.items():
             p[plan.numeric.parameter_index(name)] = plan.number(text, p)

@@ -7,7 +7,7 @@ from pddecont.model.document import parse_document
 from pddecont.results.attractors import attractor_rows, basin_shares, cell_rows, label_map, wilson
 from pddecont.results.reader import read_results
 from pddecont.steps import basin as basin_step
-from pddecont.steps.plan import load_plan
+from pddecont.steps.loading import load_plan
 from pddecont.steps.run import execute
 from tests.conftest import ROOT
 from tests.runs import run, run_model

@@ -11,7 +11,7 @@ from pddecont.results.reader import read_results
 from pddecont.simulate.integrate import simulate
 from pddecont.simulate.simulator import Method
 from pddecont.steps import sweep as sweep_step
-from pddecont.steps.plan import load_plan
+from pddecont.steps.loading import load_plan
 from pddecont.steps.run import execute
 from tests.conftest import ROOT, numeric_from
 from tests.runs import run, run_model

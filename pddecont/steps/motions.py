@@ -1,0 +1,176 @@
+"""The problems of steps that simulate: where motions start, how long they last, where their returns are counted."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Protocol
+
+from pddecont.errors import suggest
+from pddecont.model.expression import ExpressionError, parse
+from pddecont.model.system import Model
+from pddecont.steps.plan import as_number
+from pddecont.steps.schema import Basin, Initial, Integration, RunBlock, Step, Sweep
+
+Path = tuple[str | int, ...]
+
+
+class Checker(Protocol):
+    """Who collects problems: a planner."""
+
+    model: Model
+    run: RunBlock
+
+    def complain(self, path: Sequence[str | int], message: str, *, offset: int = 0, key: bool = False) -> None:
+        """Note a problem at a place in the run."""
+        ...
+
+    def formula(self, path: Sequence[str | int], text: str | float, values: Mapping[str, float]) -> float:
+        """Return the number that a formula stands for; note a problem where it stands for none."""
+        ...
+
+
+def check_simulate(planner: Checker, path: Path, step: Step, values: Mapping[str, float]) -> None:
+    """Check a simulate step."""
+    assert step.simulate is not None
+    body = step.simulate
+    t_end = positive_time(planner, (*path, "t_end"), body.t_end, values)
+    check_initial(planner, (*path, "initial"), body.initial, values)
+    check_integration(planner, path, step, body)
+    for text, changes in body.at.items():
+        here = (*path, "at", text)
+        time = planner.formula(here, as_number(text), values)
+        if not 0 < time < t_end:
+            planner.complain(here, f"the time {time:g} does not lie between 0 and t_end, {t_end:g}", key=True)
+        for name, value in changes.items():
+            if name not in values:
+                planner.complain((*here, name), f"'{name}' is not a parameter{suggest(name, values)}", key=True)
+            else:
+                planner.formula((*here, name), value, values)
+    since = planner.formula((*path, "record", "from"), body.record.from_, values)
+    if not 0 <= since < t_end:
+        planner.complain((*path, "record", "from"), f"the time {since:g} does not lie between 0 and t_end, {t_end:g}")
+    scope = planner.model.scope("a signal", delayed=planner.model.delayed_value)
+    for name, formula in body.record.signals.items():
+        here = (*path, "record", "signals", name)
+        if name in planner.model.states:
+            planner.complain(here, f"'{name}' is a state already; give the signal another name", key=True)
+        try:
+            expr = parse(formula, scope)
+        except ExpressionError as exc:
+            planner.complain(here, str(exc), offset=exc.offset)
+            continue
+        if (step.delay or planner.run.delay).method == "chain" and expr.free_symbols & set(planner.model.delayed_symbols):
+            planner.complain(here, "a chain has no delayed values of its own to record; give this step 'delay: {method: direct}'")
+    if body.record.every is not None:
+        positive_time(planner, (*path, "record", "every"), body.record.every, values)
+
+
+def positive_time(planner: Checker, path: Path, text: str | float, values: Mapping[str, float]) -> float:
+    """Return a time, and check that it is positive."""
+    time = planner.formula(path, text, values)
+    if time <= 0:
+        planner.complain(path, f"{path[-1]} is {time:g}; expected a positive time")
+    return time
+
+
+def check_initial(planner: Checker, path: Path, initial: Initial, values: Mapping[str, float]) -> None:
+    """Check where a motion starts."""
+    if initial.mode is not None and initial.mode not in planner.model.modes:
+        planner.complain((*path, "mode"), f"mode '{initial.mode}' is not defined (modes: {', '.join(planner.model.modes)})")
+    for name, text in initial.states.items():
+        if name not in planner.model.states:
+            planner.complain((*path, name), f"'{name}' is not a state{suggest(name, planner.model.states)}", key=True)
+        else:
+            planner.formula((*path, name), text, values)
+    if not isinstance(initial.history, Mapping):
+        return
+    for name, text in initial.history.items():
+        here = (*path, "history", name)
+        if name not in planner.model.states:
+            planner.complain(here, f"'{name}' is not a state{suggest(name, planner.model.states)}", key=True)
+        try:
+            parse(text, planner.model.history_scope())
+        except ExpressionError as exc:
+            planner.complain(here, str(exc), offset=exc.offset)
+
+
+def check_integration(planner: Checker, path: Path, step: Step, body: Integration) -> None:
+    """Check how a step integrates."""
+    for event, mode in body.stick.items():
+        if event not in planner.model.events:
+            planner.complain((*path, "stick", event), f"'{event}' is not an event{suggest(event, planner.model.events)}", key=True)
+        if mode not in planner.model.modes:
+            planner.complain((*path, "stick", event), f"mode '{mode}' is not defined{suggest(mode, planner.model.modes)} "
+                                                   f"(modes: {', '.join(planner.model.modes)})")  # fmt: skip
+    if body.max_step is not None:
+        positive_time(planner, (*path, "max_step"), body.max_step, planner.model.parameters)
+    delay = step.delay or planner.run.delay
+    if delay.method == "chebyshev":
+        planner.complain(path, "trajectories are computed with the delay itself or the chain, not with a Chebyshev delay line; give this "
+                            "step 'delay: {method: direct}'", key=True)  # fmt: skip
+
+
+def check_settling(planner: Checker, path: Path, step: Step, body: Sweep | Basin, values: Mapping[str, float]) -> None:
+    """Check what sweeps and basins have in common."""
+    check_integration(planner, path, step, body)
+    positive_time(planner, (*path, "transient"), body.transient, values)
+    if body.lyapunov and body.stick:
+        planner.complain((*path, "lyapunov"), "what neighbouring motions do where events accumulate is not followed: Lyapunov exponents "
+                                           "do not go with 'stick'")  # fmt: skip
+    if body.lyapunov and body.method == "stiff":
+        planner.complain((*path, "lyapunov"), "Lyapunov exponents go with the explicit method; leave 'method: stiff' out")
+    section = body.section
+    if (section is None or section.phase is not None) and not planner.model.forced:
+        events = next(iter(planner.model.events), None)
+        example = f"{{event: {events}}}" if events else f"{{zero: {planner.model.states[0]} - 1}}"
+        planner.complain((*path, "section") if section else path, "the model has no forcing whose periods could count returns; say where "
+                      f"they are counted: 'section: {example}'", key=section is None)  # fmt: skip
+    if section is not None and section.event is not None and section.event not in planner.model.events:
+        planner.complain((*path, "section", "event"), f"'{section.event}' is not an event{suggest(section.event, planner.model.events)} "
+                                                   f"(events: {', '.join(planner.model.events) or 'none'})")  # fmt: skip
+    if section is not None and section.zero is not None:
+        try:
+            parse(section.zero, planner.model.scope("a section"))
+        except ExpressionError as exc:
+            planner.complain((*path, "section", "zero"), str(exc), offset=exc.offset)
+    for name, (low, high, n) in body.over.items():
+        here = (*path, "over", name)
+        ends = [planner.formula((*here, k), text, values) for k, text in enumerate((low, high))]
+        if ends[0] > ends[1] or (ends[0] == ends[1] and n != 1):
+            planner.complain(here, f"the range is empty: {ends[0]:g} is not below {ends[1]:g}")
+
+
+def check_sweep(planner: Checker, path: Path, step: Step, values: Mapping[str, float]) -> None:
+    """Check a sweep step."""
+    body = step.sweep
+    assert body is not None
+    check_settling(planner, path, step, body, values)
+    for name in body.over:
+        if name not in values:
+            planner.complain((*path, "over", name), f"'{name}' is not a parameter{suggest(name, values)} "
+                                                 f"(parameters: {', '.join(values)})", key=True)  # fmt: skip
+    for i, initial in enumerate(body.initial):
+        check_initial(planner, (*path, "initial", i), initial, values)
+        if isinstance(initial.history, Mapping) and i and initial.history != body.initial[0].history:
+            planner.complain((*path, "initial", i), "all initial states of a sweep share one history; give other histories a step of "
+                                                 "their own")  # fmt: skip
+    for name, limits in body.random.box.items() if body.random else ():
+        here = (*path, "random", "box", name)
+        if name not in planner.model.states:
+            planner.complain(here, f"'{name}' is not a state{suggest(name, planner.model.states)}", key=True)
+        for k, text in enumerate(limits):
+            planner.formula((*here, k), text, values)
+
+
+def check_basin(planner: Checker, path: Path, step: Step, values: Mapping[str, float]) -> None:
+    """Check a basin step."""
+    body = step.basin
+    assert body is not None
+    check_settling(planner, path, step, body, values)
+    check_initial(planner, (*path, "initial"), body.initial, values)
+    for name in body.over:
+        if name not in planner.model.states:
+            planner.complain((*path, "over", name), f"'{name}' is not a state{suggest(name, planner.model.states)} "
+                                                 f"(states: {', '.join(planner.model.states)})", key=True)  # fmt: skip
+        elif name in body.initial.states:
+            planner.complain((*path, "initial", name), f"'{name}' varies over the grid and cannot be given too", key=True)
