@@ -95,7 +95,7 @@ def basin_shares(step: Step) -> dict[int, tuple[float, float, float]]:
     rows = found(step)
     counts = np.bincount(label_map(step).ravel(), minlength=len(rows))
     total = max(1, int(counts.sum()))
-    return {int(row): (n / total, *wilson(int(n), total)) for row, n in zip(rows, counts, strict=True)}
+    return {int(row): (int(n) / total, *wilson(int(n), total)) for row, n in zip(rows, counts, strict=True)}
 
 
 def wilson(count: int, total: int) -> tuple[float, float]:

@@ -17,7 +17,9 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 # Attractors whose returns differ by less than this share of their size are one.
 APART = 1e-3
-INTERVALS = 200
+# A motion that goes no farther than so many absolute errors of a step is at rest.
+REST = 1e5
+INTERVALS, MAX_INTERVALS = 200, 1_000_000
 
 
 @dataclass(frozen=True)
@@ -39,48 +41,60 @@ class Clock:
 class Attractor:
     """A motion that others settle to.
 
-    ``period`` counts returns (0: no period found), ``turn`` is the time that they take; ``states`` (n_returns, n) and ``times``
-    (n_returns,) are its returns, one period or as many as were kept; ``hits`` counts how often each segment ends between the first
-    and the last of them, a period for one that has a period. ``memory`` is the state of the integration at the last return, at
-    parameters ``p``. ``failed`` says why a motion has none.
+    ``period`` counts returns (0: no period found), ``turn`` is the time that they take; ``states``, their ``slopes`` (n_returns, n) and
+    ``times`` (n_returns,) are its returns, one period or as many as were kept; ``hits`` counts how often each segment ends between the
+    first and the last of them, a period for one that has a period. ``memory`` is the state of the integration at the last return, at
+    parameters ``p``. ``failed`` says why a motion has none; one that ``halted`` cannot be gone on with.
     """
 
     period: int
     turn: float
     states: Array
+    slopes: Array
     times: Array
     hits: Integers
     memory: Array
     p: Array
     failed: str = ""
+    halted: bool = False
 
-    def same_as(self, other: Attractor) -> bool:
-        """Whether both are one attractor: as many returns and segments, and the returns of one near those of the other, in turn."""
-        if bool(self.failed) != bool(other.failed) or self.period != other.period:
-            return False
-        if self.failed:
-            return self.failed.partition(" t = ")[0] == other.failed.partition(" t = ")[0]
-        size = np.maximum(np.abs(self.states).max(axis=0), np.abs(other.states).max(axis=0)) + 1e-12
-        if self.period == 0:
-            return _spread_alike(self.states / size, other.states / size)
-        if np.any(self.hits != other.hits):
-            return False
-        shifted = (np.roll(other.states, k, axis=0) for k in range(self.period))
-        return any(np.max(np.abs(self.states - s) / size) < APART for s in shifted)
+    def size(self) -> Array:
+        """Return how large each state of the motion is, shape (n,): its value, or as far as its slope takes it in a radian of a turn."""
+        return np.maximum(np.abs(self.states).max(axis=0), np.abs(self.slopes).max(axis=0) * self.turn / max(self.period, 1) / (2 * np.pi))
 
 
-def _spread_alike(a: Array, b: Array) -> bool:
-    """Whether two clouds of returns without period cover the same region, to a fifth of its size."""
+def same(a: Attractor, b: Attractor, atol: float) -> bool:
+    """Whether two are one attractor: as many returns, segments and as long a turn, and the returns of one those of the other, in turn.
+
+    ``atol`` is the absolute error of a step, in which states may differ a thousandfold and still be the same.
+    """
+    if bool(a.failed) != bool(b.failed) or a.period != b.period:
+        return False
+    if a.failed:
+        return a.failed.partition(" t = ")[0] == b.failed.partition(" t = ")[0]
+    if a.period == 0:
+        return spread_alike(a.states, b.states)
+    if np.any(a.hits != b.hits) or abs(a.turn - b.turn) > APART * a.turn:
+        return False
+    allowed = APART * np.maximum(a.size(), b.size()) + 1e3 * atol
+    slope = APART * np.maximum(np.abs(a.slopes).max(axis=0), np.abs(b.slopes).max(axis=0)) + 1e3 * atol * 2 * np.pi / a.turn
+    shifts = range(a.period)
+    return any(np.all(np.abs(a.states - np.roll(b.states, k, axis=0)) <= allowed)
+               and np.all(np.abs(a.slopes - np.roll(b.slopes, k, axis=0)) <= slope) for k in shifts)  # fmt: skip
+
+
+def spread_alike(a: Array, b: Array) -> bool:
+    """Whether two clouds of returns cover the same region, to a fifth of its size."""
     low_a, high_a, low_b, high_b = a.min(axis=0), a.max(axis=0), b.min(axis=0), b.max(axis=0)
-    extent = np.maximum(high_a - low_a, high_b - low_b) + 1e-12
+    extent = np.maximum(high_a - low_a, high_b - low_b) + 1e-12 * np.maximum(np.abs(high_a), np.abs(high_b)) + 1e-300
     return bool(np.all(np.abs(low_a - low_b) < 0.2 * extent) and np.all(np.abs(high_a - high_b) < 0.2 * extent))
 
 
 def settled(simulator: Simulator, values: Values, memory: Memory, clock: Clock) -> Attractor:
     """Return the attractor that a motion settles to; one that fails on the way is told with its reason."""
-    system = simulator.system
-    room = max(clock.returns, 2 * clock.max_period + 2) + 1
-    states, times = np.zeros((room, system.n)), np.zeros(room)
+    system, n = simulator.system, simulator.system.n
+    room = max(clock.returns, 6 * clock.max_period + 2) + 1
+    states, times = np.zeros((room, 2 * n)), np.zeros(room)
     hits = np.zeros((room, len(system.segment_mode)), np.int64)
     t_end = float(memory.clock[T]) + clock.transient
     memory, status, period, number = settle(system, values, memory, simulator.work, clock.period, clock.phase, t_end, clock.max_period,
@@ -90,10 +104,16 @@ def settled(simulator: Simulator, values: Values, memory: Memory, clock: Clock) 
     if not failed and number < 2:
         failed = "the motion does not come back to the section in the time of the transient"
     rows = np.arange(number - kept, number) % room
+    if not failed and not period and not spread_alike(states[rows[: kept // 2]], states[rows[kept // 2 :]]):
+        failed = ("the motion has not settled in the time of the transient: its last returns still move, die away or grow; raise "
+                  "'transient'")  # fmt: skip
+    if not failed and period and not clock.period and np.max(np.abs(states[rows, n:])) * (times.max() - times.min()) < REST * values.atol:
+        failed = "the motion dies away to an equilibrium, whose returns to the section mean nothing"
     before = hits[(number - kept - 1) % room] if number > kept else np.zeros(len(system.segment_mode), np.int64)
     counted = hits[(number - 1) % room] - before if number else before
     turn = float(times[(number - 1) % room] - times[(number - 1 - kept) % room]) if number > kept else 0.0
-    return Attractor(0 if failed else int(period), turn, states[rows], times[rows], counted, pack(memory), values.p, failed)
+    return Attractor(0 if failed else int(period), turn, states[rows, :n], states[rows, n:], times[rows], counted, pack(memory), values.p,
+                     failed, status not in (Status.SECTION, Status.REACHED))  # fmt: skip
 
 
 def lyapunov(simulator: Simulator, values: Values, attractor: Attractor, duration: float) -> tuple[float, float]:
@@ -106,20 +126,30 @@ def lyapunov(simulator: Simulator, values: Values, attractor: Attractor, duratio
     if attractor.failed:
         return np.nan, np.nan
     with_tangent = replace(simulator, tangent=True)
-    memory = unpack(with_tangent.system, values, attractor.memory)
-    rng = np.random.default_rng(1)
-    memory.y[simulator.system.n_full :] = rng.standard_normal(simulator.system.n_full)
-    interval = duration / INTERVALS
-    logs = np.zeros(INTERVALS)
-    memory, status = growth(with_tangent.system, values, memory, with_tangent.work, interval, logs[: INTERVALS // 4])
-    if status == Status.REACHED:
-        memory, status = growth(with_tangent.system, values, memory, with_tangent.work, interval, logs)
-    if status != Status.REACHED:
-        raise ConvergenceError(simulator.complaint(memory, Status(status)))
-    if np.any(np.isneginf(logs)):
-        # The tangent has vanished: the motion forgets where it came from within finite time.
-        return -np.inf, 0.0
-    times = interval * np.arange(1, INTERVALS + 1)
-    (slope, level), total = np.polyfit(times, np.cumsum(logs), 1), np.cumsum(logs)
-    departure = float(np.std(total - slope * times - level))
-    return float(slope), float(np.sqrt(12.0) * departure / duration)
+    # A tangent that shrinks or grows beyond what numbers hold within an interval wants shorter ones.
+    for shorter in (1, 32, 1024):
+        n_intervals = shorter * max(INTERVALS, int(np.ceil(duration / attractor.turn)) if attractor.turn > 0 else 0)
+        if n_intervals > MAX_INTERVALS:
+            break
+        logs = np.zeros(n_intervals)
+        interval = duration / n_intervals
+        memory = _tangent_at(with_tangent, values, attractor)
+        memory, status = growth(with_tangent.system, values, memory, with_tangent.work, interval, logs[: n_intervals // 4])
+        if status == Status.REACHED and np.all(np.isfinite(logs)):
+            memory, status = growth(with_tangent.system, values, memory, with_tangent.work, interval, logs)
+        if status != Status.REACHED:
+            raise ConvergenceError(simulator.complaint(memory, Status(status)))
+        if np.all(np.isfinite(logs)):
+            total, times = np.cumsum(logs), interval * np.arange(1, n_intervals + 1)
+            slope, level = np.polyfit(times, total, 1)
+            departure = float(np.std(total - slope * times - level))
+            return float(slope), float(np.sqrt(12.0) * departure / duration)
+    # The tangent vanishes at once: the motion forgets where it came from.
+    return (-np.inf, 0.0) if np.any(np.isneginf(logs)) else (np.nan, np.nan)
+
+
+def _tangent_at(simulator: Simulator, values: Values, attractor: Attractor) -> Memory:
+    """Return the integration at an attractor's last return with a tangent in a direction of no meaning."""
+    memory = unpack(simulator.system, values, attractor.memory)
+    memory.y[simulator.system.n_full :] = np.random.default_rng(1).standard_normal(simulator.system.n_full)
+    return memory

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.simulate.attractors import Attractor, Clock, settled
+from pddecont.simulate.attractors import Attractor, Clock, same, settled
 from pddecont.simulate.kernel.returns import recognise_cells
 from pddecont.simulate.task import Start, Task
 
@@ -65,7 +65,7 @@ def _table(known: Sequence[Attractor], n: int) -> tuple[Array, Integers, Integer
     turns = [end + np.roll(np.arange(a.period), -1) for (_, a), end in zip(periodic, ends, strict=False)]
     following = np.concatenate([np.empty(0, int), *turns])
     length = np.concatenate([np.empty(0, int), *(np.full(a.period, a.period) for _, a in periodic)])
-    size = np.abs(points).max(axis=0, initial=0.0) + 1e-12
+    size = np.concatenate([np.empty((0, n)), *(np.repeat(a.size()[None], a.period, axis=0) for _, a in periodic)])
     return np.ascontiguousarray(points), owner.astype(np.int64), following.astype(np.int64), length.astype(np.int64), size
 
 
@@ -77,15 +77,15 @@ def first_look(task: Task, p: Array, clock: Clock, states: Array, start: Start) 
     for row in states:
         memory = simulator.start(values, row, start.mode, constant=start.constant)
         attractor = settled(simulator, values, memory, clock)
-        if not any(attractor.same_as(known) for known in found):
+        if not any(same(attractor, known, values.atol) for known in found):
             found.append(attractor)
     return found
 
 
-def number_of(attractor: Attractor, known: list[Attractor]) -> int:
+def number_of(attractor: Attractor, known: list[Attractor], atol: float) -> int:
     """Return the number of an attractor among those known; a new one is added."""
     for k, other in enumerate(known):
-        if attractor.same_as(other):
+        if same(attractor, other, atol):
             return k
     known.append(attractor)
     return len(known) - 1

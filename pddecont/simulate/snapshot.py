@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from pddecont.model.codegen import NumericModel
 from pddecont.simulate.kernel.tables import (
     FIRST,
     N_BREAKING,
@@ -72,6 +73,15 @@ def unpack(system: System, values: Values, row: Array) -> Memory:
     memory.count[READY] = 0
     memory.clock[SHIFT] = 0.0
     return memory
+
+
+def restart_time(numeric: NumericModel, before: Array, after: Array, t: float) -> float:
+    """Return the time within one forcing period at which a motion goes on with other parameters: in the same phase."""
+    if not numeric.model.forced:
+        return 0.0
+    turns = t / float(numeric.period.value(before)[0])
+    # A return at a phase is at that phase, whatever rounding made of it on the way.
+    return float(round(turns % 1.0, 12) % 1.0) * float(numeric.period.value(after)[0])
 
 
 def moved(memory: Memory, t: float) -> Memory:

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.errors import ConvergenceError
-from pddecont.simulate.attractors import Attractor, Clock, lyapunov, settled
-from pddecont.simulate.kernel.tables import Values
+from pddecont.simulate.attractors import Attractor, Clock, lyapunov, same, settled
+from pddecont.simulate.kernel.tables import T, Values
 from pddecont.simulate.simulator import Simulator
-from pddecont.simulate.snapshot import moved, unpack
+from pddecont.simulate.snapshot import moved, restart_time, unpack
 from pddecont.simulate.task import Start, Task
 
 Array = NDArray[np.float64]
@@ -64,7 +64,7 @@ def sweep_chunk(chunk: Chunk) -> list[Found]:
             previous = before[i] if chunk.carried and before else None
             now.append(_follow(simulator, values, cell, start, previous))
         before = list(now)
-        for attractor, share in distinct(now):
+        for attractor, share in distinct(now, values.atol):
             exponent = _exponent(simulator, values, attractor, cell.clock) if chunk.exponents else (np.nan, np.nan)
             found.append(Found(cell, attractor, share, *exponent))
     return found
@@ -78,22 +78,23 @@ def _exponent(simulator: Simulator, values: Values, attractor: Attractor, clock:
 
 
 def _follow(simulator: Simulator, values: Values, cell: Cell, start: Start, previous: Attractor | None) -> Attractor:
-    if previous is None or previous.failed:
+    if previous is None or previous.halted:
         memory = simulator.start(values, start.states, start.mode, constant=start.constant)
     else:
         old = simulator.values(previous.p, values.longest)
-        memory = moved(unpack(simulator.system, old, previous.memory), cell.clock.phase * cell.clock.period)
+        memory = unpack(simulator.system, old, previous.memory)
+        memory = moved(memory, restart_time(simulator.numeric, previous.p, cell.p, float(memory.clock[T])))
         simulator.change(memory, old, cell.p, values.longest)
     return settled(simulator, values, memory, cell.clock)
 
 
-def distinct(attractors: Sequence[Attractor]) -> list[tuple[Attractor, float]]:
+def distinct(attractors: Sequence[Attractor], atol: float) -> list[tuple[Attractor, float]]:
     """Return each different attractor once, with its share."""
     kinds: list[Attractor] = []
     counts: list[int] = []
     for attractor in attractors:
         for k, known in enumerate(kinds):
-            if attractor.same_as(known):
+            if same(attractor, known, atol):
                 counts[k] += 1
                 break
         else:

@@ -29,7 +29,8 @@ def attractor_columns(plan: Plan) -> dict[str, Column]:
 
 def attractor_arrays(plan: Plan) -> dict[str, Column]:
     """Return the arrays with many rows an attractor: its returns, and the integration's state at the last of them."""
-    return {"returns": Column("f8", (plan.numeric.n_states,)), "return_time": Column("f8"), "memory": Column("f8")}
+    n = plan.numeric.n_states
+    return {"returns": Column("f8", (n,)), "return_slopes": Column("f8", (n,)), "return_time": Column("f8"), "memory": Column("f8")}
 
 
 def attractor_row(attractor: Attractor, p: NDArray[np.float64], exponent: tuple[float, float] = (np.nan, np.nan),
@@ -38,7 +39,8 @@ def attractor_row(attractor: Attractor, p: NDArray[np.float64], exponent: tuple[
     points = {"kind": b"" if attractor.failed else KIND.encode(), "parameters": p, "period": attractor.period, "turn": attractor.turn,
               "n_segments": attractor.hits, "lyapunov": exponent[0], "lyapunov_error": exponent[1],
               "note": attractor.failed.encode()[:NOTE_BYTES]}  # fmt: skip
-    return points, {"returns": attractor.states, "return_time": attractor.times, "memory": attractor.memory}
+    return points, {"returns": attractor.states, "return_slopes": attractor.slopes, "return_time": attractor.times,
+                    "memory": attractor.memory}  # fmt: skip
 
 
 def no_attractor(plan: Plan) -> dict[str, Any]:
@@ -51,8 +53,8 @@ def recorded_attractor(step: RecordedStep, row: int) -> Attractor:
     """Return the attractor of a row."""
     points: Mapping[str, Any] = {name: column[row] for name, column in step.points.items()}
     arrays = step.orbit(row)
-    return Attractor(int(points["period"]), float(points["turn"]), arrays["returns"], arrays["return_time"], points["n_segments"],
-                     arrays["memory"], points["parameters"], points["note"].decode())  # fmt: skip
+    return Attractor(int(points["period"]), float(points["turn"]), arrays["returns"], arrays["return_slopes"], arrays["return_time"],
+                     points["n_segments"], arrays["memory"], points["parameters"], points["note"].decode())  # fmt: skip
 
 
 def describe(attractor: Attractor, segments: list[str]) -> str:

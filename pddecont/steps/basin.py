@@ -66,7 +66,7 @@ def run_basin(context: Context, step: Step, recorded: RecordedStep | None) -> No
             labels = result.labels.copy()
             for cell, attractor in result.strays.items():
                 before = len(known)
-                labels[cell] = number_of(attractor, known)
+                labels[cell] = number_of(attractor, known, body.atol)
                 if len(known) > before:
                     _write_attractor(writer, task, p, attractor, clock.transient, exponents=body.lyapunov, plan=plan)
             writer.append({**no_attractor(plan), "line": number},

@@ -21,9 +21,9 @@ from pddecont.steps.schema import Initial, Integration, Settling, Step
 Array = NDArray[np.float64]
 
 
-def method_of(plan: Plan, body: Integration) -> Method:
+def method_of(plan: Plan, step: Step, body: Integration) -> Method:
     """Return how a step integrates."""
-    longest = np.inf if body.max_step is None else plan.number(body.max_step)
+    longest = np.inf if body.max_step is None else plan.number(body.max_step, plan.step_parameters(step))
     return Method(body.rtol, body.atol, body.method == "stiff", dict(body.stick), longest)
 
 
@@ -67,7 +67,7 @@ def clock_of(plan: Plan, body: Settling, p: Array) -> Clock:
 def task_of(plan: Plan, step: Step, body: Settling, initial: Initial) -> Task:
     """Return what workers need to compute motions of a step."""
     token = hashlib.sha256((plan.model_text + settings_text(plan, step)).encode()).hexdigest()
-    return Task(plan.model, plan.delay_method(step), method_of(plan, body), returns_of(plan, body), history_of(plan, initial), token)
+    return Task(plan.model, plan.delay_method(step), method_of(plan, step, body), returns_of(plan, body), history_of(plan, initial), token)
 
 
 def grid_values(plan: Plan, step: Step, name: str) -> Array:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 from collections.abc import Mapping, Sequence
 from typing import Protocol
 
@@ -36,6 +38,7 @@ def check_simulate(planner: Checker, path: Path, step: Step, values: Mapping[str
     t_end = positive_time(planner, (*path, "t_end"), body.t_end, values)
     check_initial(planner, (*path, "initial"), body.initial, values)
     check_integration(planner, path, step, body)
+    later = dict(values)
     for text, changes in body.at.items():
         here = (*path, "at", text)
         time = planner.formula(here, as_number(text), values)
@@ -45,7 +48,8 @@ def check_simulate(planner: Checker, path: Path, step: Step, values: Mapping[str
             if name not in values:
                 planner.complain((*here, name), f"'{name}' is not a parameter{suggest(name, values)}", key=True)
             else:
-                planner.formula((*here, name), value, values)
+                later[name] = planner.formula((*here, name), value, values)
+        check_parameters(planner, here, later)
     since = planner.formula((*path, "record", "from"), body.record.from_, values)
     if not 0 <= since < t_end:
         planner.complain((*path, "record", "from"), f"the time {since:g} does not lie between 0 and t_end, {t_end:g}")
@@ -63,6 +67,22 @@ def check_simulate(planner: Checker, path: Path, step: Step, values: Mapping[str
             planner.complain(here, "a chain has no delayed values of its own to record; give this step 'delay: {method: direct}'")
     if body.record.every is not None:
         positive_time(planner, (*path, "record", "every"), body.record.every, values)
+
+
+def check_parameters(planner: Checker, path: Path, values: Mapping[str, float]) -> None:
+    """Check that delays and the forcing period are what they can be at some parameters."""
+    model = planner.model
+    lengths = [(f"the delay {d}", d, False) for d in model.delays]
+    lengths += [(f"the delay of event {e.name}", e.delay, False) for e in model.events.values() if e.delay is not None]
+    lengths += [("the forcing period", model.period, True)] if model.period is not None else []
+    for what, expr, positive in lengths:
+        try:
+            value = model.evaluate(expr, values)
+        except (TypeError, ValueError):
+            value = math.nan
+        if not 0 <= value < math.inf or (positive and value == 0):
+            where = ", ".join(f"{s.name} = {values[s.name]:g}" for s in sorted(expr.free_symbols, key=str) if s.name in values)
+            planner.complain(path, f"{what} is {value:g} at {where}; expected a {'positive' if positive else 'non-negative'} number")
 
 
 def positive_time(planner: Checker, path: Path, text: str | float, values: Mapping[str, float]) -> float:
@@ -149,17 +169,24 @@ def check_sweep(planner: Checker, path: Path, step: Step, values: Mapping[str, f
         if name not in values:
             planner.complain((*path, "over", name), f"'{name}' is not a parameter{suggest(name, values)} "
                                                  f"(parameters: {', '.join(values)})", key=True)  # fmt: skip
+            return
+    names = list(body.over)
+    for ends in itertools.product(*(body.over[name][:2] for name in names)):
+        corner = {name: planner.formula((*path, "over", name), end, values) for name, end in zip(names, ends, strict=True)}
+        check_parameters(planner, (*path, "over"), {**values, **corner})
     for i, initial in enumerate(body.initial):
         check_initial(planner, (*path, "initial", i), initial, values)
-        if isinstance(initial.history, Mapping) and i and initial.history != body.initial[0].history:
+        histories = initial.history, body.initial[0].history
+        if any(isinstance(h, Mapping) for h in histories) and histories[0] != histories[1]:
             planner.complain((*path, "initial", i), "all initial states of a sweep share one history; give other histories a step of "
                                                  "their own")  # fmt: skip
     for name, limits in body.random.box.items() if body.random else ():
         here = (*path, "random", "box", name)
         if name not in planner.model.states:
             planner.complain(here, f"'{name}' is not a state{suggest(name, planner.model.states)}", key=True)
-        for k, text in enumerate(limits):
-            planner.formula((*here, k), text, values)
+        low, high = (planner.formula((*here, k), text, values) for k, text in enumerate(limits))
+        if low > high:
+            planner.complain(here, f"the range is empty: {low:g} is not below {high:g}")
 
 
 def check_basin(planner: Checker, path: Path, step: Step, values: Mapping[str, float]) -> None:

@@ -40,8 +40,8 @@ def first_guess(context: Context, step: Step) -> tuple[OrbitProblem, Array]:
         trajectory, p = _from_attractor(context, step)
     else:
         return orbit_at(context, step, source)
-    p = plan.step_parameters(step, p)
     cycle = recognise(plan.numeric, p, trajectory)
+    p = plan.step_parameters(step, p)
     return orbit_from_cycle(plan.numeric, p, plan.delay_method(step), cycle, context.rule_of(step))
 
 

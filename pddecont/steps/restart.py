@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from pddecont.errors import ResultsError
 from pddecont.simulate.integrate import follow
 from pddecont.simulate.kernel.tables import T
-from pddecont.simulate.snapshot import moved, unpack
+from pddecont.simulate.snapshot import moved, restart_time, unpack
 from pddecont.simulate.trajectory import Trajectory
 from pddecont.steps.attractors import recorded_attractor
 from pddecont.steps.context import Context, attractor_step
-from pddecont.steps.integration import clock_of, task_of
+from pddecont.steps.integration import task_of
 from pddecont.steps.schema import Source, Step
 
 Array = NDArray[np.float64]
@@ -43,14 +43,18 @@ def attractor_trajectory(context: Context, step: Step, source: Source) -> tuple[
                            f"{': ' + attractor.failed if attractor.failed else ''}; a periodic orbit cannot start from it")  # fmt: skip
     if recorded.meta["model"] != plan.model.name or recorded.meta["parameters"] != list(plan.model.parameters):
         raise ResultsError(f"step '{source.step}' comes from another model, '{recorded.meta['model']}'")
+    off = json.loads(recorded.meta["settings"])["off"]
+    if list(off) != list(plan.left_out.effects):
+        raise ResultsError(f"step '{source.step}' was computed without the effects [{', '.join(off)}], this run is without "
+                           f"[{', '.join(plan.left_out.effects)}]; an orbit starts from attractors of the same effects")  # fmt: skip
     origin = Step.model_validate(json.loads(recorded.meta["settings"])["step"])
     body = origin.sweep or origin.basin
     assert body is not None
     initial = body.initial[0] if isinstance(body.initial, list) else body.initial
     simulator = task_of(plan, origin, body, initial).simulator()
     values = simulator.values(attractor.p)
-    clock = clock_of(plan, body, attractor.p)
-    memory = moved(unpack(simulator.system, values, attractor.memory), clock.phase * clock.period)
+    memory = unpack(simulator.system, values, attractor.memory)
+    memory = moved(memory, restart_time(plan.numeric, attractor.p, attractor.p, float(memory.clock[T])))
     longest = float(max(plan.numeric.delays.value(attractor.p), default=0.0))
     duration = max(TURNS, LEAST / attractor.period) * attractor.turn + longest
     return follow(simulator, attractor.p, memory, float(memory.clock[T]) + duration), attractor.p

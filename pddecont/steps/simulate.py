@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
+import sympy
 from numpy.typing import NDArray
 
 from pddecont.results.layout import Column, StepSpec
@@ -30,12 +33,21 @@ def integrate(context: Context, step: Step) -> Trajectory:
     # Signals read delayed values of what is recorded.
     longest = max(float(np.max(plan.numeric.delays.value(q), initial=0.0)) for q in (p, *(q for _, q in changes)))
     trajectory = simulate(
-        plan.numeric, p, plan.delay_method(step), t_end, method_of(plan, body), initial=list(start.states), mode=start.mode,
+        plan.numeric, p, plan.delay_method(step), t_end, method_of(plan, step, body), initial=list(start.states), mode=start.mode,
         constant=start.constant, history=history_of(plan, body.initial), schedule=changes,
         keep_from=plan.number(body.record.from_, p) - longest,
         heard=lambda t: context.reporter.progress(f"t = {t:.6g}", t / t_end))  # fmt: skip
     context.trajectories[step.name] = (trajectory, changes[-1][1] if changes else p)
     return trajectory
+
+
+def _past(plan: Plan, step: Step, p: Array) -> Sequence[sympy.Expr]:
+    """Return the history of a step's motion as expressions in t."""
+    assert step.simulate is not None
+    initial = step.simulate.initial
+    if initial.history == "constant":
+        return [sympy.Float(x) for x in start_of(plan, initial, p).states]
+    return history_of(plan, initial) or plan.model.history
 
 
 def schedule(plan: Plan, step: Step, p: Array) -> list[tuple[float, Array]]:
@@ -76,7 +88,8 @@ def run_simulate(context: Context, step: Step) -> None:
         times, states, in_mode = times[late], states[late], [m for m, kept in zip(in_mode, late, strict=True) if kept]
     else:
         times, states, in_mode = trajectory.every(plan.number(record.every, p), since)
-    values = signal_values(plan, signals, trajectory, times, states, [(-np.inf, p), *changes])
+    values = signal_values(plan, signals, trajectory, times, states, [(-np.inf, p), *changes],
+                           _past(plan, step, p))  # fmt: skip
     events = trajectory.events
     late = events.t >= since
     with StepWriter(context.path, spec, capacity=1) as writer:

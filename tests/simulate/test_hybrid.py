@@ -19,6 +19,7 @@ from pddecont.simulate.kernel.advance import run as kernel_run
 from pddecont.simulate.kernel.tables import N_PENDING, Status, new_log
 from pddecont.simulate.simulator import Method, Section, Simulator
 from tests.conftest import ROOT, numeric_from
+from tests.runs import run_model
 
 TIGHT = Method(1e-12, 1e-13)
 DIRECT = Direct()
@@ -356,3 +357,22 @@ def test_a_bouncing_ball_in_step_with_its_table():
     attractor, value, error = exponent(shipped("bouncing_ball"), Clock(2 * math.pi, 0.0, 3000.0, 8, 200), 2000.0, G=0.6)
     # The product of a bounce's multipliers is r^2, and they are complex: each has modulus r.
     assert (attractor.period, value) == (1, pytest.approx(math.log(0.8) / (2 * math.pi), abs=error))
+
+
+@pytest.mark.parametrize(("direction", "reset", "expected"), [("falling", "v: -r*v", 1), ("any", "v: -r*v", 1), ("falling", "v: v", 0)])
+def test_a_motion_that_starts_into_a_wall_is_turned_round(direction, reset, expected):
+    text = ("name: ball\nstates: [y, v]\nparameters: {r: 0.8}\nmodes: {m: {y': v, v': -1}}\nevents: {hit: y}\n"
+            f"resets: {{bounce: {{{reset}}}}}\nsegments: {{s: {{mode: m, event: hit, direction: {direction}, reset: bounce, to: m}}}}\n")
+    trajectory = simulate(numeric_from(text), np.array([0.8]), DIRECT, 1.0, TIGHT, initial=[0.0, -1.0])
+    assert len(trajectory.events) == expected
+    assert trajectory(1.0)[0] == pytest.approx(0.8 - 0.5 if expected else -1.5, abs=1e-12)
+
+
+def test_signals_read_the_history_that_the_step_gives(tmp_path):
+    text = ("name: m\nstates: [x]\nparameters: {tau: 1}\nmodes: {m: {x': -x(t - tau)}}\ninitial: {x: 0.1}\nrun: {steps: [\n"
+            "{name: c, simulate: {t_end: 0.5, initial: {x: 0.7, history: constant}, record: {signals: {d: x(t - tau)}}}},\n"
+            "{name: h, simulate: {t_end: 0.5, initial: {history: {x: 2*t}}, record: {signals: {d: x(t - tau)}}}}]}\n")
+    results = run_model(text, tmp_path / "s.h5")
+    constant, given = (results.steps[name].orbit(0) for name in "ch")
+    assert constant["signals"][:, 0] == pytest.approx(np.full(len(constant["time"]), 0.7))
+    assert given["signals"][:, 0] == pytest.approx(2 * (given["time"] - 1), abs=1e-14)

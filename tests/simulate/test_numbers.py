@@ -173,6 +173,13 @@ def test_order_with_events_and_a_delay(stiff, parts, low, high):
 
 
 @pytest.mark.parametrize("stiff", [False, True])
+def test_the_error_falls_with_the_tolerance_over_six_decades(stiff):
+    made = np.array([oscillator_error(Method(rtol, rtol, stiff)) for rtol in 10.0 ** -np.arange(6, 13)])
+    assert np.all(made[1:] < made[:-1] / 2)
+    assert made[-1] < 1e-4 * made[0]
+
+
+@pytest.mark.parametrize("stiff", [False, True])
 @pytest.mark.parametrize("errors", [oscillator_error, lambda method: max(bouncer_errors(method))], ids=["smooth", "hybrid"])
 def test_errors_fall_with_the_tolerance(errors, stiff):
     allowed = 10.0 ** -np.arange(4, 11)

@@ -111,3 +111,18 @@ def test_attractors_that_no_first_look_finds_are_found_all_the_same(tmp_path):
     step = run_model(text, tmp_path / "n.h5").steps["map"]
     assert sorted(step.orbit(i)["returns"][0, 0] for i in range(len(step)) if step.labels[i]) == pytest.approx([1.0, 3.0], abs=1e-5)
     assert np.all(np.sum(label_map(step) == label_map(step)[0, 0], axis=1) == 1)
+
+
+def test_each_attractor_is_as_large_as_it_is(tmp_path):
+    """x' = -(x^2 - 0.04) x below 1, a well at 1e4 above it; v dies away: three attractors, each with its own basin."""
+    text = ("name: wells\nstates: [x, v]\nparameters: {w: 1}\nforcing: {period: 2*pi/w}\n"
+            "modes: {low: {x': -x*(x**2 - 0.04) + 1e-6*cos(w*t), v': -v}, high: {x': 1e4 - x + cos(w*t), v': -v}}\nevents: {up: x - 1}\n"
+            "segments: {leave: {mode: low, event: up, direction: rising, to: high}}\ninitial: {mode: low}\n"
+            "run: {steps: [{name: a, basin: {over: {x: [-0.5, 0.5, 10], v: [-1, 1, 3]}, transient: 2000}}, "
+            "{name: b, basin: {over: {x: [-0.5, 0.5, 10], v: [-1, 1, 3]}, initial: {mode: high}, transient: 2000}}]}\n")
+    results = run_model(text, tmp_path / "w.h5")
+    step = results.steps["a"]
+    found = [step.orbit(i)["returns"][0, 0] for i in range(len(step)) if step.labels[i]]
+    assert sorted(found) == pytest.approx([-0.2, 0.2], abs=1e-4)
+    assert [share for share, _, _ in basin_shares(step).values()] == [0.5, 0.5]
+    assert len([i for i in range(len(results.steps["b"])) if results.steps["b"].labels[i]]) == 1

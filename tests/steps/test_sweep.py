@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pddecont.delay.direct import Direct
-from pddecont.errors import ResultsError
+from pddecont.errors import ResultsError, RunError
 from pddecont.model.document import parse_document
 from pddecont.results.attractors import attractor_rows, class_of, return_rows
 from pddecont.results.reader import read_results
@@ -195,3 +195,91 @@ def test_two_parameters(tmp_path):
     at = {int(c): tuple(step.points["parameters"][list(step.points["cell"]).index(c), [4, 1]]) for c in cells}
     assert at[1] == (60.0, 0.85)
     assert at[2] == (28.0, pytest.approx(0.9))
+
+
+LINEAR = ("name: m\nstates: [x, v]\nparameters: {{w: 1.2, c: {c}}}\nforcing: {{period: 2*pi}}\n"
+          "modes: {{m: {{x': v, v': -w**2*x - c*v + cos(t)}}}}\ninitial: {{x: 1}}\n"
+          "run: {{steps: [{{name: diagram, sweep: {{over: {{w: [1.2, 1.5, 13]}}, transient: {n}*2*pi}}}}]}}\n")  # fmt: skip
+
+
+@pytest.mark.parametrize(("c", "n"), [(0.02, 4000), (0.1, 1000), (0.02, 300)])
+def test_a_linear_oscillator_has_period_1_however_its_multipliers_turn(tmp_path, c, n):
+    """Multipliers near a root of 1 make a multiple of the period look settled first."""
+    step = run_model(LINEAR.format(c=c, n=n), tmp_path / "l.h5").steps["diagram"]
+    settled = step.points["period"][[bool(label) for label in step.labels]]
+    assert np.all(settled == 1)
+    assert len(settled) == 13 or n == 300
+    for i in range(len(step)):
+        if step.labels[i]:
+            w = step.points["parameters"][i, 0]
+            # x = Re(e^(it) / (w^2 - 1 + i c)) at t = 0.
+            assert step.orbit(i)["returns"][0, 0] == pytest.approx((1 / (w**2 - 1 + 1j * c)).real, rel=1e-3)
+
+
+def test_a_section_where_the_state_is_always_the_same_tells_by_slopes(tmp_path):
+    """Wright's equation is settled at an equilibrium below alpha = pi/2, and its period above it grows with alpha."""
+    text = ("model: ../models/wright.yaml\nsteps:\n"
+            "  - {name: diagram, sweep: {over: {alpha: [1.2, 2.0, 5]}, section: {zero: x}, transient: 400, initial: [{x: 0.5}]}}\n"
+            "  - {name: up, sweep: {over: {alpha: [1.8, 2.0, 2]}, section: {zero: x}, carry: up, transient: 400, initial: [{x: 0.5}]}}\n"
+            )  # fmt: skip
+    results = run(text, tmp_path / "w.h5")
+    step = results.steps["diagram"]
+    assert [bool(label) for label in step.labels] == [False, False, True, True, True]
+    assert all("dies away" in r["note"] or "not settled" in r["note"] for r in attractor_rows(step)[:2])
+    assert step.points["turn"][-1] == pytest.approx(4.4027436513, rel=1e-6)
+    assert results.steps["up"].points["turn"] == pytest.approx(step.points["turn"][-2:], rel=1e-6)
+
+
+def test_the_size_of_a_motion_is_that_of_where_it_is(tmp_path):
+    """x' = -0.01 x + cos t from x = 1e6 and from 0: one attractor, x = 0.01 / (1e-4 + 1) at t = 0."""
+    text = ("name: m\nstates: [x]\nparameters: {a: 0.01}\nforcing: {period: 2*pi}\nmodes: {m: {x': -a*x + cos(t)}}\n"
+            "run: {steps: [{name: diagram, sweep: {over: {a: [0.01, 0.01, 1]}, transient: 2000*2*pi, initial: [{x: 1e6}, {x: 0}], "
+            "lyapunov: true}}]}\n")  # fmt: skip
+    step = run_model(text, tmp_path / "f.h5").steps["diagram"]
+    assert (len(step), step.points["share"][0]) == (1, 1.0)
+    assert step.orbit(0)["returns"][0, 0] == pytest.approx(0.01 / (1e-4 + 1), rel=1e-5)
+    assert step.points["lyapunov"][0] == pytest.approx(-0.01, abs=1e-6)
+
+
+def test_a_fast_decay_has_its_exponent(tmp_path):
+    text = ("name: m\nstates: [x]\nparameters: {k: 60}\nforcing: {period: 2*pi}\nmodes: {m: {x': -k*x + cos(t)}}\n"
+            "run: {steps: [{name: diagram, sweep: {over: {k: [2, 60, 2]}, transient: 1000*2*pi, lyapunov: true}}]}\n")
+    step = run_model(text, tmp_path / "k.h5").steps["diagram"]
+    assert step.points["lyapunov"] == pytest.approx([-2.0, -60.0], rel=1e-6)
+
+
+def test_what_grows_or_has_not_settled_is_no_attractor(tmp_path):
+    text = ("name: m\nstates: [x]\nparameters: {k: 0.1}\nforcing: {period: 2*pi}\nmodes: {m: {x': k*x + cos(t)}}\n"
+            "run: {steps: [{name: diagram, sweep: {over: {k: [-0.001, 0.02, 2]}, transient: 60*2*pi, initial: [{x: 1}]}}]}\n")
+    step = run_model(text, tmp_path / "g.h5").steps["diagram"]
+    assert step.labels == ("", "")
+    assert all("not settled" in r["note"] for r in attractor_rows(step))
+
+
+def test_a_forced_motion_keeps_its_phase_at_a_section_of_its_own(tmp_path):
+    """Returns counted where v = 0 falls: the orbit from a label, and from the same motion counted by the forcing."""
+    text = ("model: ../models/duffing.yaml\nmesh: {degree: 8, tol: 1e-9}\nmonitors: {top: max(x)}\nsteps:\n"
+            "  - {name: a, sweep: {over: {omega: [1.1, 1.3, 3]}, section: {zero: v, direction: falling}, carry: up, transient: 3000}}\n"
+            "  - {name: b, sweep: {over: {omega: [1.1, 1.3, 3]}, carry: up, transient: 3000}}\n"
+            "  - {name: oa, orbit: {from: {step: a, point: A2}}}\n  - {name: ob, orbit: {from: {step: b, point: A2}}}\n")
+    results = run(text, tmp_path / "d.h5")
+    a, b = (results.steps[name].points["monitors"][0, 0] for name in ("oa", "ob"))
+    assert a == pytest.approx(b, abs=1e-7)
+    assert results.steps["a"].points["turn"] == pytest.approx(results.steps["b"].points["turn"], rel=1e-6)
+
+
+@pytest.mark.parametrize(("change", "message"), [
+    ("{{beta: [24, 40, 9]}}, random: {{number: 2, box: {{x: [3, 1]}}}}", "range is empty: 3 is not below 1"),
+    ("{{omega: [-1, 1, 3]}}", "the forcing period is -6.28319 at omega = -1; expected a positive number"),
+])  # fmt: skip
+def test_what_cannot_be_is_said_before_anything_is_computed(change, message):
+    text = FIG4_1.replace("{beta: [24, 40, 9]}", change.replace("{{", "{").replace("}}", "}"))
+    with pytest.raises(RunError) as error:
+        load_plan(parse_document(text, str(ROOT / "configs" / "test.yaml")))
+    assert message in str(error.value)
+
+
+def test_histories_of_a_sweep_are_one(tmp_path):
+    text = FIG4_1.replace("{x: 0, v: 0}", "{x: 0, history: {x: 1}}")
+    with pytest.raises(RunError, match="share one history"):
+        load_plan(parse_document(text, str(ROOT / "configs" / "test.yaml")))

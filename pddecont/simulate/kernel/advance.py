@@ -7,7 +7,7 @@ import math
 from pddecont.simulate.kernel.breaking import next_stop, note_breaking, pass_breaking, queues_have_room
 from pddecont.simulate.kernel.calls import at, entry, inner
 from pddecont.simulate.kernel.crossings import event_value, first_crossing, slope_and_size, state_at
-from pddecont.simulate.kernel.moment import moment, stick
+from pddecont.simulate.kernel.moment import moment, starts_into, stick
 from pddecont.simulate.kernel.pair import N_STAGES, explicit_extension, explicit_step, extension_error
 from pddecont.simulate.kernel.past import near, prepare, remember, room_left
 from pddecont.simulate.kernel.radau import stiff_extension, stiff_step
@@ -63,9 +63,12 @@ def change(system, values, memory, work, before):
         for i in range(c.n_pairs):
             k = c.pair_delay[i]
             for stage in range(c.chain_n):
-                for power in range(c.chain_order):
+                if before.tau[k] == 0.0:
+                    c.y[c.n + (i * c.chain_n + stage) * c.chain_order] = c.y[c.pair_state[i]]
+                for power in range(1, c.chain_order):
                     # w_k is the k-th derivative times the k-th power of the step of the chain.
-                    c.y[c.n + (i * c.chain_n + stage) * c.chain_order + power] *= (c.tau[k] / before.tau[k]) ** power
+                    ratio = c.tau[k] / before.tau[k] if before.tau[k] > 0.0 else 0.0
+                    c.y[c.n + (i * c.chain_n + stage) * c.chain_order + power] *= ratio**power
     elif moved:
         c.count[N_BREAKING] = 0
         last = c.past_arc[c.count[FIRST] & c.mask]
@@ -101,6 +104,15 @@ def advance(c, t_stop, most_steps):
             return Status.LOG_FULL
         if c.log_steps > 0 and c.log_n[0] + 1 > c.log_steps:
             return Status.LOG_FULL
+        if c.count[ARC] == 0 and c.count[FRESH] == 1 and t == c.clock[T_START]:
+            hit, direction = starts_into(c)
+            if hit >= 0:
+                status = _happen(c, hit, direction)
+                if (status == Status.ZENO or status == Status.SLIDING) and stick(c, t_stop):
+                    continue
+                if status != Status.REACHED:
+                    return status
+                continue
         if c.count[N_PENDING] > 0 and c.pending_time[0] <= t + near(t):
             status = _happen(c, -1, 0)
             if (status == Status.ZENO or status == Status.SLIDING) and stick(c, t_stop):

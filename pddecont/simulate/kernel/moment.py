@@ -63,6 +63,33 @@ def moment(c, hit, direction):
 
 
 @inner
+def starts_into(c):
+    """Return the segment that ends at the very start, and the direction of its crossing; -1 if none does.
+
+    A motion that starts on a surface has not crossed it, unless it moves into it and the reset turns it round: that is an impact.
+    """
+    t, mode = c.clock[T], c.count[MODE]
+    for segment in range(c.n_segments):
+        event = c.segment_event[segment]
+        if c.segment_mode[segment] != mode or c.after[event] >= 0:
+            continue
+        slope, size = slope_and_size(c, event, mode, t, c.y)
+        direction = 1 if slope > 0.0 else -1
+        if slope == 0.0 or direction * c.segment_direction[segment] < 0 or abs(event_value(c, event, t, c.y)) > size:
+            continue
+        read(c, t, c.y, c.xd, 0)
+        for i in range(c.dimension):
+            c.trial[i] = c.y[i]
+        for i in range(c.n):
+            c.trial[i] = 0.0
+        call(c.reset, c.segment_reset[segment], t, c.y, c.xd, c.p, c.trial)
+        after, _ = slope_and_size(c, event, c.segment_to[segment], t, c.trial)
+        if after * direction <= 0.0 and c.segment_to[segment] == mode:
+            return segment, direction
+    return -1, 0
+
+
+@inner
 def _candidates(c, t, hit, direction):
     """Write for each event function in which direction it crosses its zero at this moment (0: it does not)."""
     mode = c.count[MODE]

@@ -8,15 +8,19 @@ import numpy as np
 
 from pddecont.simulate.kernel.advance import begin, run
 from pddecont.simulate.kernel.calls import entry, inner
+from pddecont.simulate.kernel.past import near
+from pddecont.simulate.kernel.slopes import slopes
 from pddecont.simulate.kernel.tables import (
     CONSTANT,
     FIRST,
+    MODE,
     N_COEFFICIENTS,
     N_PENDING,
     SHIFT,
     USED,
     Status,
     T,
+    core,
     new_log,
     new_memory,
 )
@@ -28,6 +32,8 @@ SAME, SAME_ERRORS, REPEATS = 1e-7, 30.0, 3
 CLOSE = 1e-4
 # How near to an attractor's returns a motion is that is taken to stay there.
 ARRIVED = 1e-4
+# How fast distances shrink at best, for telling a period from its divisors: they beat where multipliers are complex.
+SLOW = 0.95
 STEPS = 1 << 40
 
 
@@ -56,44 +62,67 @@ def next_return(system, values, memory, work, log, period, phase, t_end):
 def settle(system, values, memory, work, period, phase, t_end, max_period, states, times, hits):
     """Follow a motion until it repeats itself or its time is over; return the memory, a status, its period and its returns.
 
-    ``states`` (n_returns, n), ``times`` (n_returns,) and ``hits`` (n_returns, n_segments) are filled as a ring: return number i goes to
-    row i modulo n_returns, ``hits`` counts ends of segments up to it. The period in returns is 0 where there is none.
+    ``states`` (n_returns, 2 n: states and their slopes), ``times`` (n_returns,) and ``hits`` (n_returns, n_segments) are filled as a
+    ring: return number i goes to row i modulo n_returns, ``hits`` counts ends of segments up to it. The period in returns is 0 where
+    there is none.
     """
     log = new_log(0, 0, 0)
-    n, room = system.n, len(times)
-    size = np.zeros(n)
-    number = 0
+    room, number = len(times), 0
     running = np.zeros(max_period + 1, np.int64)
+    distances = np.zeros((room, max_period + 1))
+    size, noise = np.zeros(2 * system.n), np.zeros(2 * system.n)
     same = max(SAME, SAME_ERRORS * values.rtol)
     while True:
         memory, status = next_return(system, values, memory, work, log, period, phase, t_end)
         if status != Status.SECTION:
             break
         row = number % room
-        for i in range(n):
-            states[row, i] = memory.y[i]
-            size[i] = max(abs(memory.y[i]), size[i])
+        _note(core(system, values, memory, log, work), states, row)
         times[row] = memory.clock[T]
         for k in range(hits.shape[1]):
             hits[row, k] = memory.hits[k]
         number += 1
+        gap = times[row] - times[(row - 1) % room] if number > 1 else math.inf
+        _sizes(states, min(number, room, 2 * max_period + 2), number, values.atol, gap, size, noise)
         for q in range(1, min(max_period, number - 1, room - 1) + 1):
-            before = (number - 1 - q) % room
-            distance = _distance(states, row, before, size)
-            alike = distance <= same and _same_counts(hits, number, q, room) and _same_gaps(times, number, q, room)
+            distances[row, q] = _distance(states, row, (number - 1 - q) % room, size, noise)
+            alike = distances[row, q] <= same and _same_counts(hits, number, q, room) and _same_gaps(times, number, q, room, 10.0 * same)
             running[q] = running[q] + 1 if alike else 0
             # As many times as the period is long, and longer than the longest delay.
-            if running[q] >= REPEATS * q and times[row] - times[(number - 1 - min(running[q], room - 1)) % room] >= values.longest:
+            if (running[q] >= REPEATS * q and times[row] - times[(number - 1 - min(running[q], room - 1)) % room] >= values.longest
+                    and _smallest(distances, number, q, room, same)):  # fmt: skip
                 return memory, Status.SECTION, q, number
-    q = _period(states, times, hits, number, max_period, room, size) if status == Status.REACHED else 0
+    q = _period(distances, times, hits, number, max_period, room, same) if status == Status.REACHED else 0
     return memory, status, q, number
 
 
 @inner
-def _distance(states, a, b, size):
+def _note(c, states, row):
+    """Write the states and their slopes at a return: at a section the slopes tell motions apart that the states cannot."""
+    slopes(c, c.count[MODE], c.clock[T], c.y, c.slope)
+    for i in range(c.n):
+        states[row, i], states[row, c.n + i] = c.y[i], c.slope[i]
+
+
+@inner
+def _sizes(states, kept, number, atol, gap, size, noise):
+    """Write how large states and slopes are over the last returns, and what of them is noise of the integration."""
+    n, room = states.shape[1] // 2, len(states)
+    size[:] = 0.0
+    for back in range(kept):
+        row = (number - 1 - back) % room
+        for i in range(2 * n):
+            size[i] = max(size[i], abs(states[row, i]))
+    for i in range(n):
+        noise[i], noise[n + i] = 10.0 * atol, 100.0 * atol / gap
+
+
+@inner
+def _distance(states, a, b, size, noise):
+    """Return how far apart two returns are, relative to the motion's size; what is noise counts for nothing."""
     distance = 0.0
     for i in range(states.shape[1]):
-        distance = max(distance, abs(states[a, i] - states[b, i]) / (size[i] + 1e-12))
+        distance = max(distance, (abs(states[a, i] - states[b, i]) - noise[i]) / (size[i] + 1e-300))
     return distance
 
 
@@ -110,25 +139,51 @@ def _same_counts(hits, number, q, room):
 
 
 @inner
-def _same_gaps(times, number, q, room):
-    """Whether the last ``q`` returns took as long as the ``q`` before them: returns that accumulate do not."""
+def _same_gaps(times, number, q, room, tolerance):
+    """Whether the last ``q`` returns took as long as the ``q`` before them."""
     if number - 1 - 2 * q < 0 or 2 * q >= room:
         return number - 1 >= q
     last, middle, first = times[(number - 1) % room], times[(number - 1 - q) % room], times[(number - 1 - 2 * q) % room]
-    return abs(last - 2.0 * middle + first) <= CLOSE * (last - middle)
+    return abs(last - 2.0 * middle + first) <= tolerance * (last - middle) + 8.0 * near(last)
 
 
 @inner
-def _period(states, times, hits, number, max_period, room, size):
+def _smallest(distances, number, q, room, same):
+    """Whether no divisor of a period is the period that the motion is still settling to.
+
+    What is left to settle is estimated from how fast the distance after ``q`` returns shrinks; the distance after a divisor has to be
+    larger. Where multipliers lie near a q-th root of 1 the former is small long before the latter is.
+    """
+    window = REPEATS * q
+    now, then = _largest(distances, number, q, 0, window, room), _largest(distances, number, q, window, 2 * window, room)
+    shrinks = (now / then) ** (1.0 / REPEATS) if then > now > 0.0 else SLOW
+    left = max(now, same) / (1.0 - min(max(shrinks, SLOW), 0.999))
+    for divisor in range(1, q):
+        if q % divisor == 0 and _largest(distances, number, divisor, 0, window, room) <= 4.0 * left:
+            return False
+    return True
+
+
+@inner
+def _largest(distances, number, q, first, last, room):
+    """Return the largest distance after ``q`` returns, of those ``first`` to ``last`` returns back."""
+    largest = 0.0
+    for back in range(first, min(last, number - q, room)):
+        largest = max(largest, distances[(number - 1 - back) % room, q])
+    return largest
+
+
+@inner
+def _period(distances, times, hits, number, max_period, room, same):
     """Return the period of the returns kept, told less strictly: the motion may still be settling."""
     kept = min(number, room)
     for q in range(1, max_period + 1):
-        if 2 * q + 1 > kept or not _same_counts(hits, number, q, room) or not _same_gaps(times, number, q, room):
+        if 2 * q + 1 > kept or not _same_counts(hits, number, q, room) or not _same_gaps(times, number, q, room, CLOSE):
             continue
         worst = 0.0
         for back in range(min(q + 2, kept - q)):
-            worst = max(worst, _distance(states, (number - 1 - back) % room, (number - 1 - back - q) % room, size))
-        if worst <= CLOSE:
+            worst = max(worst, distances[(number - 1 - back) % room, q])
+        if worst <= CLOSE and _smallest(distances, number, q, room, same):
             return q
     return 0
 
@@ -139,8 +194,9 @@ def recognise_cells(system, values, work, template, initial, mode, constant, per
     """Write which known attractor each of ``initial`` (n_cells, n) leads to, and when it was recognised; -1 where none was.
 
     ``template`` holds all variables at the start but those. ``points`` (n_points, n) are the attractors' returns, ``owner`` says whose
-    each is, ``following`` which comes after it, ``length`` how many returns the attractor has. A motion is on an attractor when its
-    returns are near to the attractor's, in their order, for longer than these take and than the longest delay.
+    each is, ``following`` which comes after it, ``length`` how many returns the attractor has, ``size`` how large its states are. A
+    motion is on an attractor when its returns are near to the attractor's, in their order, for longer than these take and than the
+    longest delay.
     """
     log = new_log(0, 0, 0)
     for cell in range(len(initial)):
@@ -157,10 +213,10 @@ def recognise_cells(system, values, work, template, initial, mode, constant, per
             memory, status = next_return(system, values, memory, work, log, period, phase, t_end)
             if status != Status.SECTION:
                 break
-            if expected >= 0 and _near(points, expected, memory.y, size):
+            if expected >= 0 and _near(points, expected, memory.y, size, values.atol):
                 found, met = expected, met + 1
             else:
-                found, met = _nearest(points, memory.y, size), 1
+                found, met = _nearest(points, memory.y, size, values.atol), 1
                 since = memory.clock[T]
             expected = -1 if found < 0 else following[found]
             if found >= 0 and met > length[found] and memory.clock[T] - since >= values.longest:
@@ -178,18 +234,18 @@ def _start_chain(system, memory):
 
 
 @inner
-def _near(points, j, y, size):
+def _near(points, j, y, size, atol):
     for i in range(points.shape[1]):
-        if not abs(points[j, i] - y[i]) <= ARRIVED * size[i]:
+        if not abs(points[j, i] - y[i]) <= ARRIVED * size[j, i] + 100.0 * atol:
             return False
     return True
 
 
 @inner
-def _nearest(points, y, size):
+def _nearest(points, y, size, atol):
     """Return the point that ``y`` is near to (-1: none)."""
     for j in range(len(points)):
-        if _near(points, j, y, size):
+        if _near(points, j, y, size, atol):
             return j
     return -1
 
@@ -208,6 +264,8 @@ def growth(system, values, memory, work, interval, logs):
         if status != Status.REACHED:
             return memory, status
         logs[k] = _rescale(system, memory)
+        if not math.isfinite(logs[k]):
+            return memory, Status.REACHED
     return memory, Status.REACHED
 
 
@@ -223,8 +281,8 @@ def _rescale(system, memory):
     for number in numbers:
         for k in range(kept):
             length = max(length, abs(memory.past_value[number & mask, kept + k]))
-    if not 0.0 < length < math.inf:
-        return -math.inf
+    if length == 0.0 or not math.isfinite(length):
+        return -math.inf if length == 0.0 else math.inf
     for i in range(full):
         memory.y[full + i] /= length
     for number in numbers:
