@@ -16,7 +16,7 @@ from pddecont.results.attractors import class_of
 from pddecont.results.reader import Step
 
 Array = NDArray[np.float64]
-# A class with fewer rows than this share of the largest shares the colour of what is rare.
+# Classes that have a colour of their own.
 MAX_CLASSES = 7
 
 

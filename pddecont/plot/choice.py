@@ -71,7 +71,7 @@ def _asked(results: Results, view: View) -> tuple[str, list[Step]]:
 
 def _suitable(results: Results, view: View) -> tuple[str, list[Step]]:
     full = [s for s in results.steps.values() if len(s) and kinds_for(s)]
-    full = [s for kind in ("simulate", "orbit", "basin", "sweep", "continue") for s in full if s.kind == kind]
+    full = [s for kind in ("simulate", "orbit", "basin", "continue", "sweep") for s in full if s.kind == kind]
     kind = view.kind or (kinds_for(full[-1])[0] if full else "")
     fit = [s for s in full if kind in kinds_for(s)]
     if not fit:

@@ -202,8 +202,9 @@ def _basin(steps: list[Step], view: View) -> Any:
         axes = figure.subplots()
         return _finished(figure, axes, [], draw_basin(axes, steps[0], basin_colours(steps)))
     figure, panels = _panels(len(steps))
+    palette = basin_colours(steps)
     for axes, step, parameters in zip(panels, steps, values, strict=True):
-        handles = draw_basin(axes, step, basin_colours(steps))
+        handles = draw_basin(axes, step, palette)
         axes.set_title("  ".join(f"{label(step.meta['parameters'][k])} = {parameters[k]:.6g}" for k in changing) or step.name, fontsize=9.5)
         axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.16), fontsize=7.5)
     return figure

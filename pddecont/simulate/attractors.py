@@ -63,10 +63,11 @@ class Attractor:
         return np.maximum(np.abs(self.states).max(axis=0), np.abs(self.slopes).max(axis=0) * self.turn / max(self.period, 1) / (2 * np.pi))
 
 
-def same(a: Attractor, b: Attractor, atol: float) -> bool:
+def same(a: Attractor, b: Attractor, atol: float, *, at_section: bool) -> bool:
     """Whether two are one attractor: as many returns, segments and as long a turn, and the returns of one those of the other, in turn.
 
-    ``atol`` is the absolute error of a step, in which states may differ a thousandfold and still be the same.
+    ``atol`` is the absolute error of a step; states may differ by a thousand of it and still be the same. Where returns are
+    ``at_section`` their slopes are compared as well, for there the states may always be the same.
     """
     if bool(a.failed) != bool(b.failed) or a.period != b.period:
         return False
@@ -80,7 +81,7 @@ def same(a: Attractor, b: Attractor, atol: float) -> bool:
     slope = APART * np.maximum(np.abs(a.slopes).max(axis=0), np.abs(b.slopes).max(axis=0)) + 1e3 * atol * 2 * np.pi / a.turn
     shifts = range(a.period)
     return any(np.all(np.abs(a.states - np.roll(b.states, k, axis=0)) <= allowed)
-               and np.all(np.abs(a.slopes - np.roll(b.slopes, k, axis=0)) <= slope) for k in shifts)  # fmt: skip
+               and (not at_section or np.all(np.abs(a.slopes - np.roll(b.slopes, k, axis=0)) <= slope)) for k in shifts)  # fmt: skip
 
 
 def spread_alike(a: Array, b: Array) -> bool:
@@ -88,6 +89,21 @@ def spread_alike(a: Array, b: Array) -> bool:
     low_a, high_a, low_b, high_b = a.min(axis=0), a.max(axis=0), b.min(axis=0), b.max(axis=0)
     extent = np.maximum(high_a - low_a, high_b - low_b) + 1e-12 * np.maximum(np.abs(high_a), np.abs(high_b)) + 1e-300
     return bool(np.all(np.abs(low_a - low_b) < 0.2 * extent) and np.all(np.abs(high_a - high_b) < 0.2 * extent))
+
+
+def still_moves(a: Array, b: Array) -> bool:
+    """Whether later returns ``b`` move as earlier ones ``a`` do: their means within a standard deviation, these within two thirds.
+
+    Of 32 returns of a motion without period that is four, and three, times what chance makes of it; one that settles, dies away
+    or grows fails it.
+    """
+    if len(a) < 2 or len(b) < 2:
+        return False
+    spread_a, spread_b = a.std(axis=0), b.std(axis=0)
+    noise = 1e-9 * np.maximum(np.abs(a).max(axis=0), np.abs(b).max(axis=0)) + 1e-300
+    apart = np.abs(a.mean(axis=0) - b.mean(axis=0)) <= np.maximum(spread_a, spread_b) + noise
+    ratio = (spread_a + noise) / (spread_b + noise)
+    return bool(np.all(apart) and np.all((ratio > 0.6) & (ratio < 1 / 0.6)))
 
 
 def settled(simulator: Simulator, values: Values, memory: Memory, clock: Clock) -> Attractor:
@@ -100,18 +116,20 @@ def settled(simulator: Simulator, values: Values, memory: Memory, clock: Clock) 
     memory, status, period, number = settle(system, values, memory, simulator.work, clock.period, clock.phase, t_end, clock.max_period,
                                             states, times, hits)  # fmt: skip
     failed = "" if status in (Status.SECTION, Status.REACHED) else simulator.complaint(memory, Status(status))
-    kept = min(number, period or clock.returns, room - 1)
+    # Of a motion without period the later half of its returns is kept at most: the earlier ones are its way there.
+    kept = min(period or min(clock.returns, max(number // 2, 1)), number, room - 1)
     if not failed and number < 2:
         failed = "the motion does not come back to the section in the time of the transient"
     rows = np.arange(number - kept, number) % room
-    if not failed and not period and not spread_alike(states[rows[: kept // 2]], states[rows[kept // 2 :]]):
+    width = n if clock.period else 2 * n
+    if not failed and not period and not still_moves(states[rows[: kept // 2], :width], states[rows[kept // 2 :], :width]):
         failed = ("the motion has not settled in the time of the transient: its last returns still move, die away or grow; raise "
                   "'transient'")  # fmt: skip
-    if not failed and period and not clock.period and np.max(np.abs(states[rows, n:])) * (times.max() - times.min()) < REST * values.atol:
-        failed = "the motion dies away to an equilibrium, whose returns to the section mean nothing"
+    turn = float(times[(number - 1) % room] - times[(number - 1 - kept) % room]) if number > kept else 0.0
+    if not failed and period and not clock.period and np.max(np.abs(states[rows, n:])) * turn < REST * values.atol:
+        failed = "the motion stays at an equilibrium or dies away to it: its returns to the section mean nothing"
     before = hits[(number - kept - 1) % room] if number > kept else np.zeros(len(system.segment_mode), np.int64)
     counted = hits[(number - 1) % room] - before if number else before
-    turn = float(times[(number - 1) % room] - times[(number - 1 - kept) % room]) if number > kept else 0.0
     return Attractor(0 if failed else int(period), turn, states[rows, :n], states[rows, n:], times[rows], counted, pack(memory), values.p,
                      failed, status not in (Status.SECTION, Status.REACHED))  # fmt: skip
 
@@ -126,6 +144,7 @@ def lyapunov(simulator: Simulator, values: Values, attractor: Attractor, duratio
     if attractor.failed:
         return np.nan, np.nan
     with_tangent = replace(simulator, tangent=True)
+    logs = np.zeros(0)
     # A tangent that shrinks or grows beyond what numbers hold within an interval wants shorter ones.
     for shorter in (1, 32, 1024):
         n_intervals = shorter * max(INTERVALS, int(np.ceil(duration / attractor.turn)) if attractor.turn > 0 else 0)
@@ -146,6 +165,14 @@ def lyapunov(simulator: Simulator, values: Values, attractor: Attractor, duratio
             return float(slope), float(np.sqrt(12.0) * departure / duration)
     # The tangent vanishes at once: the motion forgets where it came from.
     return (-np.inf, 0.0) if np.any(np.isneginf(logs)) else (np.nan, np.nan)
+
+
+def known_exponent(simulator: Simulator, values: Values, attractor: Attractor, duration: float) -> tuple[float, float, str]:
+    """Return the exponent of :func:`lyapunov` and why there is none, NaN and the reason where the motion cannot be followed so long."""
+    try:
+        return *lyapunov(simulator, values, attractor, duration), ""
+    except ConvergenceError as exc:
+        return np.nan, np.nan, f"no Lyapunov exponent: {exc}"
 
 
 def _tangent_at(simulator: Simulator, values: Values, attractor: Attractor) -> Memory:

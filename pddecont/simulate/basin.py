@@ -77,15 +77,15 @@ def first_look(task: Task, p: Array, clock: Clock, states: Array, start: Start) 
     for row in states:
         memory = simulator.start(values, row, start.mode, constant=start.constant)
         attractor = settled(simulator, values, memory, clock)
-        if not any(same(attractor, known, values.atol) for known in found):
+        if not any(same(attractor, known, values.atol, at_section=not clock.period) for known in found):
             found.append(attractor)
     return found
 
 
-def number_of(attractor: Attractor, known: list[Attractor], atol: float) -> int:
+def number_of(attractor: Attractor, known: list[Attractor], atol: float, *, at_section: bool) -> int:
     """Return the number of an attractor among those known; a new one is added."""
     for k, other in enumerate(known):
-        if same(attractor, other, atol):
+        if same(attractor, other, atol, at_section=at_section):
             return k
     known.append(attractor)
     return len(known) - 1

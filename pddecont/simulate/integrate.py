@@ -55,7 +55,7 @@ def follow(simulator: Simulator, p: Array, memory: Memory, t_end: float, changes
         while status == Status.SECTION:
             memory, status = simulator.advance(values, memory, t, log, heard, record.take)
         if q is not None:
-            values = simulator.change(memory, values, q, longest)
+            memory, values = simulator.change(memory, values, q, longest)
     record.take(log)
     return record.trajectory(int(memory.count[N_STEPS] - n_steps))
 

@@ -92,12 +92,12 @@ def _cycle_of(trajectory: Trajectory, end: float, length: float, n_periods: int)
 
 
 def _from_events(trajectory: Trajectory, first: int, last: int, n_periods: int) -> Cycle:
-    """Return the cycle between two events, turned to begin with the segment that comes first in name and lasts longest."""
+    """Return the cycle between two events, turned to begin with the segment that lasts longest."""
     events = trajectory.events
     count = last - first
     lengths = np.diff(events.t[first : last + 1])
     # The trajectory may hold one more turn before, so that any segment can be the first.
-    turn = min(range(count), key=lambda i: (-lengths[i],))
+    turn = min(range(count), key=lambda i: -lengths[i])
     if first + turn - count >= 0:
         first = first + turn - count
     arcs = tuple(int(arc) for arc in events.arc[first : first + count])
@@ -108,7 +108,9 @@ def _from_events(trajectory: Trajectory, first: int, last: int, n_periods: int) 
 def _by_events(trajectory: Trajectory) -> Cycle:
     events = trajectory.events
     states = events.after
-    size = _size(states[-200:])
+    # At its events a motion may always be in one state: its size is that of the arcs between them.
+    recent = trajectory(np.linspace(events.t[-min(len(events), 9)], trajectory.t_end, 200))
+    size = _size(np.concatenate([states[-200:], recent]))
     most = min(MAX_PERIODS * 4, (len(events) - 1) // 2)
     distances, lengths = [], []
     for q in range(1, most + 1):

@@ -17,10 +17,12 @@ from pddecont.model.codegen import NumericModel
 from pddecont.model.expression import TIME
 from pddecont.simulate.functions import ModelFunctions
 from pddecont.simulate.kernel.advance import begin, change, run
+from pddecont.simulate.kernel.breaking import LEVELS as BREAKING_LEVELS
 from pddecont.simulate.kernel.tables import (
     CONSTANT,
     LAST_EVENT,
     MODE,
+    USED,
     ZENO_TIME,
     Log,
     Memory,
@@ -29,6 +31,7 @@ from pddecont.simulate.kernel.tables import (
     T,
     Values,
     Work,
+    enlarged,
     new_log,
     new_memory,
     new_work,
@@ -152,11 +155,14 @@ class Simulator:
         begin(system, values, memory, self.work, t, list(model.modes).index(mode or model.initial_mode))
         return memory
 
-    def change(self, memory: Memory, values: Values, p: Array, longest: float = 0.0) -> Values:
-        """Let other parameters hold from the present time of an integration on; return the model's numbers there."""
+    def change(self, memory: Memory, values: Values, p: Array, longest: float = 0.0) -> tuple[Memory, Values]:
+        """Let other parameters hold from the present time of an integration on; return the memory and the model's numbers there."""
         after = self.values(p, longest)
+        # The echoes of every jump in the past may come anew.
+        while len(memory.breaking_time) <= (memory.count[USED] + 2) * len(after.tau) * 2 + BREAKING_LEVELS:
+            memory = enlarged(memory)
         change(self.system, after, memory, self.work, values)
-        return after
+        return memory, after
 
     def past(self, p: Array, t: float) -> list[Array]:
         """Return the history's states at ``t`` and their first three derivatives."""
@@ -212,7 +218,7 @@ class Simulator:
             if status == Status.ZENO:
                 return (f"events of '{event}' accumulate at t = {at:.12g} (Zeno): the motion comes to rest there. Write a mode for it and "
                         f"name it in the step, 'stick: {{{event}: MODE}}'")  # fmt: skip
-            return (f"at t = {at:.12g} event '{event}' leads to a mode whose flow leads straight back, and both point at the surface (the "
+            return (f"event '{event}' leads, at t = {at:.12g}, to a mode whose flow leads straight back: both point at the surface (the "
                     f"motion slides along it). Write a mode for sliding and name it in the step, 'stick: {{{event}: MODE}}'")  # fmt: skip
         if status == Status.NOT_FINITE:
             return (f"the solution is no longer finite near t = {t:.10g} in mode '{mode}'; it grows without bound there, or the vector "

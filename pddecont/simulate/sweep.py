@@ -8,14 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.errors import ConvergenceError
-from pddecont.simulate.attractors import Attractor, Clock, lyapunov, same, settled
+from pddecont.simulate.attractors import Attractor, Clock, known_exponent, same, settled
 from pddecont.simulate.kernel.tables import T, Values
 from pddecont.simulate.simulator import Simulator
 from pddecont.simulate.snapshot import moved, restart_time, unpack
 from pddecont.simulate.task import Start, Task
 
 Array = NDArray[np.float64]
+NO_EXPONENT = (np.nan, np.nan, "")
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,13 +30,12 @@ class Cell:
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """An attractor at one parameter point, the share of the starts that lead to it, and its Lyapunov exponent with its uncertainty."""
+    """An attractor at one parameter point, the share of the starts that lead to it, its Lyapunov exponent, uncertainty, why none."""
 
     cell: Cell
     attractor: Attractor
     share: float
-    exponent: float
-    uncertainty: float
+    exponent: tuple[float, float, str]
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,17 +63,10 @@ def sweep_chunk(chunk: Chunk) -> list[Found]:
             previous = before[i] if chunk.carried and before else None
             now.append(_follow(simulator, values, cell, start, previous))
         before = list(now)
-        for attractor, share in distinct(now, values.atol):
-            exponent = _exponent(simulator, values, attractor, cell.clock) if chunk.exponents else (np.nan, np.nan)
-            found.append(Found(cell, attractor, share, *exponent))
+        for attractor, share in distinct(now, values.atol, at_section=not cell.clock.period):
+            exponent = known_exponent(simulator, values, attractor, cell.clock.transient) if chunk.exponents else NO_EXPONENT
+            found.append(Found(cell, attractor, share, exponent))
     return found
-
-
-def _exponent(simulator: Simulator, values: Values, attractor: Attractor, clock: Clock) -> tuple[float, float]:
-    try:
-        return lyapunov(simulator, values, attractor, clock.transient)
-    except ConvergenceError:
-        return np.nan, np.nan
 
 
 def _follow(simulator: Simulator, values: Values, cell: Cell, start: Start, previous: Attractor | None) -> Attractor:
@@ -84,17 +76,17 @@ def _follow(simulator: Simulator, values: Values, cell: Cell, start: Start, prev
         old = simulator.values(previous.p, values.longest)
         memory = unpack(simulator.system, old, previous.memory)
         memory = moved(memory, restart_time(simulator.numeric, previous.p, cell.p, float(memory.clock[T])))
-        simulator.change(memory, old, cell.p, values.longest)
+        memory, _ = simulator.change(memory, old, cell.p, values.longest)
     return settled(simulator, values, memory, cell.clock)
 
 
-def distinct(attractors: Sequence[Attractor], atol: float) -> list[tuple[Attractor, float]]:
+def distinct(attractors: Sequence[Attractor], atol: float, *, at_section: bool) -> list[tuple[Attractor, float]]:
     """Return each different attractor once, with its share."""
     kinds: list[Attractor] = []
     counts: list[int] = []
     for attractor in attractors:
         for k, known in enumerate(kinds):
-            if same(attractor, known, atol):
+            if same(attractor, known, atol, at_section=at_section):
                 counts[k] += 1
                 break
         else:

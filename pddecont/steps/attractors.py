@@ -33,12 +33,12 @@ def attractor_arrays(plan: Plan) -> dict[str, Column]:
     return {"returns": Column("f8", (n,)), "return_slopes": Column("f8", (n,)), "return_time": Column("f8"), "memory": Column("f8")}
 
 
-def attractor_row(attractor: Attractor, p: NDArray[np.float64], exponent: tuple[float, float] = (np.nan, np.nan),
+def attractor_row(attractor: Attractor, p: NDArray[np.float64], exponent: tuple[float, float, str] = (np.nan, np.nan, ""),
                   ) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:  # fmt: skip
     """Return an attractor as values of those columns and arrays; a motion that failed has no label."""
     points = {"kind": b"" if attractor.failed else KIND.encode(), "parameters": p, "period": attractor.period, "turn": attractor.turn,
               "n_segments": attractor.hits, "lyapunov": exponent[0], "lyapunov_error": exponent[1],
-              "note": attractor.failed.encode()[:NOTE_BYTES]}  # fmt: skip
+              "note": (attractor.failed or exponent[2]).encode()[:NOTE_BYTES]}  # fmt: skip
     return points, {"returns": attractor.states, "return_slopes": attractor.slopes, "return_time": attractor.times,
                     "memory": attractor.memory}  # fmt: skip
 
@@ -53,8 +53,9 @@ def recorded_attractor(step: RecordedStep, row: int) -> Attractor:
     """Return the attractor of a row."""
     points: Mapping[str, Any] = {name: column[row] for name, column in step.points.items()}
     arrays = step.orbit(row)
+    failed = "" if points["kind"] else points["note"].decode(errors="replace")
     return Attractor(int(points["period"]), float(points["turn"]), arrays["returns"], arrays["return_slopes"], arrays["return_time"],
-                     points["n_segments"], arrays["memory"], points["parameters"], points["note"].decode())  # fmt: skip
+                     points["n_segments"], arrays["memory"], points["parameters"], failed)  # fmt: skip
 
 
 def describe(attractor: Attractor, segments: list[str]) -> str:

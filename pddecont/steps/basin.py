@@ -9,8 +9,9 @@ from pddecont.results.attractors import wilson
 from pddecont.results.layout import Column, StepSpec
 from pddecont.results.reader import Step as RecordedStep
 from pddecont.results.writer import StepWriter
-from pddecont.simulate.attractors import Attractor, lyapunov
+from pddecont.simulate.attractors import Attractor, known_exponent
 from pddecont.simulate.basin import Line, basin_line, first_look, number_of
+from pddecont.simulate.sweep import NO_EXPONENT
 from pddecont.simulate.task import Task
 from pddecont.simulate.workers import in_order
 from pddecont.steps.attractors import attractor_arrays, attractor_columns, attractor_row, describe, no_attractor, recorded_attractor
@@ -66,7 +67,7 @@ def run_basin(context: Context, step: Step, recorded: RecordedStep | None) -> No
             labels = result.labels.copy()
             for cell, attractor in result.strays.items():
                 before = len(known)
-                labels[cell] = number_of(attractor, known, body.atol)
+                labels[cell] = number_of(attractor, known, body.atol, at_section=not clock.period)
                 if len(known) > before:
                     _write_attractor(writer, task, p, attractor, clock.transient, exponents=body.lyapunov, plan=plan)
             writer.append({**no_attractor(plan), "line": number},
@@ -81,10 +82,10 @@ def run_basin(context: Context, step: Step, recorded: RecordedStep | None) -> No
 
 def _write_attractor(writer: StepWriter, task: Task, p: Array, attractor: Attractor, duration: float, *, exponents: bool,
                      plan: Plan) -> None:  # fmt: skip
-    exponent = (np.nan, np.nan)
+    exponent = NO_EXPONENT
     if exponents and not attractor.failed:
         simulator = task.simulator()
-        exponent = lyapunov(simulator, simulator.values(p), attractor, duration)
+        exponent = known_exponent(simulator, simulator.values(p), attractor, duration)
     points, arrays = attractor_row(attractor, p, exponent)
     nothing = {"label": np.zeros(0, int), "settling": np.zeros(0)}
     writer.append({**points, "line": -1}, {**arrays, **nothing})

@@ -37,18 +37,18 @@ def check_simulate(planner: Checker, path: Path, step: Step, values: Mapping[str
     body = step.simulate
     t_end = positive_time(planner, (*path, "t_end"), body.t_end, values)
     check_initial(planner, (*path, "initial"), body.initial, values)
-    check_integration(planner, path, step, body)
+    check_integration(planner, path, step, body, values)
     later = dict(values)
-    for text, changes in body.at.items():
-        here = (*path, "at", text)
-        time = planner.formula(here, as_number(text), values)
+    times = {text: planner.formula((*path, "at", text), as_number(text), values) for text in body.at}
+    for text, time in sorted(times.items(), key=lambda pair: pair[1]):
+        here, changes = (*path, "at", text), body.at[text]
         if not 0 < time < t_end:
             planner.complain(here, f"the time {time:g} does not lie between 0 and t_end, {t_end:g}", key=True)
         for name, value in changes.items():
             if name not in values:
                 planner.complain((*here, name), f"'{name}' is not a parameter{suggest(name, values)}", key=True)
             else:
-                later[name] = planner.formula((*here, name), value, values)
+                later[name] = planner.formula((*here, name), value, later)
         check_parameters(planner, here, later)
     since = planner.formula((*path, "record", "from"), body.record.from_, values)
     if not 0 <= since < t_end:
@@ -114,7 +114,7 @@ def check_initial(planner: Checker, path: Path, initial: Initial, values: Mappin
             planner.complain(here, str(exc), offset=exc.offset)
 
 
-def check_integration(planner: Checker, path: Path, step: Step, body: Integration) -> None:
+def check_integration(planner: Checker, path: Path, step: Step, body: Integration, values: Mapping[str, float]) -> None:
     """Check how a step integrates."""
     for event, mode in body.stick.items():
         if event not in planner.model.events:
@@ -123,7 +123,7 @@ def check_integration(planner: Checker, path: Path, step: Step, body: Integratio
             planner.complain((*path, "stick", event), f"mode '{mode}' is not defined{suggest(mode, planner.model.modes)} "
                                                    f"(modes: {', '.join(planner.model.modes)})")  # fmt: skip
     if body.max_step is not None:
-        positive_time(planner, (*path, "max_step"), body.max_step, planner.model.parameters)
+        positive_time(planner, (*path, "max_step"), body.max_step, values)
     delay = step.delay or planner.run.delay
     if delay.method == "chebyshev":
         planner.complain(path, "trajectories are computed with the delay itself or the chain, not with a Chebyshev delay line; give this "
@@ -132,7 +132,7 @@ def check_integration(planner: Checker, path: Path, step: Step, body: Integratio
 
 def check_settling(planner: Checker, path: Path, step: Step, body: Sweep | Basin, values: Mapping[str, float]) -> None:
     """Check what sweeps and basins have in common."""
-    check_integration(planner, path, step, body)
+    check_integration(planner, path, step, body, values)
     positive_time(planner, (*path, "transient"), body.transient, values)
     if body.lyapunov and body.stick:
         planner.complain((*path, "lyapunov"), "what neighbouring motions do where events accumulate is not followed: Lyapunov exponents "

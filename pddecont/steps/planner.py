@@ -61,7 +61,7 @@ class Planner:
         self.check_period(numeric, parameters)
         self.check_monitors(numeric)
         for i, step in enumerate(self.run.steps):
-            self.check_step(i, step)
+            self.check_step(i, step, dict(zip(self.model.parameters, parameters.tolist(), strict=True)))
         if self.problems:
             raise RunError(self.problems)
         return Plan(self.run, self.model, numeric, left_out, parameters, self.run.monitors, tuple(warnings), model_text,
@@ -126,10 +126,10 @@ class Planner:
             except ExpressionError as exc:
                 self.complain(("monitors", name), str(exc), offset=exc.offset)
 
-    def check_step(self, i: int, step: Step) -> None:
+    def check_step(self, i: int, step: Step, run_values: Mapping[str, float]) -> None:
         """Check a step, by its kind."""
         path: tuple[str | int, ...] = ("steps", i)
-        values = dict(self.model.parameters)
+        values = dict(run_values)
         earlier = {s.name: s for s in self.run.steps[:i]}
         if step.name in earlier:
             self.complain((*path, "name"), f"step '{step.name}' stands already above; names of steps differ")
@@ -137,7 +137,7 @@ class Planner:
             if name not in values:
                 self.complain((*path, "set", name), f"'{name}' is not a parameter{suggest(name, values)}", key=True)
             else:
-                self.formula((*path, "set", name), text, values)
+                values[name] = self.formula((*path, "set", name), text, values)
         self.check_source((*path, step.kind, "from"), step, earlier)
         if step.simulate:
             check_simulate(self, (*path, "simulate"), step, values)

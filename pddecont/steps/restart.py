@@ -37,16 +37,20 @@ def attractor_trajectory(context: Context, step: Step, source: Source) -> tuple[
         labels = [x for x in recorded.labels if x]
         raise ResultsError(f"step '{source.step}' holds {len(labels)} attractors; say which: "
                            f"{{step: {source.step}, point: {labels[0] if labels else 'A1'}}}")  # fmt: skip
-    attractor = recorded_attractor(recorded, recorded.row(source.point) if source.point else source.index or 0)
-    if attractor.failed or not attractor.period:
+    row = recorded.row(source.point) if source.point else source.index or 0
+    if row >= len(recorded):
+        raise ResultsError(f"step '{source.step}' has {len(recorded)} rows, no index {row}")
+    attractor = recorded_attractor(recorded, row)
+    if attractor.failed or attractor.period <= 0:
         raise ResultsError(f"{source.point or source.index} of step '{source.step}' has no period that was found"
                            f"{': ' + attractor.failed if attractor.failed else ''}; a periodic orbit cannot start from it")  # fmt: skip
     if recorded.meta["model"] != plan.model.name or recorded.meta["parameters"] != list(plan.model.parameters):
         raise ResultsError(f"step '{source.step}' comes from another model, '{recorded.meta['model']}'")
     off = json.loads(recorded.meta["settings"])["off"]
     if list(off) != list(plan.left_out.effects):
-        raise ResultsError(f"step '{source.step}' was computed without the effects [{', '.join(off)}], this run is without "
-                           f"[{', '.join(plan.left_out.effects)}]; an orbit starts from attractors of the same effects")  # fmt: skip
+        here, there = (f"without {', '.join(names)}" if names else "with all effects" for names in (plan.left_out.effects, off))
+        raise ResultsError(f"step '{source.step}' was computed {there}, this run is {here}; an orbit starts from attractors of the same "
+                           "effects")  # fmt: skip
     origin = Step.model_validate(json.loads(recorded.meta["settings"])["step"])
     body = origin.sweep or origin.basin
     assert body is not None

@@ -45,13 +45,13 @@ def run_sweep(context: Context, step: Step, recorded: RecordedStep | None) -> No
         first = int(points["chunk"][-1])
         kept = int(np.sum(points["chunk"] < first))
         kept_rows = {name: int(recorded.orbits[f"{name}_end"][kept - 1]) if kept else 0 for name in spec.orbits}
-    counts = Counter(_kind(bool(points["note"][i]), int(points["period"][i])) for i in range(kept))
+    counts = Counter(_kind(not points["kind"][i], int(points["period"][i])) for i in range(kept))
     n_cells, done = sum(len(c.cells) for _, c in chunks), sum(len(c.cells) for _, c in chunks[:first])
     with StepWriter(context.path, spec, kept=kept, kept_rows=kept_rows) as writer:
         for number, found in enumerate(in_order(context.workers, sweep_chunk, [c for _, c in chunks[first:]]), first):
             direction, chunk = chunks[number]
             for f in found:
-                row, arrays = attractor_row(f.attractor, f.cell.p, (f.exponent, f.uncertainty))
+                row, arrays = attractor_row(f.attractor, f.cell.p, f.exponent)
                 writer.append({**row, "chunk": number, "cell": f.cell.index, "direction": direction, "share": f.share}, arrays)
                 counts[_kind(bool(f.attractor.failed), f.attractor.period)] += 1
             done += len(chunk.cells)

@@ -293,7 +293,7 @@ RELAY = (
 
 def test_sliding_is_refused_with_advice_or_handed_over():
     text = RELAY.replace("H}", "x}").replace("parameters: {tau: 1}\n", "")
-    with pytest.raises(ConvergenceError, match=r"t = 1 event 'e'.*slides.*'stick: \{e: MODE\}'"):
+    with pytest.raises(ConvergenceError, match=r"event 'e' leads, at t = 1, .*slides.*'stick: \{e: MODE\}'"):
         trajectory_of(text, 5.0)
     trajectory = trajectory_of(text, 5.0, Method(1e-12, 1e-13, stick={"e": "s"}))
     assert trajectory.events.t == pytest.approx([1.0], abs=1e-13)

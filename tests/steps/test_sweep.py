@@ -140,17 +140,17 @@ steps:
 
 
 def test_a_delay_that_is_carried_along_finds_its_longer_past(tmp_path):
-    """tau goes from 0.2 to 1.4 after two periods, before anything has settled: the returns are those of one simulation that does so."""
+    """tau goes from 0.2 to 1.4 after four periods, before anything has settled: the returns are those of one simulation that does so."""
     text = ("name: m\nstates: [x]\nparameters: {tau: 0.2, w: 1}\nforcing: {period: 2*pi/w}\n"
             "modes: {m: {x': -x(t - tau) + cos(w*t)}}\ninitial: {x: 0.3}\nrun: {steps: [{name: diagram, sweep: {over: "
-            "{tau: [0.2, 1.4, 2]}, carry: up, transient: 4*pi}}]}\n")  # fmt: skip
+            "{tau: [0.2, 1.4, 2]}, carry: up, transient: 8*pi}}]}\n")  # fmt: skip
     step = run_model(text, tmp_path / "t.h5").steps["diagram"]
     numeric = numeric_from(text[: text.index("run:")])
     period = 2 * np.pi
-    once = simulate(numeric, np.array([0.2, 1.0]), Direct(), 4 * period, Method(1e-11, 1e-13),
-                    schedule=[(2 * period, np.array([1.4, 1.0]))])  # fmt: skip
-    assert step.orbit(0)["returns"][:, 0] == pytest.approx(once(np.array([1, 2]) * period)[:, 0], abs=1e-7)
-    assert step.orbit(1)["returns"][:, 0] == pytest.approx(once(np.array([3, 4]) * period)[:, 0], abs=1e-7)
+    once = simulate(numeric, np.array([0.2, 1.0]), Direct(), 8 * period, Method(1e-11, 1e-13),
+                    schedule=[(4 * period, np.array([1.4, 1.0]))])  # fmt: skip
+    assert step.orbit(0)["returns"][:, 0] == pytest.approx(once(np.array([3, 4]) * period)[:, 0], abs=1e-7)
+    assert step.orbit(1)["returns"][:, 0] == pytest.approx(once(np.array([7, 8]) * period)[:, 0], abs=1e-7)
 
 
 def test_a_map_without_period_is_told_and_has_a_positive_exponent(tmp_path):
@@ -283,3 +283,43 @@ def test_histories_of_a_sweep_are_one(tmp_path):
     text = FIG4_1.replace("{x: 0, v: 0}", "{x: 0, history: {x: 1}}")
     with pytest.raises(RunError, match="share one history"):
         load_plan(parse_document(text, str(ROOT / "configs" / "test.yaml")))
+
+
+def test_a_stiff_forced_motion_of_large_size_has_its_period(tmp_path):
+    """x' = 40 x (1 - x/L) + sin 2 pi t: errors of x relative to its size are no motion of its slopes."""
+    text = ("name: m\nstates: [x]\nparameters: {L: 10000}\nforcing: {period: 1}\nmodes: {m: {x': 40*x*(1 - x/L) + sin(2*pi*t)}}\n"
+            "run: {steps: [{name: diagram, sweep: {over: {L: [1e4, 1e6, 2]}, transient: 200, initial: [{x: 1}, {x: 5000}]}}]}\n")
+    step = run_model(text, tmp_path / "l.h5").steps["diagram"]
+    assert list(step.points["period"]) == [1, 1]
+    assert list(step.points["share"]) == [1.0, 1.0]
+
+
+def test_an_orbit_starts_from_an_attractor_with_one_event(tmp_path):
+    """x' = 1 - x, s' = 1, at s = 1: x/2, s = 0: after the event always the same state. x = (1 - 1/e)/(2 - 1/e) there."""
+    text = ("name: m\nstates: [x, s]\nparameters: {r: 2}\nmodes: {m: {x': 1 - x, s': 1}}\nevents: {tick: s - 1}\n"
+            "resets: {halve: {x: x/r, s: 0}}\nsegments: {a: {mode: m, event: tick, direction: rising, reset: halve, to: m}}\n"
+            "run: {steps: [{name: diagram, sweep: {over: {r: [2, 3, 2]}, section: {event: tick}, transient: 200}},\n"
+            "{name: o, orbit: {from: {step: diagram, point: A1}}}]}\n")  # fmt: skip
+    results = run_model(text, tmp_path / "o.h5")
+    assert list(results.steps["diagram"].points["period"]) == [1, 1]
+    assert results.steps["o"].points["period"][0] == pytest.approx(1.0, abs=1e-10)
+    x = (1 - np.exp(-1)) / (2 - np.exp(-1))
+    assert results.steps["o"].orbit(0)["states"][0, 0] == pytest.approx(x, abs=1e-8)
+
+
+def test_chaos_is_an_attractor(tmp_path):
+    text = ("name: m\nstates: [x, v]\nparameters: {F: 0.32}\nforcing: {period: 2*pi/1.2}\n"
+            "modes: {m: {x': v, v': x - x**3 - 0.3*v + F*cos(1.2*t)}}\n"
+            "run: {steps: [{name: diagram, sweep: {over: {F: [0.32, 0.44, 2]}, transient: 2000*2*pi/1.2, lyapunov: true}}]}\n")
+    step = run_model(text, tmp_path / "c.h5").steps["diagram"]
+    assert step.labels == ("A1", "A2")
+    assert np.all(step.points["period"] == 0)
+    assert np.all(step.points["lyapunov"] > 0.05)
+
+
+def test_a_motion_that_starts_on_its_section(tmp_path):
+    text = ("name: m\nstates: [x, v]\nparameters: {c: 0.05}\nforcing: {period: 2*pi}\nmodes: {m: {x': v, v': -1.1*x - c*v + cos(t)}}\n"
+            "run: {steps: [{name: diagram, sweep: {over: {c: [0.05, 0.06, 2]}, section: {zero: x}, transient: 3000}}]}\n")
+    step = run_model(text, tmp_path / "s.h5").steps["diagram"]
+    assert list(step.points["period"]) == [1, 1]
+    assert step.points["turn"] == pytest.approx([2 * np.pi] * 2, rel=1e-6)

@@ -37,6 +37,8 @@ from pddecont.simulate.kernel.tangent import prepare_with_echoes
 SAFETY, SHRINK, GROW = 0.9, 0.2, 6.0
 # No step is made shorter than so many units of rounding for an event function's sake.
 SHORTEST = 1000.0
+# Events at one moment that there is always room for.
+MOMENT = 16
 
 
 @entry
@@ -98,7 +100,7 @@ def advance(c, t_stop, most_steps):
     n_steps = 0
     while True:
         t = c.clock[T]
-        if not room_left(c) or not queues_have_room(c):
+        if not room_left(c) or not queues_have_room(c, MOMENT):
             return Status.ROOM
         if c.log_events > 0 and c.log_n[1] + 64 > c.log_events:
             return Status.LOG_FULL

@@ -85,7 +85,7 @@ def next_stop(c, t, t_stop):
 
 
 @inner
-def queues_have_room(c):
-    """Return whether the events of one moment still fit."""
-    most = (c.n_delays + 1) * (c.n_events + 1) + LEVELS
+def queues_have_room(c, n_events):
+    """Return whether what so many events bring still fits."""
+    most = n_events * (c.n_delays + 1) * (c.n_events + 1) + LEVELS
     return (c.count[N_BREAKING] + most < c.mask + 1) and (c.count[N_PENDING] + most < c.mask + 1)

@@ -16,7 +16,7 @@ import numpy as np
 from pddecont.simulate.kernel.calls import at, call, inner
 from pddecont.simulate.kernel.past import extension, near, read, read_slopes
 from pddecont.simulate.kernel.slopes import slopes
-from pddecont.simulate.kernel.tables import UNRESOLVED
+from pddecont.simulate.kernel.tables import MODE, UNRESOLVED
 
 DEGREE = 8
 NODES = 0.5 - 0.5 * np.cos(np.pi * np.arange(DEGREE + 1) / DEGREE)
@@ -111,8 +111,9 @@ def first_crossing(c, event, direction, t, h, side):
                 return a, after
             before = after
             continue
-        if resolved == 0 and depth < MAX_HALVINGS:
-            c.count[UNRESOLVED] = 0
+        if resolved == -1 and depth >= MAX_HALVINGS:
+            c.count[UNRESOLVED] = 1
+        if resolved <= 0 and depth < MAX_HALVINGS:
             middle = 0.5 * (a + b)
             _push(stack, top + 1, middle, b, depth + 1.0)
             _push(stack, top + 2, a, middle, depth + 1.0)
@@ -133,7 +134,9 @@ def _jumped(c, event, t, h):
 
 @inner
 def _interpolate(c, event, t, h, a, b, on_surface):
-    """Write an event function's Bernstein coefficients on [a, b]; return 1 if it is that polynomial, 0 if not, 2 if it is far from zero.
+    """Write an event function's Bernstein coefficients on [a, b].
+
+    Returns 1 if it is that polynomial, 0 if it is not quite, -1 if it is something else, 2 if it is far from zero.
 
     Where it begins on its zero the coefficients are those of the function divided by the distance from it, one fewer.
     """
@@ -161,8 +164,6 @@ def _interpolate(c, event, t, h, a, b, on_surface):
         worst = max(worst, abs(total - _along(c, event, t, h, a + (b - a) * CHECKS[i])))
     # The ends are known exactly, whatever the matrix's rounding.
     coefficients[0], coefficients[DEGREE] = nodes[0], nodes[DEGREE]
-    if worst > UNSEEN * largest:
-        c.count[UNRESOLVED] = 1
     nearest = math.inf
     sign = 0
     for i in range(DEGREE + 1):
@@ -174,7 +175,12 @@ def _interpolate(c, event, t, h, a, b, on_surface):
     if on_surface:
         for i in range(DEGREE):
             coefficients[i] = coefficients[i + 1] * DEGREE / (i + 1)
-    return int(worst <= max(RESOLVED, RESOLVED_ERRORS * c.rtol) * largest or worst < 0.1 * nearest)
+        # The slope at the zero itself is known apart from the polynomial's rounding: a motion may leave tangentially, or hop by little.
+        slope, _ = slope_and_size(c, event, c.count[MODE], t, c.y)
+        coefficients[0] = slope * h * (b - a)
+    if worst <= max(RESOLVED, RESOLVED_ERRORS * c.rtol) * largest or worst < 0.1 * nearest:
+        return 1
+    return -1 if worst > UNSEEN * largest else 0
 
 
 @inner

@@ -34,7 +34,8 @@ UNSEEN = 1000.0
 def moment(c, hit, direction):
     """Let everything happen that is due at the present time; segment ``hit`` (-1: none) crosses in ``direction``.
 
-    Returns a status: REACHED to go on, SECTION after the event that returns are counted at, ZENO or SLIDING.
+    Returns a status: REACHED to go on, SECTION after the event that returns are counted at, ZENO or SLIDING; ROOM or LOG_FULL after more
+    events at one moment than are ever prepared for.
     """
     t = c.clock[T]
     _candidates(c, t, hit, direction)
@@ -53,7 +54,7 @@ def moment(c, hit, direction):
             return status
         if event == c.stop_event:
             result = Status.SECTION
-        if not queues_have_room(c):
+        if not queues_have_room(c, 1):
             return Status.ROOM
         if 0 < c.log_events <= c.log_n[1]:
             return Status.LOG_FULL

@@ -35,6 +35,8 @@ def stiff_step(c, t, h):
     """Try a step; return its error relative to the tolerances. The stages' increments are left in rows 1 to 3 of ``c.stages``."""
     y, mode, stages, n = c.y, c.count[MODE], c.stages, c.n_full
     jacobian = _jacobian(c, mode, t)
+    if not np.all(np.isfinite(jacobian)):
+        return math.inf
     matrix = np.eye(3 * n)
     for i in range(3):
         for j in range(3):
@@ -88,6 +90,8 @@ def _error(c, t, h, jacobian):
     for k in range(n):
         explicit[k] = (ERROR[0] * stages[n + k] + ERROR[1] * stages[2 * n + k] + ERROR[2] * stages[3 * n + k]) / h
         right[k] = stages[k] + explicit[k]
+    if not np.all(np.isfinite(right)):
+        return math.inf
     error = np.linalg.solve(matrix, right)
     size = _size(c, error)
     if size > 1.0:

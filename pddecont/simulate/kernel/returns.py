@@ -70,6 +70,8 @@ def settle(system, values, memory, work, period, phase, t_end, max_period, state
     room, number = len(times), 0
     running = np.zeros(max_period + 1, np.int64)
     distances = np.zeros((room, max_period + 1))
+    # Where a forcing counts the returns, the states say all; at a section the slopes tell motions apart that they cannot.
+    width = system.n if period > 0.0 else 2 * system.n
     size, noise = np.zeros(2 * system.n), np.zeros(2 * system.n)
     same = max(SAME, SAME_ERRORS * values.rtol)
     while True:
@@ -83,9 +85,9 @@ def settle(system, values, memory, work, period, phase, t_end, max_period, state
             hits[row, k] = memory.hits[k]
         number += 1
         gap = times[row] - times[(row - 1) % room] if number > 1 else math.inf
-        _sizes(states, min(number, room, 2 * max_period + 2), number, values.atol, gap, size, noise)
+        _sizes(states, min(number, room, 2 * max_period + 2), number, values.atol, values.rtol, gap, size, noise)
         for q in range(1, min(max_period, number - 1, room - 1) + 1):
-            distances[row, q] = _distance(states, row, (number - 1 - q) % room, size, noise)
+            distances[row, q] = _distance(states, row, (number - 1 - q) % room, width, size, noise)
             alike = distances[row, q] <= same and _same_counts(hits, number, q, room) and _same_gaps(times, number, q, room, 10.0 * same)
             running[q] = running[q] + 1 if alike else 0
             # As many times as the period is long, and longer than the longest delay.
@@ -98,14 +100,14 @@ def settle(system, values, memory, work, period, phase, t_end, max_period, state
 
 @inner
 def _note(c, states, row):
-    """Write the states and their slopes at a return: at a section the slopes tell motions apart that the states cannot."""
+    """Write the states and their slopes at a return."""
     slopes(c, c.count[MODE], c.clock[T], c.y, c.slope)
     for i in range(c.n):
         states[row, i], states[row, c.n + i] = c.y[i], c.slope[i]
 
 
 @inner
-def _sizes(states, kept, number, atol, gap, size, noise):
+def _sizes(states, kept, number, atol, rtol, gap, size, noise):
     """Write how large states and slopes are over the last returns, and what of them is noise of the integration."""
     n, room = states.shape[1] // 2, len(states)
     size[:] = 0.0
@@ -114,14 +116,15 @@ def _sizes(states, kept, number, atol, gap, size, noise):
         for i in range(2 * n):
             size[i] = max(size[i], abs(states[row, i]))
     for i in range(n):
-        noise[i], noise[n + i] = 10.0 * atol, 100.0 * atol / gap
+        noise[i] = 10.0 * atol
+        noise[n + i] = 100.0 * (atol + rtol * size[i]) / gap if gap > 0.0 else 0.0
 
 
 @inner
-def _distance(states, a, b, size, noise):
+def _distance(states, a, b, width, size, noise):
     """Return how far apart two returns are, relative to the motion's size; what is noise counts for nothing."""
     distance = 0.0
-    for i in range(states.shape[1]):
+    for i in range(width):
         distance = max(distance, (abs(states[a, i] - states[b, i]) - noise[i]) / (size[i] + 1e-300))
     return distance
 

@@ -267,6 +267,8 @@ N_COUNT = 14
 def new_memory(system, values):
     """Return the memory of an integration that has not begun."""
     room = 32
+    while room < 4 * (len(values.tau) + 8):
+        room *= 2
     n_past = len(system.kept) * (1 + system.tangent)
     n_events = len(system.after)
     dimension = system.n_full * (1 + system.tangent)
