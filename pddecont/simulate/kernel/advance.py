@@ -6,10 +6,10 @@ import math
 
 from pddecont.simulate.kernel.breaking import next_stop, note_breaking, pass_breaking, queues_have_room
 from pddecont.simulate.kernel.calls import at, entry, inner
-from pddecont.simulate.kernel.crossings import event_value, first_crossing, slope_and_size, state_at
+from pddecont.simulate.kernel.crossings import event_value, first_crossing, slope_and_size
 from pddecont.simulate.kernel.moment import moment, starts_into, stick
 from pddecont.simulate.kernel.pair import N_STAGES, explicit_extension, explicit_step, extension_error
-from pddecont.simulate.kernel.past import near, prepare, remember, room_left
+from pddecont.simulate.kernel.past import near, prepare, remember, room_left, state_at
 from pddecont.simulate.kernel.radau import stiff_extension, stiff_step
 from pddecont.simulate.kernel.slopes import slopes
 from pddecont.simulate.kernel.tables import (
@@ -273,7 +273,7 @@ def _finish(c, t, h, stop):
         c.log_n[0] = row + 1
     c.count[N_STEPS] += 1
     if not whole:
-        state_at(c, earliest, at(c.trial, c.dimension))
+        state_at(c, earliest, at(c.trial, c.dimension), c.dimension)
     for i in range(c.dimension):
         c.y[i] = c.trial[c.dimension + i]
     c.count[READY] = int(whole)

@@ -14,7 +14,7 @@ import math
 import numpy as np
 
 from pddecont.simulate.kernel.calls import at, call, inner
-from pddecont.simulate.kernel.past import extension, near, read, read_slopes
+from pddecont.simulate.kernel.past import near, read, read_slopes, state_at
 from pddecont.simulate.kernel.slopes import slopes
 from pddecont.simulate.kernel.tables import MODE, UNRESOLVED
 
@@ -38,13 +38,6 @@ AT_CHECKS = np.ascontiguousarray(_bernstein(CHECKS))
 
 
 @inner
-def state_at(c, s, y):
-    """Write all variables at ``s`` in [0, 1] of the present step."""
-    for i in range(c.dimension):
-        y[i] = extension(c.y[i], at(c.extension, i), c.dimension, s)
-
-
-@inner
 def event_value(c, event, t, y):
     """Return an event function's value."""
     if c.reads[event] == 1:
@@ -57,8 +50,7 @@ def event_value(c, event, t, y):
 @inner
 def _along(c, event, t, h, s):
     y = at(c.trial, 2 * c.dimension)
-    for i in range(c.n_full if c.reads[event] == 1 else c.n):
-        y[i] = extension(c.y[i], at(c.extension, i), c.dimension, s)
+    state_at(c, s, y, c.n_full if c.reads[event] == 1 else c.n)
     return event_value(c, event, t + s * h, y)
 
 

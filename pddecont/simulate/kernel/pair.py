@@ -1,8 +1,8 @@
 """DOP853: the explicit Runge-Kutta pair of order 8(5,3) with its continuous extension of order 7.
 
 An extension of order 7 is what a method of order 8 needs: a delayed value, and the end of a step that an event cuts, then have
-local errors of h^8 each, and the global order is 8 (Bellen, Zennaro, Numerical Methods for Delay Differential Equations, 2003,
-theorem 6.1.2).
+local errors of h^8 each, and the global order is 8 (Bellen, Zennaro, Numerical Methods for Delay Differential Equations, 2003;
+measured in tests/simulate/test_numbers.py).
 
 References: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993), sections II.5 and II.6. The coefficients are
 those that scipy.integrate.DOP853 shows.
@@ -16,14 +16,14 @@ import numpy as np
 import scipy.integrate
 
 from pddecont.simulate.kernel.calls import at, inner
-from pddecont.simulate.kernel.past import extension, extension_slope
+from pddecont.simulate.kernel.past import extension_slope, state_at
 from pddecont.simulate.kernel.slopes import slopes
 from pddecont.simulate.kernel.tables import MODE
 
 _METHOD = scipy.integrate.DOP853
 N_STAGES = 12
 DEFECT_AT = (0.25, 0.6)
-# Over a step the defect grows to an error about a tenth as large (measured: benchmarks and tests/simulate/test_numbers.py).
+# Over a step the defect grows to an error about a tenth as large (tests/simulate/test_numbers.py measures it).
 ALLOWED_DEFECT = 10.0
 A = np.ascontiguousarray(np.vstack([np.pad(_METHOD.A, ((0, 0), (0, 16 - _METHOD.A.shape[1]))), np.zeros((1, 16)),
                                     np.pad(_METHOD.A_EXTRA, ((0, 0), (0, 16 - _METHOD.A_EXTRA.shape[1])))]))  # fmt: skip
@@ -40,14 +40,8 @@ def explicit_step(c, t, h):
     Leaves the new values in the second row of ``c.trial``, the slopes there in row 12 of ``c.stages``.
     """
     y, stages, mode, n = c.y, c.stages, c.count[MODE], c.dimension
-    inner, new = c.trial, at(c.trial, n)
-    for stage in range(1, N_STAGES):
-        for i in range(n):
-            total = 0.0
-            for j in range(stage):
-                total += A[stage, j] * stages[j * n + i]
-            inner[i] = y[i] + h * total
-        slopes(c, mode, t + C[stage] * h, inner, at(stages, stage * n))
+    new = at(c.trial, n)
+    _stages(c, t, h, 1, N_STAGES)
     for i in range(n):
         total = 0.0
         for j in range(N_STAGES):
@@ -55,6 +49,19 @@ def explicit_step(c, t, h):
         new[i] = y[i] + h * total
     slopes(c, mode, t + h, new, at(stages, N_STAGES * n))
     return _error(c, new, h)
+
+
+@inner
+def _stages(c, t, h, first, end):
+    """Write the slopes at the stages ``first`` to ``end`` - 1 to their rows of ``c.stages``."""
+    stages, n = c.stages, c.dimension
+    for stage in range(first, end):
+        for i in range(n):
+            total = 0.0
+            for j in range(stage):
+                total += A[stage, j] * stages[j * n + i]
+            c.trial[i] = c.y[i] + h * total
+        slopes(c, c.count[MODE], t + C[stage] * h, c.trial, at(stages, stage * n))
 
 
 @inner
@@ -83,15 +90,9 @@ def _error(c, new, h):
 @inner
 def explicit_extension(c, t, h):
     """Write the coefficients of the continuous extension of the step just tried."""
-    y, stages, mode, n = c.y, c.stages, c.count[MODE], c.dimension
-    inner, new, out = c.trial, at(c.trial, n), c.extension
-    for stage in range(N_STAGES + 1, 16):
-        for i in range(n):
-            total = 0.0
-            for j in range(stage):
-                total += A[stage, j] * stages[j * n + i]
-            inner[i] = y[i] + h * total
-        slopes(c, mode, t + C[stage] * h, inner, at(stages, stage * n))
+    y, stages, n = c.y, c.stages, c.dimension
+    new, out = at(c.trial, n), c.extension
+    _stages(c, t, h, N_STAGES + 1, 16)
     for i in range(n):
         step = new[i] - y[i]
         out[i] = step
@@ -109,12 +110,11 @@ def extension_error(c, t, h):
     """Return how far the continuous extension is from solving the equation, relative to the tolerances: its defect inside the step.
 
     What delays read, and where events are found, is the extension, and where the solution bends within a step that can be much
-    worse than the step's end (Enright, J. Comput. Appl. Math. 25, 1989).
+    worse than the step's end (Enright, J. Comput. Appl. Math. 125, 2000).
     """
     y, n, largest = c.trial, c.dimension, 0.0
     for s in DEFECT_AT:
-        for i in range(n):
-            y[i] = extension(c.y[i], at(c.extension, i), n, s)
+        state_at(c, s, y, n)
         slopes(c, c.count[MODE], t + s * h, y, c.slope)
         total = 0.0
         for i in range(c.n_full):

@@ -98,6 +98,13 @@ def extension_slope(coefficients, row, s):
 
 
 @inner
+def state_at(c, s, y, n):
+    """Write the first ``n`` variables at ``s`` in [0, 1] of the present step."""
+    for i in range(n):
+        y[i] = extension(c.y[i], at(c.extension, i), c.dimension, s)
+
+
+@inner
 def _in_step(c, t, k):
     """Return the place of the step of delay ``k``'s arc that is read at ``t``, and where in it."""
     j = within_arc(c, t, k) & c.mask

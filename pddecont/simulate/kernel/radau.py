@@ -90,19 +90,25 @@ def _error(c, t, h, jacobian):
     for k in range(n):
         explicit[k] = (ERROR[0] * stages[n + k] + ERROR[1] * stages[2 * n + k] + ERROR[2] * stages[3 * n + k]) / h
         right[k] = stages[k] + explicit[k]
-    if not np.all(np.isfinite(right)):
-        return math.inf
-    error = np.linalg.solve(matrix, right)
-    size = _size(c, error)
-    if size > 1.0:
+    error, size = _solved(c, matrix, right)
+    if 1.0 < size < math.inf:
         # At a boundary layer the first estimate is far too large: Hairer and Wanner filter it once more, (IV.8.20).
         for k in range(n):
             c.trial[k] = y[k] + error[k]
         slopes(c, c.count[MODE], t, c.trial, at(stages, 7 * n))
         for k in range(n):
             right[k] = stages[7 * n + k] + explicit[k]
-        size = _size(c, np.linalg.solve(matrix, right))
+        _, size = _solved(c, matrix, right)
     return size
+
+
+@inner
+def _solved(c, matrix, right):
+    """Return the solution of a linear system and its size relative to the tolerances; infinite where ``right`` is not finite."""
+    if not np.all(np.isfinite(right)):
+        return right, math.inf
+    error = np.linalg.solve(matrix, right)
+    return error, _size(c, error)
 
 
 @inner
@@ -145,11 +151,11 @@ def _jacobian(c, mode, t):
             for k in range(order - 1):
                 result[base + k, base + k + 1] = 1.0 / delta
             result[top, base - order if stage > 0 else c.pair_state[i]] += factorial / delta
-            inner = 1.0
+            below = 1.0
             for k in range(order):
                 if k > 0:
-                    inner *= k
-                result[top, base + k] -= factorial / inner / delta
+                    below *= k
+                result[top, base + k] -= factorial / below / delta
     return result
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import namedtuple
 from enum import IntEnum
 from typing import Any, NamedTuple
 
@@ -155,104 +156,18 @@ class Work(NamedTuple):
     stack: Any
 
 
-class Core(NamedTuple):
-    """All of an integration in plain numbers and pointers: what System, Values, Memory, Log and Work hold, under the same names.
-
-    Arrays of several dimensions lie row by row.
-    """
-
-    field: Any
-    event: Any
-    reset: Any
-    history: Any
-    field_jacobian: Any
-    event_jacobian: Any
-    reset_jacobian: Any
-    n: Any
-    n_full: Any
-    dimension: Any
-    tangent: Any
-    n_pairs: Any
-    n_delays: Any
-    n_kept: Any
-    n_segments: Any
-    n_events: Any
-    pair_state: Any
-    pair_delay: Any
-    kept: Any
-    place: Any
-    segment_mode: Any
-    segment_event: Any
-    segment_direction: Any
-    segment_reset: Any
-    segment_to: Any
-    after: Any
-    reads: Any
-    chain_order: Any
-    chain_n: Any
-    section: Any
-    section_direction: Any
-    stop_event: Any
-    stiff: Any
-    p: Any
-    tau: Any
-    event_delay: Any
-    max_step: Any
-    rtol: Any
-    atol: Any
-    longest: Any
-    stick: Any
-    clock: Any
-    count: Any
-    y: Any
-    constant: Any
-    mask: Any
-    past_time: Any
-    past_length: Any
-    past_end: Any
-    past_arc: Any
-    past_shift: Any
-    past_value: Any
-    past_coefficients: Any
-    cursor: Any
-    reading: Any
-    pending_time: Any
-    pending_event: Any
-    pending_shift: Any
-    breaking_time: Any
-    breaking_level: Any
-    accumulation: Any
-    hits: Any
-    side: Any
-    next_step: Any
-    log_steps: Any
-    log_events: Any
-    log_n: Any
-    log_time: Any
-    log_length: Any
-    log_end: Any
-    log_mode: Any
-    log_arc: Any
-    log_value: Any
-    log_coefficients: Any
-    event_time: Any
-    event_segment: Any
-    event_arc: Any
-    event_before: Any
-    event_after: Any
-    stages: Any
-    extension: Any
-    trial: Any
-    slope: Any
-    xd: Any
-    xd_slope: Any
-    jacobian: Any
-    gradient: Any
-    after_reset: Any
-    crossing: Any
-    found_side: Any
-    bernstein: Any
-    stack: Any
+# All of an integration in plain numbers and pointers: what System, Values and Memory hold under the same names, with lengths as n_...,
+# the ring's length less one as mask, the log's arrays as log_... and event_..., and Work. Arrays of several dimensions lie row by row.
+Core = namedtuple("Core", """
+    field event reset history field_jacobian event_jacobian reset_jacobian n n_full dimension tangent n_pairs n_delays n_kept
+    n_segments n_events pair_state pair_delay kept place segment_mode segment_event segment_direction segment_reset segment_to
+    after reads chain_order chain_n section section_direction stop_event stiff p tau event_delay max_step rtol atol longest
+    stick clock count y constant mask past_time past_length past_end past_arc past_shift past_value past_coefficients cursor
+    reading pending_time pending_event pending_shift breaking_time breaking_level accumulation hits side next_step log_steps
+    log_events log_n log_time log_length log_end log_mode log_arc log_value log_coefficients event_time event_segment
+    event_arc event_before event_after stages extension trial slope xd xd_slope jacobian gradient after_reset crossing
+    found_side bernstein stack
+""")
 
 
 # Places in Memory.clock.
@@ -320,9 +235,8 @@ def core(s, v, m, log, w):
         pointer(log.time), pointer(log.length), pointer(log.end), pointer(log.mode), pointer(log.arc), pointer(log.value),
         pointer(log.coefficients), pointer(log.event_time), pointer(log.event_segment), pointer(log.event_arc),
         pointer(log.before), pointer(log.after), pointer(w.stages), pointer(w.extension), pointer(w.trial), pointer(w.slope),
-        pointer(w.xd), pointer(w.xd_slope),
-        pointer(w.jacobian), pointer(w.gradient), pointer(w.after_reset), pointer(w.crossing), pointer(w.found_side),
-        pointer(w.bernstein), pointer(w.stack))  # fmt: skip
+        pointer(w.xd), pointer(w.xd_slope), pointer(w.jacobian), pointer(w.gradient), pointer(w.after_reset), pointer(w.crossing),
+        pointer(w.found_side), pointer(w.bernstein), pointer(w.stack))  # fmt: skip
 
 
 @inner
@@ -348,5 +262,4 @@ def enlarged(m):
         coefficients[j] = m.past_coefficients[i]
     return Memory(m.clock, m.count, m.y, m.constant, time, length, end, arc, shift, value, coefficients, m.cursor, m.reading,
                   _longer(m.pending_time), _longer(m.pending_event), _longer(m.pending_shift), _longer(m.breaking_time),
-                  _longer(m.breaking_level), m.accumulation, m.hits, m.side,
-                  m.next_step)  # fmt: skip
+                  _longer(m.breaking_level), m.accumulation, m.hits, m.side, m.next_step)  # fmt: skip
