@@ -6,7 +6,7 @@ import pytest
 
 from pddecont.model.codegen import NumericModel
 from pddecont.model.document import parse_document
-from pddecont.model.system import Model, parse_model
+from pddecont.model.system import Model, load_model, parse_model
 
 ROOT = Path(__file__).parent.parent
 MODELS = sorted((ROOT / "models").glob("*.yaml"))
@@ -19,6 +19,10 @@ def model_from(text: str, path: str = "m.yaml") -> Model:
 
 def numeric_from(text: str) -> NumericModel:
     return NumericModel(model_from(text))
+
+
+def shipped(name: str) -> NumericModel:
+    return NumericModel(load_model(str(ROOT / "models" / f"{name}.yaml"))[0])
 
 
 @pytest.fixture

@@ -42,3 +42,17 @@ def multipliers(step, row=0):
 def labels(step):
     """Return the labels along the branch, end points left out."""
     return [step.labels[i] for i in step.order if step.labels[i] and not step.labels[i].startswith("EP")]
+
+
+def break_after(monkeypatch, module, number):
+    """Let the work of a step's module be broken off after so many results; return what it was, to be put back."""
+    whole = module.in_order
+
+    def breaking(workers, work, chunks):
+        for done, result in enumerate(whole(workers, work, chunks)):
+            if done == number:
+                raise KeyboardInterrupt
+            yield result
+
+    monkeypatch.setattr(module, "in_order", breaking)
+    return whole

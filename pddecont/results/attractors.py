@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -14,14 +15,17 @@ Z95 = 1.959963984540054
 
 
 def class_of(step: Step, i: int) -> str:
-    """Return in words what kind of motion a row is: its period in returns and its segments in one period."""
-    period = int(step.points["period"][i])
+    """Return in words what kind of motion a row is."""
     if not step.labels[i]:
         return "none"
+    return motion_class(int(step.points["period"][i]), step.points["n_segments"][i], step.meta["segments"])
+
+
+def motion_class(period: int, counts: Sequence[int] | NDArray[np.int64], segments: Sequence[str]) -> str:
+    """Return in words what kind a motion is: its period in returns and how often each segment comes in one period."""
     if not period:
         return "no period"
-    counts = [f"{n} {name}" for name, n in zip(step.meta["segments"], step.points["n_segments"][i], strict=True) if n]
-    return ", ".join([f"period {period}", *counts])
+    return ", ".join([f"period {period}", *(f"{n} {name}" for n, name in zip(counts, segments, strict=True) if n)])
 
 
 def attractor_rows(step: Step) -> list[Row]:

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.errors import ConvergenceError
-from pddecont.simulate.kernel.returns import growth, settle
+from pddecont.simulate.kernel.returns import settle
 from pddecont.simulate.kernel.tables import Memory, Status, T, Values
 from pddecont.simulate.simulator import Simulator
-from pddecont.simulate.snapshot import pack, unpack
+from pddecont.simulate.snapshot import pack
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -19,7 +18,6 @@ Integers = NDArray[np.int64]
 APART = 1e-3
 # A motion that goes no farther than so many absolute errors of a step is at rest.
 REST = 1e5
-INTERVALS, MAX_INTERVALS = 200, 1_000_000
 
 
 @dataclass(frozen=True)
@@ -84,6 +82,15 @@ def same(a: Attractor, b: Attractor, atol: float, *, at_section: bool) -> bool:
                and (not at_section or np.all(np.abs(a.slopes - np.roll(b.slopes, k, axis=0)) <= slope)) for k in shifts)  # fmt: skip
 
 
+def number_of(attractor: Attractor, known: list[Attractor], atol: float, *, at_section: bool) -> int:
+    """Return the number of an attractor among those known; a new one is added."""
+    for k, other in enumerate(known):
+        if same(attractor, other, atol, at_section=at_section):
+            return k
+    known.append(attractor)
+    return len(known) - 1
+
+
 def spread_alike(a: Array, b: Array) -> bool:
     """Whether two clouds of returns cover the same region, to a fifth of its size."""
     low_a, high_a, low_b, high_b = a.min(axis=0), a.max(axis=0), b.min(axis=0), b.max(axis=0)
@@ -132,51 +139,3 @@ def settled(simulator: Simulator, values: Values, memory: Memory, clock: Clock) 
     counted = hits[(number - 1) % room] - before if number else before
     return Attractor(0 if failed else int(period), turn, states[rows, :n], states[rows, n:], times[rows], counted, pack(memory), values.p,
                      failed, status not in (Status.SECTION, Status.REACHED))  # fmt: skip
-
-
-def lyapunov(simulator: Simulator, values: Values, attractor: Attractor, duration: float) -> tuple[float, float]:
-    """Return the largest Lyapunov exponent of an attractor, per unit of time, and its uncertainty.
-
-    They are the slope of the logarithm of the tangent's length over time, and how much slope the departures from it could hide.
-    The tangent of the motion, its jumps at events and their echoes, and its past are integrated along with the motion (Benettin et
-    al., Meccanica 15, 1980), after a quarter of ``duration`` that lets it turn into the direction of strongest growth.
-    """
-    if attractor.failed:
-        return np.nan, np.nan
-    with_tangent = replace(simulator, tangent=True)
-    logs = np.zeros(0)
-    # A tangent that shrinks or grows beyond what numbers hold within an interval wants shorter ones.
-    for shorter in (1, 32, 1024):
-        n_intervals = shorter * max(INTERVALS, int(np.ceil(duration / attractor.turn)) if attractor.turn > 0 else 0)
-        if n_intervals > MAX_INTERVALS:
-            break
-        logs = np.zeros(n_intervals)
-        interval = duration / n_intervals
-        memory = _tangent_at(with_tangent, values, attractor)
-        memory, status = growth(with_tangent.system, values, memory, with_tangent.work, interval, logs[: n_intervals // 4])
-        if status == Status.REACHED and np.all(np.isfinite(logs)):
-            memory, status = growth(with_tangent.system, values, memory, with_tangent.work, interval, logs)
-        if status != Status.REACHED:
-            raise ConvergenceError(simulator.complaint(memory, Status(status)))
-        if np.all(np.isfinite(logs)):
-            total, times = np.cumsum(logs), interval * np.arange(1, n_intervals + 1)
-            slope, level = np.polyfit(times, total, 1)
-            departure = float(np.std(total - slope * times - level))
-            return float(slope), float(np.sqrt(12.0) * departure / duration)
-    # The tangent vanishes at once: the motion forgets where it came from.
-    return (-np.inf, 0.0) if np.any(np.isneginf(logs)) else (np.nan, np.nan)
-
-
-def known_exponent(simulator: Simulator, values: Values, attractor: Attractor, duration: float) -> tuple[float, float, str]:
-    """Return the exponent of :func:`lyapunov` and why there is none, NaN and the reason where the motion cannot be followed so long."""
-    try:
-        return *lyapunov(simulator, values, attractor, duration), ""
-    except ConvergenceError as exc:
-        return np.nan, np.nan, f"no Lyapunov exponent: {exc}"
-
-
-def _tangent_at(simulator: Simulator, values: Values, attractor: Attractor) -> Memory:
-    """Return the integration at an attractor's last return with a tangent in a direction of no meaning."""
-    memory = unpack(simulator.system, values, attractor.memory)
-    memory.y[simulator.system.n_full :] = np.random.default_rng(1).standard_normal(simulator.system.n_full)
-    return memory

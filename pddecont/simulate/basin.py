@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.simulate.attractors import Attractor, Clock, same, settled
+from pddecont.simulate.attractors import Attractor, Clock, number_of, settled
 from pddecont.simulate.kernel.returns import recognise_cells
 from pddecont.simulate.task import Start, Task
 
@@ -76,16 +76,5 @@ def first_look(task: Task, p: Array, clock: Clock, states: Array, start: Start) 
     found: list[Attractor] = []
     for row in states:
         memory = simulator.start(values, row, start.mode, constant=start.constant)
-        attractor = settled(simulator, values, memory, clock)
-        if not any(same(attractor, known, values.atol, at_section=not clock.period) for known in found):
-            found.append(attractor)
+        number_of(settled(simulator, values, memory, clock), found, values.atol, at_section=not clock.period)
     return found
-
-
-def number_of(attractor: Attractor, known: list[Attractor], atol: float, *, at_section: bool) -> int:
-    """Return the number of an attractor among those known; a new one is added."""
-    for k, other in enumerate(known):
-        if same(attractor, other, atol, at_section=at_section):
-            return k
-    known.append(attractor)
-    return len(known) - 1

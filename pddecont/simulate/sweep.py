@@ -8,14 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.simulate.attractors import Attractor, Clock, known_exponent, same, settled
+from pddecont.simulate.attractors import Attractor, Clock, number_of, settled
 from pddecont.simulate.kernel.tables import T, Values
+from pddecont.simulate.lyapunov import Exponent, known_exponent
 from pddecont.simulate.simulator import Simulator
 from pddecont.simulate.snapshot import moved, restart_time, unpack
 from pddecont.simulate.task import Start, Task
 
 Array = NDArray[np.float64]
-NO_EXPONENT = (np.nan, np.nan, "")
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,12 +30,12 @@ class Cell:
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """An attractor at one parameter point, the share of the starts that lead to it, its Lyapunov exponent, uncertainty, why none."""
+    """An attractor at one parameter point, the share of the starts that lead to it, and its Lyapunov exponent."""
 
     cell: Cell
     attractor: Attractor
     share: float
-    exponent: tuple[float, float, str]
+    exponent: Exponent
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +64,7 @@ def sweep_chunk(chunk: Chunk) -> list[Found]:
             now.append(_follow(simulator, values, cell, start, previous))
         before = list(now)
         for attractor, share in distinct(now, values.atol, at_section=not cell.clock.period):
-            exponent = known_exponent(simulator, values, attractor, cell.clock.transient) if chunk.exponents else NO_EXPONENT
+            exponent = known_exponent(simulator, values, attractor, cell.clock.transient) if chunk.exponents else Exponent()
             found.append(Found(cell, attractor, share, exponent))
     return found
 
@@ -83,13 +83,5 @@ def _follow(simulator: Simulator, values: Values, cell: Cell, start: Start, prev
 def distinct(attractors: Sequence[Attractor], atol: float, *, at_section: bool) -> list[tuple[Attractor, float]]:
     """Return each different attractor once, with its share."""
     kinds: list[Attractor] = []
-    counts: list[int] = []
-    for attractor in attractors:
-        for k, known in enumerate(kinds):
-            if same(attractor, known, atol, at_section=at_section):
-                counts[k] += 1
-                break
-        else:
-            kinds.append(attractor)
-            counts.append(1)
-    return [(a, n / len(attractors)) for a, n in zip(kinds, counts, strict=True)]
+    numbers = [number_of(attractor, kinds, atol, at_section=at_section) for attractor in attractors]
+    return [(kind, numbers.count(k) / len(numbers)) for k, kind in enumerate(kinds)]

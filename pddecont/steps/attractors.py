@@ -8,9 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pddecont.results.attractors import motion_class
 from pddecont.results.layout import Column
 from pddecont.results.reader import Step as RecordedStep
 from pddecont.simulate.attractors import Attractor
+from pddecont.simulate.lyapunov import Exponent
 from pddecont.steps.plan import Plan
 
 NOTE_BYTES = 200
@@ -33,12 +35,11 @@ def attractor_arrays(plan: Plan) -> dict[str, Column]:
     return {"returns": Column("f8", (n,)), "return_slopes": Column("f8", (n,)), "return_time": Column("f8"), "memory": Column("f8")}
 
 
-def attractor_row(attractor: Attractor, p: NDArray[np.float64], exponent: tuple[float, float, str] = (np.nan, np.nan, ""),
-                  ) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:  # fmt: skip
+def attractor_row(attractor: Attractor, p: NDArray[np.float64], exponent: Exponent) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
     """Return an attractor as values of those columns and arrays; a motion that failed has no label."""
     points = {"kind": b"" if attractor.failed else KIND.encode(), "parameters": p, "period": attractor.period, "turn": attractor.turn,
-              "n_segments": attractor.hits, "lyapunov": exponent[0], "lyapunov_error": exponent[1],
-              "note": (attractor.failed or exponent[2]).encode()[:NOTE_BYTES]}  # fmt: skip
+              "n_segments": attractor.hits, "lyapunov": exponent.value, "lyapunov_error": exponent.uncertainty,
+              "note": (attractor.failed or exponent.note).encode()[:NOTE_BYTES]}  # fmt: skip
     return points, {"returns": attractor.states, "return_slopes": attractor.slopes, "return_time": attractor.times,
                     "memory": attractor.memory}  # fmt: skip
 
@@ -62,6 +63,4 @@ def describe(attractor: Attractor, segments: list[str]) -> str:
     """Return an attractor in a few words: its period in returns and its segments."""
     if attractor.failed:
         return attractor.failed
-    period = f"period {attractor.period}" if attractor.period else "no period"
-    counted = [f"{n} {name}" for name, n in zip(segments, attractor.hits, strict=True) if n]
-    return f"{period}, {', '.join(counted) or 'no events'}" if segments else period
+    return motion_class(attractor.period, attractor.hits, segments)

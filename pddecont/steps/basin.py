@@ -9,9 +9,9 @@ from pddecont.results.attractors import wilson
 from pddecont.results.layout import Column, StepSpec
 from pddecont.results.reader import Step as RecordedStep
 from pddecont.results.writer import StepWriter
-from pddecont.simulate.attractors import Attractor, known_exponent
-from pddecont.simulate.basin import Line, basin_line, first_look, number_of
-from pddecont.simulate.sweep import NO_EXPONENT
+from pddecont.simulate.attractors import Attractor, number_of
+from pddecont.simulate.basin import Line, basin_line, first_look
+from pddecont.simulate.lyapunov import Exponent, known_exponent
 from pddecont.simulate.task import Task
 from pddecont.simulate.workers import in_order
 from pddecont.steps.attractors import attractor_arrays, attractor_columns, attractor_row, describe, no_attractor, recorded_attractor
@@ -82,7 +82,7 @@ def run_basin(context: Context, step: Step, recorded: RecordedStep | None) -> No
 
 def _write_attractor(writer: StepWriter, task: Task, p: Array, attractor: Attractor, duration: float, *, exponents: bool,
                      plan: Plan) -> None:  # fmt: skip
-    exponent = NO_EXPONENT
+    exponent = Exponent()
     if exponents and not attractor.failed:
         simulator = task.simulator()
         exponent = known_exponent(simulator, simulator.values(p), attractor, duration)

@@ -8,11 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pddecont.delay.direct import Direct, locate
-from pddecont.model.codegen import NumericModel
-from pddecont.model.system import load_model
 from pddecont.orbit.breaking import Echoes, echoes, edges
 from pddecont.orbit.mesh import Mesh, Places, equal_cuts, segment_pieces
-from tests.conftest import ROOT, numeric_from
+from tests.conftest import numeric_from, shipped
 
 DURATION = st.floats(0.05, 5.0)
 DELAY = st.floats(0.001, 40.0)
@@ -56,7 +54,7 @@ def test_the_image_of_a_piece_lies_inside_one_piece(durations, delays, degree, h
 
 
 def test_levels_come_from_the_model():
-    soft = NumericModel(load_model(str(ROOT / "models" / "impact_oscillator.yaml"))[0])
+    soft = shipped("impact_oscillator")
     assert echoes(soft, (soft.model.segments["NC"], soft.model.segments["C"])) == Echoes((1, 1), (0,))
     hard = numeric_from("name: m\nstates: [x]\nparameters: {a: 1, b: 2}\nmodes: {m: {x': 1 + 0*x(t - a) + x(t - b)}}\n"
                         "events: {e: x - x(t - a)}\nresets: {r: {x: -x}}\n"

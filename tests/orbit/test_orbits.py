@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 
 from pddecont.delay.chain import Chain
-from pddecont.model.codegen import NumericModel
-from pddecont.model.system import load_model
 from pddecont.orbit.admissibility import objections
 from pddecont.orbit.curve import solve_orbit
 from pddecont.orbit.error import error_estimate
@@ -17,14 +15,10 @@ from pddecont.orbit.meshing import MeshRule, remeshed
 from pddecont.orbit.problem import OrbitProblem, eventless
 from pddecont.simulate.integrate import simulate
 from pddecont.simulate.recognise import recognise
-from tests.conftest import ROOT, numeric_from
+from tests.conftest import numeric_from, shipped
 from tests.problems import WALL, ball_phase, chain_transfer
 
 CHAIN = Chain(2, 15)
-
-
-def shipped(name):
-    return NumericModel(load_model(str(ROOT / "models" / f"{name}.yaml"))[0])
 
 
 def orbit_of(numeric, t_end, delay=CHAIN, degree=6, intervals=30, **changes):

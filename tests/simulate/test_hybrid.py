@@ -10,23 +10,18 @@ from scipy.special import lambertw
 from pddecont.delay.chain import Chain
 from pddecont.delay.direct import Direct
 from pddecont.errors import ConvergenceError
-from pddecont.model.codegen import NumericModel
 from pddecont.model.expression import TIME
-from pddecont.model.system import load_model
-from pddecont.simulate.attractors import Clock, lyapunov, settled
+from pddecont.simulate.attractors import Clock, settled
 from pddecont.simulate.integrate import follow, simulate
 from pddecont.simulate.kernel.advance import run as kernel_run
 from pddecont.simulate.kernel.tables import N_PENDING, Status, new_log
+from pddecont.simulate.lyapunov import lyapunov
 from pddecont.simulate.simulator import Method, Section, Simulator
-from tests.conftest import ROOT, numeric_from
+from tests.conftest import numeric_from, shipped
 from tests.runs import run_model
 
 TIGHT = Method(1e-12, 1e-13)
 DIRECT = Direct()
-
-
-def shipped(name):
-    return NumericModel(load_model(str(ROOT / "models" / f"{name}.yaml"))[0])
 
 
 def parameters(numeric, **given):

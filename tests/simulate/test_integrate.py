@@ -8,12 +8,10 @@ import pytest
 from pddecont.delay.chain import Chain
 from pddecont.delay.direct import Direct
 from pddecont.errors import ConvergenceError, SignatureError
-from pddecont.model.codegen import NumericModel
-from pddecont.model.system import load_model
 from pddecont.simulate.integrate import simulate
 from pddecont.simulate.recognise import recognise
 from pddecont.simulate.simulator import Method
-from tests.conftest import ROOT, numeric_from
+from tests.conftest import numeric_from, shipped
 from tests.problems import WALL
 
 TIGHT = Method(1e-12, 1e-13)
@@ -21,7 +19,7 @@ ANY = Chain(2, 15)
 
 
 def test_wall_oscillator_settles_to_its_orbit():
-    numeric = NumericModel(load_model(str(ROOT / "models" / "wall_oscillator.yaml"))[0])
+    numeric = shipped("wall_oscillator")
     trajectory = simulate(numeric, numeric.parameter_values, ANY, 100 * math.pi, TIGHT)
     events = trajectory.events
     assert events.t[-1] % math.pi == pytest.approx(WALL["t_hit"], abs=1e-9)
@@ -116,7 +114,7 @@ def test_initial_states_and_mode_can_be_given():
 
 
 def test_a_recorded_trajectory_never_passes_its_events():
-    numeric = NumericModel(load_model(str(ROOT / "models" / "wall_oscillator.yaml"))[0])
+    numeric = shipped("wall_oscillator")
     trajectory = simulate(numeric, numeric.parameter_values, ANY, 20 * math.pi)
     times, states, _ = trajectory.sampled()
     assert np.all(np.diff(times) >= 0)

@@ -9,8 +9,8 @@ from pddecont.results.reader import read_results
 from pddecont.steps import basin as basin_step
 from pddecont.steps.loading import load_plan
 from pddecont.steps.run import execute
-from tests.conftest import ROOT
-from tests.runs import run, run_model
+from tests.conftest import shipped
+from tests.runs import break_after, run, run_model
 from tests.steps.test_sweep import same
 
 WELLS = ("name: wells\nstates: [x, y]\nparameters: {w: 1}\nforcing: {period: 2*pi/w}\n"
@@ -65,8 +65,6 @@ steps:
 def test_the_basin_of_the_orbit_with_two_impacts_is_what_single_runs_say(tmp_path):
     """The map's labels against runs from single states, followed to the end and recognised there by their last segments."""
     from pddecont.delay.direct import Direct
-    from pddecont.model.codegen import NumericModel
-    from pddecont.model.system import load_model
     from pddecont.simulate.integrate import simulate
     from pddecont.simulate.recognise import recognise
 
@@ -74,8 +72,8 @@ def test_the_basin_of_the_orbit_with_two_impacts_is_what_single_runs_say(tmp_pat
     rows = attractor_rows(step)
     assert sorted(r["n_NC"] for r in rows) == [1, 2]
     labels = label_map(step)
-    numeric = NumericModel(load_model(str(ROOT / "models" / "impact_oscillator.yaml"))[0])
-    p = numeric.parameter_values
+    numeric = shipped("impact_oscillator")
+    p = numeric.parameter_values.copy()
     p[numeric.parameter_index("K")] = 0.0
     rng = np.random.default_rng(3)
     for j, i in zip(rng.integers(0, 20, 12), rng.integers(0, 24, 12), strict=True):
@@ -87,15 +85,7 @@ def test_the_basin_of_the_orbit_with_two_impacts_is_what_single_runs_say(tmp_pat
 @pytest.mark.parametrize("broken_after", [0, 4])
 def test_a_broken_run_goes_on_to_the_same_map(wells, tmp_path, monkeypatch, broken_after):
     plan = load_plan(parse_document(WELLS, "m.yaml"))
-    whole = basin_step.in_order
-
-    def breaking(workers, work, chunks):
-        for number, result in enumerate(whole(workers, work, chunks)):
-            if number == broken_after:
-                raise KeyboardInterrupt
-            yield result
-
-    monkeypatch.setattr(basin_step, "in_order", breaking)
+    whole = break_after(monkeypatch, basin_step, broken_after)
     with pytest.raises(KeyboardInterrupt):
         execute(plan, tmp_path / "r.h5")
     monkeypatch.setattr(basin_step, "in_order", whole)
@@ -104,13 +94,14 @@ def test_a_broken_run_goes_on_to_the_same_map(wells, tmp_path, monkeypatch, brok
 
 
 def test_attractors_that_no_first_look_finds_are_found_all_the_same(tmp_path):
-    """A narrow basin: x' = -(x - 1)(x - 1.02)(x - 3) / 10 has its attractors at 1 and 3, and x = 1.02 between them."""
+    """Wells at 1, 2 and 3, that at 2 from 1.98 to 2.02 only: two of the grid's columns lie in it, none of those looked at first."""
     text = ("name: wells\nstates: [x, y]\nparameters: {w: 1}\nforcing: {period: 2*pi/w}\n"
-            "modes: {m: {x': -(x - 1)*(x - 1.02)*(x - 3), y': cos(w*t) - y}}\n"
-            "run: {steps: [{name: map, basin: {over: {x: [1.01, 3.01, 101], y: [0, 1, 2]}, transient: 4000}}]}\n")
+            "modes: {m: {x': -100*(x - 1)*(x - 1.98)*(x - 2)*(x - 2.02)*(x - 3), y': cos(w*t) - y}}\n"
+            "run: {steps: [{name: map, basin: {over: {x: [0.91, 3.31, 101], y: [0, 1, 2]}, transient: 4000}}]}\n")
     step = run_model(text, tmp_path / "n.h5").steps["map"]
-    assert sorted(step.orbit(i)["returns"][0, 0] for i in range(len(step)) if step.labels[i]) == pytest.approx([1.0, 3.0], abs=1e-5)
-    assert np.all(np.sum(label_map(step) == label_map(step)[0, 0], axis=1) == 1)
+    found = {label: step.orbit(i)["returns"][0, 0] for i, label in enumerate(step.labels) if label}
+    assert found == {"A1": pytest.approx(1.0, abs=1e-5), "A2": pytest.approx(3.0, abs=1e-5), "A3": pytest.approx(2.0, abs=1e-5)}
+    assert np.array_equal(np.sum(label_map(step) == 2, axis=1), [2, 2])
 
 
 def test_each_attractor_is_as_large_as_it_is(tmp_path):

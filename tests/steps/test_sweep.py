@@ -14,7 +14,7 @@ from pddecont.steps import sweep as sweep_step
 from pddecont.steps.loading import load_plan
 from pddecont.steps.run import execute
 from tests.conftest import ROOT, numeric_from
-from tests.runs import run, run_model
+from tests.runs import break_after, run, run_model
 
 FIG4_1 = """
 model: ../models/impact_oscillator.yaml
@@ -89,15 +89,7 @@ def test_the_answer_does_not_depend_on_the_number_of_workers(diagram, tmp_path):
 def test_a_broken_run_goes_on_to_the_same_numbers(diagram, tmp_path, monkeypatch, broken_after):
     plan = load_plan(parse_document(FIG4_1, str(ROOT / "configs" / "test.yaml")))
     monkeypatch.setattr(sweep_step, "CHUNK", 4)
-    whole = sweep_step.in_order
-
-    def breaking(workers, work, chunks):
-        for number, result in enumerate(whole(workers, work, chunks)):
-            if number == broken_after:
-                raise KeyboardInterrupt
-            yield result
-
-    monkeypatch.setattr(sweep_step, "in_order", breaking)
+    whole = break_after(monkeypatch, sweep_step, broken_after)
     with pytest.raises(KeyboardInterrupt):
         execute(plan, tmp_path / "r.h5")
     part = read_results(tmp_path / "r.h5").steps["diagram"]
