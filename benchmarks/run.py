@@ -19,8 +19,8 @@ from pddecont.continuation.linear import factor
 from pddecont.delay.chain import Chain
 from pddecont.delay.chebyshev import Chebyshev
 from pddecont.delay.direct import Direct
+from pddecont.model.builder import load_model
 from pddecont.model.codegen import NumericModel
-from pddecont.model.system import load_model
 from pddecont.orbit.curve import Curve, settle, sizes_of
 from pddecont.orbit.guess import orbit_from_cycle
 from pddecont.orbit.meshing import MeshRule, remeshed

@@ -30,9 +30,9 @@ from scipy.integrate import solve_ivp
 
 from benchmarks.run import timed
 from pddecont.delay.direct import Direct
+from pddecont.model.builder import load_model
 from pddecont.model.codegen import NumericModel
 from pddecont.model.effects import without
-from pddecont.model.system import load_model
 from pddecont.simulate.attractors import Clock
 from pddecont.simulate.basin import Line, basin_line, first_look
 from pddecont.simulate.integrate import follow, simulate
@@ -55,7 +55,7 @@ import time
 from pddecont.delay.direct import Direct
 from pddecont.model.codegen import NumericModel
 from pddecont.model.effects import without
-from pddecont.model.system import load_model
+from pddecont.model.builder import load_model
 from pddecont.simulate.attractors import Clock
 from pddecont.simulate.basin import Line, basin_line, first_look
 from pddecont.simulate.integrate import simulate

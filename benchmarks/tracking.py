@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from pddecont.delay.direct import Direct
+from pddecont.model.builder import load_model, parse_model
 from pddecont.model.codegen import NumericModel
 from pddecont.model.document import parse_document
-from pddecont.model.system import load_model, parse_model
 from pddecont.orbit.curve import settle
 from pddecont.orbit.guess import orbit_from_cycle
 from pddecont.orbit.mesh import Mesh, Places

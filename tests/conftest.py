@@ -4,9 +4,10 @@ from pathlib import Path
 
 import pytest
 
+from pddecont.model.builder import load_model, parse_model
 from pddecont.model.codegen import NumericModel
 from pddecont.model.document import parse_document
-from pddecont.model.system import Model, load_model, parse_model
+from pddecont.model.system import Model
 
 ROOT = Path(__file__).parent.parent
 MODELS = sorted((ROOT / "models").glob("*.yaml"))

@@ -12,7 +12,7 @@ from pddecont.cli.console import Exit, say
 def command(files: tuple[str, ...]) -> int:
     """Report every problem in model and run FILES, with line and column; compute nothing."""
     from pddecont.errors import InputError
-    from pddecont.model.system import parse_model
+    from pddecont.model.builder import parse_model
     from pddecont.steps.loading import is_run_file, load_document, load_plan
 
     failed = False

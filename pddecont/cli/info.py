@@ -43,8 +43,8 @@ def results_info(file: str) -> dict[str, Any]:
 
 def model_info(file: str, without: tuple[str, ...]) -> dict[str, Any]:
     """Return what a model, or a run file and its model, holds."""
+    from pddecont.model.builder import parse_model
     from pddecont.model.effects import without as leave_out
-    from pddecont.model.system import parse_model
     from pddecont.steps.loading import is_run_file, load_document, load_plan
     from pddecont.steps.planner import Overrides
 

@@ -113,9 +113,11 @@ class _Builder:
         self.visited = 0
 
     def complain(self, node: yaml.Node, message: str) -> None:
+        """Note a problem at a node."""
         self.problems.append(Problem(self.path, node.start_mark.line + 1, node.start_mark.column + 1, message))
 
     def build(self, node: yaml.Node, path: KeyPath) -> Any:
+        """Return the data of a node and note where it stands."""
         self.visited += 1
         if self.visited > MAX_NODES or len(path) > MAX_DEPTH:
             if self.visited < 2 * MAX_NODES:
@@ -133,6 +135,7 @@ class _Builder:
         return self.scalar(node)
 
     def mapping(self, node: yaml.MappingNode, path: KeyPath) -> dict[str, Any]:
+        """Return a mapping, its keys checked."""
         data: dict[str, Any] = {}
         for key_node, value_node in node.value:
             if self.visited > MAX_NODES:
@@ -158,6 +161,7 @@ class _Builder:
         return data
 
     def scalar(self, node: yaml.ScalarNode) -> Any:
+        """Return a number, a truth value, nothing or text."""
         text = node.value
         if node.style is not None or node.tag == "!":
             return text

@@ -140,6 +140,7 @@ class _Translator:
         self.count = 0
 
     def visit(self, node: ast.expr, depth: int) -> sympy.Expr:
+        """Return the expression of a syntax node."""
         self.count += 1
         if self.count > MAX_NODES or depth > MAX_DEPTH:
             raise ExpressionError(f"more than {MAX_NODES} terms or {MAX_DEPTH} levels; use definitions", node.col_offset)
@@ -164,6 +165,7 @@ class _Translator:
             f"functions ({' '.join(FUNCTIONS)})", node.col_offset)  # fmt: skip
 
     def name(self, node: ast.Name) -> sympy.Expr:
+        """Return what a name stands for."""
         name = _unmask(node.id)
         if name in self.scope.symbols:
             return self.scope.symbols[name]
@@ -181,6 +183,7 @@ class _Translator:
         raise ExpressionError(f"'{name}' is not defined{hint}", node.col_offset)
 
     def binary(self, node: ast.BinOp, depth: int) -> sympy.Expr:
+        """Return what an operator makes of two expressions."""
         if isinstance(node.op, ast.BitXor):
             raise ExpressionError("'^' is not a power here; write **", node.col_offset)
         a, b = self.visit(node.left, depth + 1), self.visit(node.right, depth + 1)
@@ -199,6 +202,7 @@ class _Translator:
         raise ExpressionError("only + - * / and ** are allowed between terms", node.col_offset)
 
     def power(self, a: sympy.Expr, b: sympy.Expr, node: ast.BinOp) -> sympy.Expr:
+        """Return a power, its size bounded."""
         if a.is_number and b.is_number:
             # In doubles, so that 9**9**9 cannot fill the memory with digits; small whole numbers stay exact.
             if a.is_Integer and b.is_Integer and abs(b) <= 64 and abs(a) <= 64 and (a != 0 or b >= 0):
@@ -213,6 +217,7 @@ class _Translator:
         return a**b
 
     def call(self, node: ast.Call, depth: int) -> sympy.Expr:
+        """Return a function's value, or a delayed value."""
         if not isinstance(node.func, ast.Name):
             raise ExpressionError(f"calling {_describe(node.func)} is not allowed", node.col_offset)
         name = _unmask(node.func.id)
@@ -235,6 +240,7 @@ class _Translator:
         raise ExpressionError(f"unknown function '{name}'{suggest(name, FUNCTIONS)}", node.col_offset)
 
     def delayed(self, state: str, node: ast.Call, depth: int) -> sympy.Expr:
+        """Return a delayed value."""
         if len(node.args) != 1:
             raise ExpressionError(f"a delayed value is written {state}(t - delay)", node.col_offset)
         if self.scope.delayed is None:

@@ -78,6 +78,7 @@ class _Record:
         log.n[:] = 0
 
     def trajectory(self, n_steps: int) -> Trajectory:
+        """Return what was kept as a trajectory."""
         time, length, end, arc, mode, value, coefficients = (np.concatenate(a) for a in zip(*self.steps, strict=True))
         t, segment, before, after, event_arc = (np.concatenate(a) for a in zip(*self.events, strict=True))
         modes, segments = list(self.model.modes), list(self.model.segments)

@@ -44,6 +44,7 @@ class _LaggedBlocks(Blocks):
         super().__init__(problem, rows, sites)
 
     def move(self, which: Sequence[int]) -> None:
+        """Note how the places of reading move with the durations of all periods."""
         mesh, shape = self.mesh, (-1, self.n_lags * self.mesh.n_segments)
         durations = np.arange(self.layout.durations.start, self.layout.durations.stop)
         self.duration_columns = (np.arange(self.n_lags)[:, None] * self.n_columns + durations).ravel()
@@ -67,6 +68,7 @@ class _LaggedBlocks(Blocks):
         return slope[:, None, None] * self.lags.sigma_slopes(mesh.sites, weights.interval, weights.sigma, weights.wraps, lengths)
 
     def reads(self, rows: Ints, points: Ints, dxd: Array) -> None:
+        """Add what reads of delayed values contribute; those that a delay line gives are kept for it."""
         super().reads(rows, points, dxd)
         for q, (_, delay) in enumerate(self.numeric.model.delayed):
             if delay in self.lines:
@@ -74,14 +76,17 @@ class _LaggedBlocks(Blocks):
                 self.reading.setdefault(q, []).append(Triplets(r.ravel(), c.ravel(), v.ravel()))
 
     def read_columns(self, weights: LocalWeights, points: Ints, state: int) -> Ints:
+        """Return the columns that a read reaches: those of as many periods back as it wraps."""
         return super().read_columns(weights, points, state) + (weights.wraps[points] * self.n_columns)[:, None]
 
     def after(self, s: int) -> Ints:
+        """Return the columns of the state that segment ``s`` is followed by; after the last, that of the next period."""
         if s + 1 == self.mesh.n_segments:
             return self.layout.size + np.arange(self.n)
         return super().after(s)
 
     def timer(self, row: Ints, s: int, source: int, wraps: int) -> None:
+        """Add the equation of a delayed event: durations of as many periods as lie between."""
         weights = np.zeros((self.n_lags, self.mesh.n_segments))
         weights[1 : wraps + 1] = 1.0
         weights[0, : s + 1] += 1.0
@@ -89,6 +94,7 @@ class _LaggedBlocks(Blocks):
         self.add(row, self.duration_columns, weights.ravel())
 
     def phase(self, row: Ints) -> None:
+        """Add the equation that fixes a period's phase."""
         self.add(row, self.layout.durations.start, np.ones(1))
 
     def period(self) -> None:

@@ -46,6 +46,7 @@ class _Branch:
 
     @property
     def settings(self) -> StepSettings:
+        """Return what decides the branch's numbers."""
         s = self.task.body.step
         return StepSettings(s.initial, s.min, s.max, self.task.body.max_points)
 
@@ -55,6 +56,7 @@ class _Branch:
         return [(n - len(bounds) + i, low, high) for i, (low, high) in enumerate(bounds)]
 
     def record(self, point: Point) -> None:
+        """Write a point to the file."""
         state, known = point.state, self.task.known
         problem = state.problem.problem
         side = side_of(state.problem, state.x) if isinstance(state.problem, SpecialCurve) else None

@@ -6,8 +6,8 @@ import sys
 from pathlib import Path
 
 from pddecont.errors import ModelError, PddecontError, RunError
+from pddecont.model.builder import parse_model
 from pddecont.model.document import Document, KeyPath, parse_document, read_text
-from pddecont.model.system import parse_model
 from pddecont.model.validation import validate
 from pddecont.shipped.find import find
 from pddecont.steps.plan import Plan

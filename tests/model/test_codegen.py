@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from pddecont.model.builder import load_model
 from pddecont.model.codegen import NumericModel, source, symbol_names
-from pddecont.model.system import load_model
 from tests.conftest import MODELS, numeric_from
 
 STEP = 1e-30

@@ -1,8 +1,8 @@
 import pytest
 
 from pddecont.errors import PddecontError
+from pddecont.model.builder import load_model
 from pddecont.model.effects import without
-from pddecont.model.system import load_model
 from tests.conftest import ROOT
 
 MODEL = load_model(str(ROOT / "models" / "impact_oscillator.yaml"))[0]

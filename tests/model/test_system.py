@@ -3,8 +3,9 @@
 import pytest
 
 from pddecont.errors import ModelError, SignatureError
+from pddecont.model.builder import load_model, parse_model
 from pddecont.model.document import parse_document
-from pddecont.model.system import check_signature, load_model, parse_model
+from pddecont.model.system import check_signature
 from tests.conftest import MODELS
 
 GOOD = """\

@@ -9,8 +9,8 @@ import scipy.sparse as sp
 from pddecont.delay.chain import Chain
 from pddecont.delay.chebyshev import Chebyshev
 from pddecont.delay.direct import Direct
+from pddecont.model.builder import load_model
 from pddecont.model.codegen import NumericModel
-from pddecont.model.system import load_model
 from pddecont.orbit.guess import timers_of
 from pddecont.orbit.jacobian import Assembler
 from pddecont.orbit.mesh import Mesh, equal_cuts, segment_pieces

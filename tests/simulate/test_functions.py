@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import sympy
 
+from pddecont.model.builder import load_model
 from pddecont.model.codegen import NumericModel
-from pddecont.model.system import load_model
 from pddecont.simulate.functions import ModelFunctions, compiled, function_text
 from tests.conftest import MODELS, ROOT, numeric_from
 
@@ -75,7 +75,7 @@ SECOND = """
 import numpy as np
 from pddecont.delay.direct import Direct
 from pddecont.model.codegen import NumericModel
-from pddecont.model.system import load_model
+from pddecont.model.builder import load_model
 from pddecont.simulate.integrate import simulate
 from pddecont.simulate.kernel.advance import run
 numeric = NumericModel(load_model("models/impact_oscillator.yaml")[0])

@@ -1,0 +1,287 @@
+"""From a model file to the symbolic model: expressions parsed, names resolved, cross-references checked, all problems collected."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import sympy
+
+from pddecont.errors import ModelError, Problem, suggest
+from pddecont.model.document import Document, KeyPath, parse_document, read_text
+from pddecont.model.expression import TIME, ExpressionError, Scope, parse
+from pddecont.model.schema import DelayedEvent, ModelFile
+from pddecont.model.system import IDENTITY, Effect, Event, Model, Segment, delayed_symbol, symbol
+from pddecont.model.validation import validate
+
+
+def load_model(path: str) -> tuple[Model, list[Problem]]:
+    """Return the model in the file at ``path`` and its warnings; raise :class:`ModelError` with all that is wrong."""
+    return parse_model(parse_document(read_text(path, ModelError), path, ModelError))
+
+
+def parse_model(document: Document) -> tuple[Model, list[Problem]]:
+    """Return the model in ``document`` and its warnings; raise :class:`ModelError` with all that is wrong."""
+    file, problems = validate(document, ModelFile)
+    if file is None:
+        raise ModelError(problems)
+    builder = _Builder(document, file)
+    model = builder.build()
+    if builder.problems or model is None:
+        raise ModelError(builder.problems)
+    return model, sorted(builder.warnings)
+
+
+class _Builder:
+    """Collects problems while it turns a validated file into a Model."""
+
+    def __init__(self, document: Document, file: ModelFile):
+        self.document, self.file = document, file
+        self.problems: list[Problem] = []
+        self.warnings: list[Problem] = []
+        self.delays: list[sympy.Expr] = []
+        self.delayed: list[tuple[int, int]] = []
+        self.used: set[str] = set()
+        self.numbers = {symbol(k): v for k, v in file.parameters.items()}
+
+    def complain(self, path: KeyPath, message: str, *, offset: int = 0, key: bool = False) -> None:
+        """Note a problem at a place of the file."""
+        self.problems.append(self.document.problem(path, message, offset=offset, key=key))
+
+    def warn(self, path: KeyPath, message: str) -> None:
+        """Note a warning at a place of the file."""
+        self.warnings.append(self.document.problem(path, message, key=True))
+
+    def expression(self, path: KeyPath, text: str | float, scope: Scope) -> sympy.Expr:
+        """Return the expression that a text writes; note a problem and return 0 where it writes none."""
+        try:
+            return parse(text, scope)
+        except ExpressionError as exc:
+            self.complain(path, str(exc), offset=exc.offset)
+            return sympy.Integer(0)
+
+    def build(self) -> Model | None:
+        """Return the model, or None where its names clash."""
+        file = self.file
+        self.check_names()
+        if self.problems:
+            return None
+        parameters = {name: symbol(name) for name in file.parameters}
+        self.parameter_scope = Scope(parameters, time=False, place="a delay or a period")
+        period = None
+        if file.forcing:
+            period = self.positive(("forcing", "period"), file.forcing.period, "the forcing period")
+        base = {name: symbol(name) for name in file.states} | parameters
+        definitions = self.definitions(base)
+        self.scope = Scope(base | definitions, states=file.states, delayed=self.delayed_value, place="the model")
+        modes = {name: self.mode(name, body) for name, body in file.modes.items()}
+        events = {name: self.event(name, body) for name, body in file.events.items()}
+        resets = {name: self.reset(name, body) for name, body in file.resets.items()}
+        resets.setdefault(IDENTITY, tuple(map(symbol, file.states)))
+        segments = {name: Segment(name, *(getattr(body, key) for key in ("mode", "event", "direction", "reset", "to")))
+                    for name, body in file.segments.items()}  # fmt: skip
+        self.check_segments(segments, resets)
+        effects = {name: self.effect(name, body.set, body.drop) for name, body in file.effects.items()}
+        mode, history = self.initial()
+        used = self.free_symbols(modes, events, resets, period)
+        self.check_time(period, used)
+        self.check_unused(used, definitions)
+        return Model(file.name, file.reference, tuple(file.states), dict(file.parameters), period, modes, events, resets,
+                     segments, effects, tuple(self.delays), tuple(self.delayed), mode, history, definitions)  # fmt: skip
+
+    def check_names(self) -> None:
+        """Check that no name stands for two things."""
+        owner: dict[str, str] = {}
+        groups: Iterable[tuple[str, Iterable[str]]] = (
+            ("states", self.file.states), ("parameters", self.file.parameters), ("definitions", self.file.definitions))
+        for group, names in groups:
+            for i, name in enumerate(names):
+                path = (group, i) if group == "states" else (group, name)
+                if name in owner:
+                    self.complain(path, f"'{name}' stands already among the {owner[name]}; rename one", key=True)
+                owner[name] = group
+
+    def positive(self, path: KeyPath, text: str | float, what: str, *, zero: bool = False) -> sympy.Expr:
+        """Return an expression in the parameters, and check that it is positive (or zero) at their values."""
+        known = len(self.problems)
+        expr = self.expression(path, text, self.parameter_scope)
+        if len(self.problems) > known:
+            return expr
+        self.check_sign(path, expr, what, zero=zero)
+        return expr
+
+    def check_sign(self, path: KeyPath, expr: sympy.Expr, what: str, *, zero: bool) -> None:
+        """Check the sign of an expression at the parameters' values."""
+        value = self.value_of(expr)
+        if value is None:
+            self.complain(path, f"{what} is not a real number at the given parameters")
+        elif value < 0 or (value == 0 and not zero):
+            self.complain(path, f"{what} is {value:g} at the given parameters; expected a {'non-negative' if zero else 'positive'} "
+                                "number")  # fmt: skip
+
+    def value_of(self, expr: sympy.Expr) -> float | None:
+        """Return an expression's value at the parameters' values; None if it is no real number."""
+        try:
+            return float(expr.evalf(17, subs=self.numbers))
+        except (TypeError, ValueError):
+            return None
+
+    def delayed_value(self, state: str, delay: sympy.Expr) -> sympy.Expr:
+        """Return the symbol for ``state(t - delay)`` and note the delay."""
+        if delay == 0:
+            return symbol(state)
+        strangers = sorted(s.name for s in delay.free_symbols if s not in self.numbers)
+        if strangers:
+            raise ExpressionError(f"a delay is an expression in parameters, but this one holds {', '.join(strangers)}")
+        value = self.value_of(delay)
+        if value is None or value < 0:
+            shown = "not a real number" if value is None else f"{value:g}"
+            raise ExpressionError(f"the delay {delay} is {shown} at the given parameters; a delay is positive or zero "
+                                  "(a value in the future cannot be read)")  # fmt: skip
+        if delay not in self.delays:
+            self.delays.append(delay)
+        pair = (self.file.states.index(state), self.delays.index(delay))
+        if pair not in self.delayed:
+            self.delayed.append(pair)
+        return delayed_symbol(state, delay)
+
+    def definitions(self, base: Mapping[str, sympy.Expr]) -> dict[str, sympy.Expr]:
+        """Return the definitions, in any order of writing, each expanded to states and parameters."""
+        texts = self.file.definitions
+        place_holders = {name: symbol(name) for name in texts}
+        scope = Scope({**base, **place_holders}, states=self.file.states, delayed=self.delayed_value, place="a definition")
+        raw = {name: self.expression(("definitions", name), text, scope) for name, text in texts.items()}
+        done: dict[str, sympy.Expr] = {}
+
+        def expand(name: str, above: tuple[str, ...]) -> sympy.Expr:
+            if name in above:
+                if name not in done:
+                    self.complain(("definitions", name), f"'{name}' is defined by itself: {' -> '.join((*above, name))}", key=True)
+                return sympy.Integer(0)
+            if name not in done:
+                inner = [n for n in texts if symbol(n) in raw[name].free_symbols]
+                done_here = raw[name].subs({symbol(n): expand(n, (*above, name)) for n in inner})
+                done[name] = done_here
+            return done[name]
+
+        return {name: expand(name, ()) for name in texts}
+
+    def mode(self, name: str, body: Mapping[str, str | float]) -> tuple[sympy.Expr, ...]:
+        """Return the vector field of a mode, one expression a state."""
+        path = ("modes", name)
+        wanted = {f"{state}'": state for state in self.file.states}
+        for key in body:
+            if key not in wanted:
+                hint = f"; write {key}'" if key in self.file.states else suggest(key, wanted)
+                self.complain((*path, key), f"'{key}' is not the derivative of a state{hint} "
+                                            f"(states: {', '.join(self.file.states)})", key=True)  # fmt: skip
+        for key in wanted:
+            if key not in body:
+                self.complain(path, f"mode '{name}' does not say what {key} is; every mode gives the derivative of every state",
+                              key=True)  # fmt: skip
+        return tuple(self.expression((*path, key), body[key], self.scope) if key in body else sympy.Integer(0) for key in wanted)
+
+    def event(self, name: str, body: Any) -> Event:
+        """Return an event: a function's zero, or a moment after another event."""
+        path = ("events", name)
+        if isinstance(body, DelayedEvent):
+            delay = self.positive((*path, "delay"), body.delay, "the delay of this event", zero=True)
+            source = self.file.events.get(body.after)
+            if source is None:
+                self.complain((*path, "after"), f"event '{body.after}' is not defined{suggest(body.after, self.file.events)}")
+            elif body.after == name:
+                self.complain((*path, "after"), f"event '{name}' cannot come after itself")
+            return Event(name, None, body.after, delay)
+        return Event(name, self.expression(path, body, self.scope))
+
+    def reset(self, name: str, body: Mapping[str, str | float]) -> tuple[sympy.Expr, ...]:
+        """Return a reset, one expression a state."""
+        path = ("resets", name)
+        for key in body:
+            if key not in self.file.states:
+                self.complain((*path, key), f"reset '{name}' sets '{key}', which is not a state{suggest(key, self.file.states)} "
+                                            f"(states: {', '.join(self.file.states)})", key=True)  # fmt: skip
+        return tuple(self.expression((*path, s), body[s], self.scope) if s in body else symbol(s) for s in self.file.states)
+
+    def check_segments(self, segments: Mapping[str, Segment], resets: Mapping[str, Any]) -> None:
+        """Check that segments name what there is, and that all there is is named."""
+        file = self.file
+        for name, segment in segments.items():
+            for key, value, known, what in (
+                ("mode", segment.mode, file.modes, "runs in mode"), ("event", segment.event, file.events, "ends at event"),
+                ("reset", segment.reset, resets, "applies reset"), ("to", segment.to, file.modes, "leads to mode"),
+            ):  # fmt: skip
+                if value not in known:
+                    kind = what.split()[-1]
+                    self.complain(("segments", name, key), f"segment '{name}' {what} '{value}', which is not defined "
+                                                           f"({kind}s: {', '.join(known) or 'none'}){suggest(value, known)}")  # fmt: skip
+        used = {s.event for s in segments.values()} | {e.after for e in file.events.values() if isinstance(e, DelayedEvent)}
+        for name in file.events:
+            if name not in used:
+                self.complain(("events", name), f"event '{name}' ends no segment; add a segment with 'event: {name}' or remove it",
+                              key=True)  # fmt: skip
+        if not segments and len(file.modes) > 1:
+            self.complain(("modes",), f"{len(file.modes)} modes but no segments lead from one to another; add segments", key=True)
+        for name in file.resets:
+            if name != IDENTITY and name not in {s.reset for s in segments.values()}:
+                self.warn(("resets", name), f"reset '{name}' is not used by any segment")
+        reached = {s.to for s in segments.values()} | {str(file.initial.get("mode", next(iter(file.modes))))}
+        for name in file.modes:
+            if name not in reached:
+                self.warn(("modes", name), f"no segment leads to mode '{name}'")
+
+    def effect(self, name: str, values: Mapping[str, str | float], drop: Sequence[str]) -> Effect:
+        """Return what leaving an effect out changes."""
+        path = ("effects", name)
+        for key in values:
+            if key not in self.file.parameters:
+                self.complain((*path, "set", key), f"'{key}' is not a parameter{suggest(key, self.file.parameters)}", key=True)
+        for i, event in enumerate(drop):
+            if event not in self.file.events:
+                self.complain((*path, "drop", i), f"event '{event}' is not defined{suggest(event, self.file.events)}")
+        return Effect({key: self.expression((*path, "set", key), v, self.parameter_scope) for key, v in values.items()}, tuple(drop))
+
+    def initial(self) -> tuple[str, tuple[sympy.Expr, ...]]:
+        """Return the initial mode and the history."""
+        given = self.file.initial
+        first = next(iter(self.file.modes))
+        mode = given.get("mode", first)
+        if mode not in self.file.modes:
+            self.complain(("initial", "mode"), f"mode '{mode}' is not defined (modes: {', '.join(self.file.modes)})")
+        for key in given:
+            if key != "mode" and key not in self.file.states:
+                self.complain(("initial", key), f"'{key}' is not a state{suggest(key, self.file.states)}", key=True)
+        scope = Scope(self.parameter_scope.symbols, place="the initial history")
+        history = (self.expression(("initial", s), given[s], scope) if s in given else sympy.Integer(0) for s in self.file.states)
+        return str(mode), tuple(history)
+
+    @staticmethod
+    def free_symbols(modes: Mapping[str, Any], events: Mapping[str, Event], resets: Mapping[str, Any],
+                     period: sympy.Expr | None) -> dict[KeyPath, set[sympy.Symbol]]:  # fmt: skip
+        """Return the symbols in each expression of the model, by the path of the expression's mapping."""
+        used: dict[KeyPath, set[sympy.Symbol]] = {}
+        for group, members in (("modes", modes), ("resets", resets)):
+            for name, exprs in members.items():
+                used[(group, name)] = set().union(*(e.free_symbols for e in exprs))
+        for name, event in events.items():
+            used[("events", name)] = set().union(*(e.free_symbols for e in (event.function, event.delay) if e is not None))
+        used[("forcing",)] = set(period.free_symbols) if period is not None else set()
+        return used
+
+    def check_time(self, period: sympy.Expr | None, used: Mapping[KeyPath, set[sympy.Symbol]]) -> None:
+        """Check that t is used where there is forcing, and only there."""
+        where = [path for path, symbols in used.items() if TIME in symbols]
+        if where and period is None and not self.file.forcing:
+            group, name = where[0]
+            self.complain(where[0], f"'t' appears in {group} '{name}' but the model has no 'forcing'; add "
+                                    "'forcing: {period: ...}' with the period of what depends on t", key=True)  # fmt: skip
+        if not where and period is not None and not self.problems:
+            self.warn(("forcing",), "the model has 'forcing' but 't' appears in no mode, event or reset")
+
+    def check_unused(self, used: Mapping[KeyPath, set[sympy.Symbol]], definitions: Mapping[str, sympy.Expr]) -> None:
+        """Warn of parameters that nothing uses."""
+        symbols = set().union(*used.values(), *(d.free_symbols for d in self.delays))
+        in_effects = {name for effect in self.file.effects.values() for name in effect.set}
+        for name in self.file.parameters:
+            if symbol(name) not in symbols and name not in in_effects:
+                self.warn(("parameters", name), f"parameter '{name}' is not used in any mode, event, reset or delay")
