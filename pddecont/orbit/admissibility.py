@@ -21,7 +21,13 @@ def event_profiles(problem: OrbitProblem, x: Array) -> dict[str, Profile]:
     model = problem.numeric.model
     modes = {segment.mode for segment in problem.segments}
     watched = dict.fromkeys(s.event for s in model.segments.values() if s.mode in modes)
-    return {name: profile(problem, x, problem.numeric.event(name)) for name in watched if model.events[name].function is not None}
+    return {name: event_profile(problem, x, name) for name in watched if model.events[name].function is not None}
+
+
+def event_profile(problem: OrbitProblem, x: Array, event: str) -> Profile:
+    """Return the function of ``event`` along the orbit."""
+    found: Profile = problem.once(f"profile of {event}", x, lambda: profile(problem, x, problem.numeric.event(event)))
+    return found
 
 
 def watched_events(problem: OrbitProblem, s: int) -> Iterator[tuple[str, str, bool]]:
@@ -52,7 +58,7 @@ def objections(problem: OrbitProblem, x: Array, profiles: dict[str, Profile] | N
 
 def _crossings(profile: Profile, s: int, event: str, direction: str, terminal: bool) -> Iterator[str]:
     start, end = profile.ends(s)
-    interior = [e.value for e in profile.extrema() if e.segment == s]
+    interior = [e.value for e in profile.extrema if e.segment == s]
     levels = np.array([start, *interior, end])
     zero = RELATIVE_ZERO * max(float(np.max(np.abs(profile.values))), np.finfo(float).tiny)
     signs = np.where(np.abs(levels) <= zero, 0, np.sign(levels)).astype(int)
@@ -74,12 +80,11 @@ def approaches(problem: OrbitProblem, profiles: dict[str, Profile]) -> list[tupl
 
     The height is h at a maximum below the surface and -h at a minimum above it.
     """
-    extrema = {name: p.extrema() for name, p in profiles.items()}
     found = []
     for s in range(len(problem.segments)):
         for name, direction, _ in watched_events(problem, s):
             if name in profiles:
-                inside = [e for e in extrema[name] if e.segment == s]
+                inside = [e for e in profiles[name].extrema if e.segment == s]
                 found += [(height, name, e) for height, e in _near_crossings(profiles[name], s, direction, inside)]
     return found
 

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.model.codegen import ArrayFunction
 from pddecont.orbit.basis import make_basis
-from pddecont.orbit.mesh import Places
 from pddecont.orbit.problem import OrbitProblem, read
 
 Array = NDArray[np.float64]
@@ -74,8 +73,9 @@ class Profile:
         basis = make_basis(self.degree)
         return float(basis.lagrange(np.array(at)) @ basis.differentiate @ self.values[j] / self.h[j])
 
+    @cached_property
     def extrema(self) -> list[Extremum]:
-        """Return all local extrema inside segments, in order of time."""
+        """All local extrema inside segments, in order of time."""
         return _told_apart(list(_extrema(self)), self)
 
 
@@ -88,7 +88,7 @@ def profile(problem: OrbitProblem, x: Array, function: ArrayFunction, row: int =
     mesh = problem.mesh
     degree = mesh.degree if function.linear[row] else 2 * mesh.degree
     base = make_basis(degree).base
-    places = Places(np.repeat(np.arange(mesh.n_intervals), len(base)), np.tile(base, mesh.n_intervals))
+    places = mesh.grid(base)
     reads = read(problem, x, places, delays=function.uses_delayed)
     values = function.value(reads.t, reads.x, reads.xd, reads.p)[row].reshape(mesh.n_intervals, -1)
     return Profile(degree, values, mesh.segment, mesh.start @ reads.theta, reads.h, not problem.segments[0].event)

@@ -115,7 +115,7 @@ def _levels(problem: OrbitProblem, x: Array, function: ArrayFunction) -> Array:
     """Return the values at which an expression along the orbit can be largest or smallest."""
     curve = profile(problem, x, function)
     ends = [value for s in range(len(problem.segments)) for value in curve.ends(s)]
-    return np.array([*ends, *(e.value for e in curve.extrema())])
+    return np.array([*ends, *(e.value for e in curve.extrema)])
 
 
 def _max(problem: OrbitProblem, x: Array, function: ArrayFunction) -> float:

@@ -94,7 +94,7 @@ class _Branch:
 
     def ending(self, end: Termination, way: int) -> str:
         """Return how a direction ended, with the signatures that it went through."""
-        done = self.task.context.results().step(self.task.step.name)
+        done = self.task.context.recorded(self.task.step.name)
         names: list[str] = []
         for i in done.order[::way]:
             if done.points["arclength"][i] * way >= 0 and done.points["kind"][i] in (b"", b"EP"):
@@ -137,7 +137,7 @@ def run_continue(context: Context, step: Step, recorded: RecordedStep | None = N
             if way not in ended:
                 writer.terminate(text, i)
             terminations.append(text)
-    done = context.results().step(step.name)
+    done = context.recorded(step.name)
     special = [(label, i) for i, label in enumerate(done.labels) if label]
     writer.special([label for label, _ in special], [i for _, i in special])
     errors = done.points["trivial_error"]

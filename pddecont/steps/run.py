@@ -41,7 +41,7 @@ def execute(plan: Plan, path: Path, reporter: Reporter | None = None, *, resume:
         create(path, plan.model_text, plan.run_text, plan.source, json.dumps(versions()), overwrite=overwrite)
     context = Context(plan, path, reporter or Silent(), Workers(workers, scheduler))
     for step in steps:
-        recorded = read_results(path).steps.get(step.name)
+        recorded = read_results(path, step.name).steps.get(step.name)
         if recorded is not None and recorded.meta.get("settings") != settings_text(plan, step):
             raise ResultsError(f"step '{step.name}' of {path} was computed with other settings; give --overwrite or another -o")
         context.reporter.step(step.name, step.kind)
