@@ -145,6 +145,8 @@ def settle(problem: OrbitProblem, guess: Array, rule: MeshRule, settings: Newton
         If Newton's method fails, or no mesh reaches the rule's tolerance.
     """
     for _ in range(MAX_MESHES):
+        if not fits(problem, guess):
+            problem, guess = on_mesh(problem, guess, new_mesh(problem, problem.theta(guess), rule))
         solution = solve_orbit(problem, guess, settings)
         curve = Curve(problem, sizes_of(problem, solution.x), rule)
         if curve.suits(solution.x):

@@ -151,6 +151,14 @@ def mesh_settings(plan: Plan, step: Step) -> str:
     return repr((mesh_rule(step.mesh or plan.run.mesh), plan.delay_method(step)))
 
 
+def choice_of(plan: Plan, step: Step) -> dict[str, str]:
+    """Return, for a run with an accuracy, the delay and mesh of a step as text, so that steps that start from it can use them again."""
+    if plan.run.accuracy is None or step.mesh is None:
+        return {}
+    used = {"delay": step.delay or plan.run.delay, "mesh": step.mesh}
+    return {"choice": json.dumps({key: value.model_dump(mode="json", exclude_none=True) for key, value in used.items()})}
+
+
 def with_reference(problem: OrbitProblem, x: Array) -> OrbitProblem:
     """Return the problem with the orbit ``x`` as the reference of its phase, where it needs one."""
     if problem.segments[0].event or problem.numeric.model.forced:
@@ -174,5 +182,5 @@ def segments_of(plan: Plan, names: str) -> Any:
 def settings_text(plan: Plan, step: Step) -> str:
     """Return all that decides a step's numbers besides the model, as JSON, to compare with at --resume."""
     body: Mapping[str, Any] = step.model_dump(mode="json", by_alias=True)
-    shared = plan.run.model_dump(mode="json", by_alias=True, include={"delay", "mesh", "monitors"})
+    shared = plan.run.model_dump(mode="json", by_alias=True, include={"accuracy", "delay", "mesh", "monitors"})
     return json.dumps({"step": body, **shared, "parameters": plan.parameters.tolist(), "off": plan.left_out.effects}, sort_keys=True)
