@@ -7,14 +7,12 @@ import os
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import math
-import statistics
-import time
-import tracemalloc
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 
+from benchmarks.timing import peak, timed
 from pddecont.continuation.linear import factor
 from pddecont.delay.chain import Chain
 from pddecont.delay.chebyshev import Chebyshev
@@ -55,28 +53,6 @@ def newton_step(problem, x):
         factor(square).solve(-r)
 
     return step
-
-
-def timed(functions, repeats=15):
-    """Return the median time of each function; the functions take turns, so that what disturbs one disturbs all."""
-    times = {name: [] for name in functions}
-    for f in functions.values():
-        f()
-    for _ in range(repeats):
-        for name, f in functions.items():
-            start = time.perf_counter()
-            f()
-            times[name].append(time.perf_counter() - start)
-    return {name: statistics.median(t) for name, t in times.items()}
-
-
-def peak(f):
-    """Return the largest memory that a call holds."""
-    tracemalloc.start()
-    f()
-    size = tracemalloc.get_traced_memory()[1]
-    tracemalloc.stop()
-    return size
 
 
 def main():

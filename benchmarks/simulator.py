@@ -28,7 +28,7 @@ from pathlib import Path
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from benchmarks.run import timed
+from benchmarks.timing import timed
 from pddecont.delay.direct import Direct
 from pddecont.model.builder import load_model
 from pddecont.model.codegen import NumericModel

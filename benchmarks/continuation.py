@@ -1,0 +1,232 @@
+"""What a point of a branch costs, where the time of a Newton step goes, and how both grow: part of ``make bench``."""
+
+from __future__ import annotations
+
+import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.timing import growth, timed
+from models.oscillator_chain import chain
+from pddecont.continuation import newton as newton_module
+from pddecont.delay.direct import Direct
+from pddecont.model.builder import parse_model
+from pddecont.model.codegen import ArrayFunction, NumericModel
+from pddecont.model.document import parse_document
+from pddecont.orbit.curve import Curve, settle, sizes_of
+from pddecont.orbit.guess import orbit_from_cycle
+from pddecont.orbit.meshing import MeshRule, remeshed
+from pddecont.orbit.reshape import Part, reshape
+from pddecont.results.reader import read_results
+from pddecont.simulate.integrate import simulate
+from pddecont.simulate.recognise import recognise
+from pddecont.steps.loading import load_plan
+from pddecont.steps.run import execute
+
+ROOT = Path(__file__).parent.parent
+BRANCH = """
+model: ../models/impact_oscillator.yaml
+set: {{tau_d: 3.8}}
+mesh: {{degree: {degree}, tol: {tol}}}
+steps:
+  - {{name: transient, simulate: {{t_end: 200*2*pi/omega}}}}
+  - {{name: orbit, orbit: {{from: transient}}}}
+  - {{name: plain, continue: {{from: orbit, free: [tau_d], range: {{tau_d: [3.2, 4.6]}}, {step}}}}}
+  - {{name: stable, continue: {{from: orbit, free: [tau_d], range: {{tau_d: [3.2, 4.6]}}, stability: true, {step}}}}}
+"""
+
+
+def ran(text, folder, name):
+    """Return the results of a run file's text, and the CPU seconds of each step."""
+    path, seconds = Path(folder) / f"{name}.h5", {}
+    plan = load_plan(parse_document(text, str(ROOT / "configs" / "bench.yaml")))
+    for i, step in enumerate(plan.run.steps):
+        start = time.process_time()
+        execute(plan, path, until=step.name, resume=i > 0, overwrite=i == 0)
+        seconds[step.name] = time.process_time() - start
+    return read_results(path), seconds
+
+
+def points(folder):
+    """Print what points cost with and without stability, and how good the grazing is."""
+    step = "step: {max: 0.1}"
+    fine = ran(BRANCH.format(degree=10, tol=1e-11, step=step), folder, "fine")[0].step("stable")
+    best = {}
+    for _ in range(3):
+        results, seconds = ran(BRANCH.format(degree=8, tol=1e-9, step=step), folder, "branch")
+        for name in ("plain", "stable"):
+            best[name] = min(best.get(name, np.inf), seconds[name])
+    print("A branch of the impact oscillator, delay equation, tau_d from 3.2 to 4.6, degree 8, tolerance 1e-9")
+    for name in ("plain", "stable"):
+        recorded = results.step(name)
+        grazing, exact = (s.points["parameters"][s.row("GR1"), -1] for s in (recorded, fine))
+        what = "with multipliers" if name == "stable" else "without"
+        print(f"  {what:18} {len(recorded):4} points, {1e3 * best[name] / len(recorded):6.1f} ms of CPU time a point, "
+              f"grazing off by {abs(grazing - exact):.1e}")  # fmt: skip
+    print(f"  ratio {best['stable'] / best['plain']:.2f}\n")
+
+
+@contextmanager
+def clock(owner, name, spent):
+    """Add up the time that calls of a function take in ``spent[0]``."""
+    original = getattr(owner, name)
+
+    def wrapped(*args, **kwargs):
+        start = time.perf_counter()
+        try:
+            return original(*args, **kwargs)
+        finally:
+            spent[0] += time.perf_counter() - start
+
+    setattr(owner, name, wrapped)
+    try:
+        yield
+    finally:
+        setattr(owner, name, original)
+
+
+def orbit_of(text, rule, periods=60, **delay):
+    """Return the orbit that a model's motion settles to."""
+    numeric = NumericModel(parse_model(parse_document(text, "m.yaml"))[0])
+    p = numeric.parameter_values
+    period = float(numeric.period.value(p)[0])
+    cycle = recognise(numeric, p, simulate(numeric, p, Direct(), periods * period))
+    problem, guess = orbit_from_cycle(numeric, p, Direct(), cycle, rule)
+    problem, solution = settle(problem, guess, rule)
+    return problem, solution.x
+
+
+def impact(rule):
+    """Return the impact oscillator's orbit."""
+    return orbit_of((ROOT / "models" / "impact_oscillator.yaml").read_text(), rule)
+
+
+def solver(problem, x, free):
+    """Return a function that takes one Newton step at the orbit."""
+    problem, x = problem.with_free(x, (free,))
+    curve = Curve(problem, sizes_of(problem, x, (1.0,)))
+    row, level = np.zeros(len(x)), x[-1]
+    row[-1] = 1.0
+    settings = newton_module.NewtonSettings(step_tol=np.inf, residual_tol=np.inf, max_iterations=1)
+    from pddecont.continuation.arclength import bordered
+
+    return lambda: bordered(curve, row, level, x.copy(), curve.metric(), settings)
+
+
+def split():
+    """Print where the time of a Newton step goes."""
+    print("Newton step of the impact oscillator, delay equation, parts of its time (%)")
+    print(f"{'unknowns':>10} {'generated code':>15} {'assembly':>10} {'factorisation':>14} {'rest':>8} {'ms':>8}")
+    problem, x = impact(MeshRule(6, intervals=20))
+    for intervals in (20, 80, 320, 1280):
+        other, guess = remeshed(problem, x, MeshRule(6, intervals=intervals))
+        step, spent = solver(other, guess, "tau_d"), {name: [0.0] for name in ("value", "derivatives", "jacobian", "residual", "factor")}
+        step()
+        n = 20
+        with clock(ArrayFunction, "value", spent["value"]), clock(ArrayFunction, "derivatives", spent["derivatives"]), \
+                clock(Curve, "jacobian", spent["jacobian"]), clock(Curve, "residual", spent["residual"]), \
+                clock(newton_module, "factor", spent["factor"]):  # fmt: skip
+            start = time.perf_counter()
+            for _ in range(n):
+                step()
+            total = time.perf_counter() - start
+        code = spent["value"][0] + spent["derivatives"][0]
+        assembly = spent["jacobian"][0] + spent["residual"][0] - code
+        factor = spent["factor"][0]
+        parts = [100 * t / total for t in (code, assembly, factor, total - code - assembly - factor)]
+        print(f"{len(guess):10} {parts[0]:15.0f} {parts[1]:10.0f} {parts[2]:14.0f} {parts[3]:8.0f} {1e3 * total / n:8.2f}")
+    print()
+
+
+def table(title, steps, sizes):
+    """Print the time of Newton steps and the exponent that they grow with."""
+    times = timed(steps, 7)
+    order = growth([sizes[k] for k in steps], [times[k] for k in steps])
+    print(f"  {title:38} {', '.join(f'{k}: {1e3 * t:.2f}' for k, t in times.items())} ms; exponent {order:.2f}")
+
+
+def taken_often(problem, x, k, rule):
+    """Return an orbit taken ``k`` times as one orbit of k times as many segments."""
+    _, durations, _, _ = problem.layout.split(x)
+    period = float(np.sum(durations))
+    ends = np.concatenate([[0.0], np.cumsum(np.tile(durations, k))])
+    parts = [Part(s, float(a % period), float(a % period + b - a)) for s, a, b in zip(problem.segments * k, ends, ends[1:], strict=False)]
+    return reshape(problem, x, parts, rule, problem.n_periods * k)
+
+
+def delays(k):
+    """Return an impacting oscillator with ``k`` delays."""
+    terms = " + ".join(f"{0.3 / k}*v(t - {0.4 + 0.37 * i})" for i in range(k))
+    return f"""name: m
+states: [x, v]
+parameters: {{a: 1, K: 0.4}}
+forcing: {{period: 2*pi/1.3}}
+modes: {{m: {{x': v, v': cos(1.3*t)*a - x - 0.1*v - K*({terms})}}}}
+events: {{hit: x - 0.9}}
+resets: {{bounce: {{v: -0.7*v}}}}
+segments: {{s: {{mode: m, event: hit, direction: rising, reset: bounce, to: m}}}}
+"""
+
+
+def sizes():
+    """Print how a Newton step grows with everything that makes a problem large."""
+    print("Newton steps (ms) and the exponent of their growth")
+    problem, x = impact(MeshRule(6, intervals=20))
+    meshes = {n: remeshed(problem, x, MeshRule(6, intervals=n)) for n in (20, 80, 320, 1280)}
+    steps = {len(y): solver(p, y, "tau_d") for p, y in meshes.values()}
+    table("unknowns", steps, {n: n for n in steps})
+    often = {k: taken_often(problem, x, k, MeshRule(6, intervals=20 * k)) for k in (1, 2, 4, 8)}
+    table("segments (unknowns in proportion)", {len(p.segments): solver(p, y, "tau_d") for p, y in often.values()},
+          {len(p.segments): len(p.segments) for p, _ in often.values()})  # fmt: skip
+    chains = {2 * n: orbit_of(chain(n), MeshRule(6, intervals=40)) for n in (2, 5, 10, 25, 50)}
+    table("states (chain of oscillators)", {n: solver(*o, "K") for n, o in chains.items()}, {n: n for n in chains})
+    many = {k: orbit_of(delays(k), MeshRule(6, intervals=160)) for k in (1, 2, 4, 8)}
+    table("delays (160 intervals)", {k: solver(*o, "K") for k, o in many.items()}, {k: k for k in many})
+    print()
+
+
+def long_branches(folder):
+    """Print how the cost of a point and the memory change along a branch."""
+    print("A branch of many points (impact oscillator, degree 6, 10 intervals)")
+    for n in (250, 500, 1000, 2000):
+        text = BRANCH.format(degree=6, tol=1e-6, step=f"step: {{initial: {0.5 / n}, max: {0.5 / n}}}, max_points: {n}, direction: up")
+        text = "\n".join(line for line in text.splitlines() if "name: stable" not in line)
+        results, seconds = ran(text, folder, f"long{n}")
+        memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+        recorded = len(results.step("plain"))
+        print(f"  {recorded:5} points: {1e3 * seconds['plain'] / recorded:6.2f} ms of CPU time a point, at most {memory:.0f} MiB so far")
+    print()
+
+
+def start_up():
+    """Print how long commands take to start, against Python alone."""
+    program = [sys.executable, "-m", "pddecont"]
+    model = str(ROOT / "models" / "impact_oscillator.yaml")
+    commands = {"python": [sys.executable, "-c", "pass"], "--help": [*program, "--help"], "check": [*program, "check", model],
+                "info": [*program, "info", model]}  # fmt: skip
+    times = timed({name: lambda c=command: subprocess.run(c, capture_output=True, check=True) for name, command in commands.items()}, 5)
+    print("Start-up: " + ", ".join(f"{name} {1e3 * t:.0f} ms ({t / times['python']:.0f} times Python's own)" for name, t in times.items()))
+
+
+def main():
+    """Print all tables."""
+    with tempfile.TemporaryDirectory() as folder:
+        points(folder)
+        split()
+        sizes()
+        long_branches(folder)
+    start_up()
+
+
+if __name__ == "__main__":
+    main()
