@@ -17,11 +17,12 @@ SAME_TIME = 1e-6
 
 
 def event_profiles(problem: OrbitProblem, x: Array) -> dict[str, Profile]:
-    """Return the event functions along the orbit, by event, for all that some mode of the orbit watches."""
-    model = problem.numeric.model
-    modes = {segment.mode for segment in problem.segments}
-    watched = dict.fromkeys(s.event for s in model.segments.values() if s.mode in modes)
-    return {name: profile(problem, x, problem.numeric.event(name)) for name in watched if model.events[name].function is not None}
+    """Return the event functions along the orbit, by event, each over the segments that watch it."""
+    watching: dict[str, set[int]] = {}
+    for s in range(len(problem.segments)):
+        for event, _, _ in watched_events(problem, s):
+            watching.setdefault(event, set()).add(s)
+    return {name: profile(problem, x, problem.numeric.event(name), segments=where) for name, where in watching.items()}
 
 
 def watched_events(problem: OrbitProblem, s: int) -> Iterator[tuple[str, str, bool]]:

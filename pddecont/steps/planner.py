@@ -6,6 +6,7 @@ import contextlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,9 +20,10 @@ from pddecont.model.system import Model, check_signature
 from pddecont.steps.motions import check_basin, check_simulate, check_sweep
 from pddecont.steps.named import named_in
 from pddecont.steps.plan import Plan, as_number
-from pddecont.steps.schema import RunBlock, Step
+from pddecont.steps.schema import OnBranch, OnCurve, RunBlock, Step
 
 Array = NDArray[np.float64]
+NEED_MULTIPLIERS = {"BP", "TR", "FF", "FT", "PT", "TT", "GL", "GP", "GT"}
 COLUMNS = {"index", "label", "kind", "period", "stable", "admissible", "error_estimate", "n_unknowns", "n_unstable", "note"}
 
 
@@ -187,6 +189,17 @@ class Planner:
             except ExpressionError as exc:
                 self.complain((*path, name), str(exc), offset=exc.offset)
 
+    def check_detect(self, path: tuple[str | int, ...], step: Step) -> None:
+        """Check that the kinds of special points asked for can be found in this step."""
+        body = step.continue_
+        assert body is not None
+        known, where = (OnBranch, "one free parameter") if len(body.free) == 1 else (OnCurve, "two free parameters")
+        for k, kind in enumerate(body.detect or ()):
+            if kind not in get_args(known):
+                self.complain((*path, k), f"'{kind}' is not found with {where} (there are: {', '.join(get_args(known))})")
+            elif kind in NEED_MULTIPLIERS and not body.stability:
+                self.complain((*path, k), f"'{kind}' is seen from multipliers; add 'stability: true' to this step")
+
     def check_source(self, path: tuple[str | int, ...], step: Step, earlier: Mapping[str, Step]) -> None:
         """Check where a step starts."""
         source = step.source
@@ -219,6 +232,7 @@ class Planner:
         if body.signature is not None:
             self.check_signature((*path, "signature"), body.signature)
         self.check_users((*path, "events_along"), body.events_along)
+        self.check_detect((*path, "detect"), step)
         for k, name in enumerate(body.free):
             if self.check_settable((*path, "free", k), name, values, key=False) and name not in body.range:
                 self.complain((*path, "range"), f"the free parameter '{name}' has no range; add '{name}: [lowest, highest]'")
