@@ -105,7 +105,8 @@ def _only(node: ast.Call) -> ast.expr:
 def _name(model: Model, node: ast.expr, known: Collection[str], what: str) -> str:
     name = ast.unparse(node)
     if name not in known:
-        raise ExpressionError(f"'{name}' is not a {what}{model.hint(f'{what}s', name, known)} ({what}s: "
+        article = "an" if what == "event" else "a"
+        raise ExpressionError(f"'{name}' is not {article} {what}{model.hint(f'{what}s', name, known)} ({what}s: "
                               f"{', '.join(known) or 'none'})", node.col_offset)  # fmt: skip
     return name
 

@@ -135,7 +135,8 @@ def test_an_event_whose_function_changes_no_more_is_none():
 
 def test_events_after_an_event_that_never_happens_go_too():
     more = ("events: {hit: x - 1, kick: {after: hit, delay: T}, echo: {after: kick, delay: T}}\nresets: {jump: {y: 0}}\n"
-            "segments: {s: {mode: m, event: hit, to: m}, k: {mode: m, event: kick, reset: jump, to: m}, e: {mode: m, event: echo, to: m}}\n")
+            "segments: {s: {mode: m, event: hit, to: m}, k: {mode: m, event: kick, reset: jump, to: m},\n"
+            "  e: {mode: m, event: echo, to: m}}\n")  # fmt: skip
     left = without(chain("-x", "-y", effects="effects: {hits: {drop: [hit]}}", more=more), ["hits"])
     assert left.events == {}
     assert left.segments == {}

@@ -40,8 +40,8 @@ def calls(monkeypatch):
 
         return counted
 
-    for where, name in ((grazing.Clearances, "__call__"), (tangency, "crossing_rate"), (tangency.Meeting, "at"), (period_doubling, "halves"),
-                        (Known, "__call__"), (watch, "objections"), (Monitor, "value")):  # fmt: skip
+    for where, name in ((grazing.Clearances, "__call__"), (tangency, "crossing_rate"), (tangency.Meeting, "at"),
+                        (period_doubling, "halves"), (Known, "__call__"), (watch, "objections"), (Monitor, "value")):  # fmt: skip
         key = f"{where.__name__}.{name}"
         monkeypatch.setattr(where, name, counting(key, getattr(where, name)))
     return count
@@ -93,8 +93,8 @@ def test_folds_alone_need_no_multipliers_though_points_may_have_them(tmp_path, c
     assert "Known.__call__" not in calls
     with_stability = run(DUFFING % ", detect: [LP], stability: true", tmp_path / "s.h5").step("branch")
     assert labels(with_stability) == labels(step)
-    # Once a point, for its own record.
-    assert calls["Known.__call__"] == len(with_stability)
+    # Once a point, for its own record, and once to see whether they can be told at all.
+    assert calls["Known.__call__"] == len(with_stability) + 1
 
 
 @pytest.mark.parametrize(("more", "message"), [
