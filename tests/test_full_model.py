@@ -132,6 +132,8 @@ def test_histories_and_chains_are_of_delayed_quantities_only(model, delay, kept)
         assert [numeric.model.states[i] for i in simulator.system.kept] == kept
         assert memory.past_coefficients.shape[2] == len(kept)
     assert (memory.count[USED] > 0) == bool(kept)
+    # Nothing reads the inside of a step where there are no delays, no events and no log.
+    assert np.any(simulator.work.extension) == (model != "linear_oscillator")
 
 
 EVENTS = """

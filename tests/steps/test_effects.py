@@ -49,7 +49,7 @@ def test_nor_on_the_command_line():
     ("impact", "monitors: {c: extremum(impact)}\n", TRANSIENT, "'impact' is not an event; it is left out: it never happens without effect"),
     ("impact", "", SWEEP % ", section: {event: impact}", "'impact' is not an event; it is left out: it never happens"),
     ("impact", "", "{name: t, simulate: {t_end: 9, stick: {impact: free_up}}}", "'impact' is not an event; it is left out"),
-    ("impact", "", f"{TRANSIENT}, {{name: o, orbit: {{from: t, signature: [meet, slip]}}}}", "'meet' is not a segment of this model; it is"),
+    ("impact", "", f"{TRANSIENT}, {{name: o, orbit: {{from: t, signature: [meet, slip]}}}}", "'meet' is not a segment of this model; it"),
     ("cutting", "", "{name: t, simulate: {t_end: 10, record: {signals: {s: x(t - tau_c)}}}}",
      r"it is left out: nothing left reads it without effect 'cutting'"),
     ("forcing", "", SWEEP % "", "the model has no forcing .*; it is left out: 't' appears nowhere any more without effect 'forcing'"),
