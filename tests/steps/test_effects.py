@@ -146,3 +146,33 @@ def test_a_file_gone_on_with_without_other_effects_says_so_at_each_step(in_folde
     code, _, err = call("run", "r.yaml", "-q", "--resume", "--without", "feedback")
     assert code == 1
     assert "step 't' of r.h5 was computed with other settings" in err
+
+
+DRIVEN = """
+name: m
+states: [x, v]
+parameters: {mu: 1, F: 1, n: 1, k: 0}
+forcing: {period: 2*pi}
+modes: {m: {x': v, v': n*mu*(1 - x**2)*v - (1 - n)*v - x + F*cos(t)}}
+effects: {drive: {set: {F: 0}}, pump: {set: {n: 0}}}
+initial: {x: 2, v: 0}
+run:
+  effects: {off: [%s]}
+  monitors: {top: max(x)}
+  steps:
+    - {name: t, simulate: {t_end: 200}}
+    - {name: o, orbit: {from: t, stability: true}}
+"""
+
+
+def test_without_its_forcing_a_self_sustained_motion_has_its_own_period(in_folder):
+    (in_folder / "m.yaml").write_text(DRIVEN % "drive")
+    assert call("run", "m.yaml", "-q")[0] == 0
+    # Van der Pol's oscillator at mu = 1.
+    [row] = json.loads(call("export", "m.h5", "--step", "o", "--table", "points", "--format", "json")[1])
+    assert row["period"] == pytest.approx(6.6632868593231, rel=1e-8)
+    assert row["F"] == 0.0
+    (in_folder / "d.yaml").write_text(DRIVEN % "drive, pump")
+    code, _, err = call("run", "d.yaml", "-q")
+    assert code == 3
+    assert "the trajectory has not settled to a periodic motion" in err
