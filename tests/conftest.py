@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from pddecont.model.builder import load_model, parse_model
@@ -24,6 +25,18 @@ def numeric_from(text: str) -> NumericModel:
 
 def shipped(name: str) -> NumericModel:
     return NumericModel(load_model(str(ROOT / "models" / f"{name}.yaml"))[0])
+
+
+def all_derivatives(function, arguments, free=()):
+    """A function's derivatives with zeros in place: (as they come, dx, dxd, dp, dt)."""
+    d, where = function.derivatives(*arguments, free), function.structure(free)
+    n_points = d.value.shape[1]
+    dense = [np.zeros((function.n_out, n, n_points)) for n in (len(function.states), len(function.delayed), len(free))]
+    for array, places, values in zip(dense, (where.dx, where.dxd, where.dp), (d.dx, d.dxd, d.dp), strict=True):
+        array[places] = values
+    dt = np.zeros_like(d.value)
+    dt[where.dt] = d.dt
+    return d, *dense, dt
 
 
 @pytest.fixture

@@ -7,15 +7,14 @@ negative for an admissible orbit and zero where the orbit grazes. Along a branch
 
 from __future__ import annotations
 
-from collections import deque
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.orbit.admissibility import approaches, closest_approach, event_profiles
+from pddecont.orbit.admissibility import approaches, closest_approach, event_profile, event_profiles
 from pddecont.orbit.curve import Curve
-from pddecont.orbit.extrema import Profile, profile
+from pddecont.orbit.extrema import Profile
 from pddecont.orbit.problem import OrbitProblem
 
 Array = NDArray[np.float64]
@@ -35,23 +34,18 @@ def clearance(problem: OrbitProblem, x: Array, profiles: dict[str, Profile] | No
     return extremum.value if extremum.is_max else -extremum.value
 
 
-class Clearances:
-    """The test function of each segment and event apart, so that none hides another; each orbit is looked at once."""
+def height(problem: OrbitProblem, x: Array, s: int, event: str) -> float:
+    """Return the test function of one segment and event, so that none hides another (NaN if the segment has no extremum)."""
+    heights: dict[tuple[int, str], float] = problem.once("heights", x, lambda: _heights(problem, x))
+    return heights.get((s, event), float("nan"))
 
-    def __init__(self) -> None:
-        self._kept: deque[tuple[Array, dict[tuple[int, str], float]]] = deque(maxlen=32)
 
-    def __call__(self, problem: OrbitProblem, x: Array, s: int, event: str) -> float:
-        """Return the largest height of segment ``s`` towards ``event`` (NaN if it has no extremum)."""
-        for known, heights in self._kept:
-            if known is x:
-                return heights.get((s, event), float("nan"))
-        heights = {}
-        for height, name, extremum in approaches(problem, event_profiles(problem, x)):
-            key = (extremum.segment, name)
-            heights[key] = max(height, heights.get(key, -np.inf))
-        self._kept.append((x, heights))
-        return heights.get((s, event), float("nan"))
+def _heights(problem: OrbitProblem, x: Array) -> dict[tuple[int, str], float]:
+    heights: dict[tuple[int, str], float] = {}
+    for height, name, extremum in approaches(problem, event_profiles(problem, x)):
+        key = (extremum.segment, name)
+        heights[key] = max(height, heights.get(key, -np.inf))
+    return heights
 
 
 @dataclass(frozen=True)
@@ -89,7 +83,7 @@ class Graze:
         durations = x[problem.layout.durations]
         begin = float(np.sum(durations[: self.segment]))
         found, closed = [], not problem.segments[0].event
-        for e in profile(problem, x, problem.numeric.event(self.event)).extrema():
+        for e in event_profile(problem, x, self.event).extrema:
             if e.segment == self.segment and e.is_max == self.is_max:
                 fraction = (e.time - begin) / float(durations[self.segment])
                 apart = abs(fraction - self.fraction)

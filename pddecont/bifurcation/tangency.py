@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.orbit.admissibility import event_profiles, from_below, watched_events
+from pddecont.orbit.admissibility import event_profile, event_profiles, from_below, watched_events
 from pddecont.orbit.curve import Curve
-from pddecont.orbit.extrema import Profile, profile
+from pddecont.orbit.extrema import Profile
 from pddecont.orbit.problem import OrbitProblem
 
 Array = NDArray[np.float64]
@@ -42,7 +42,7 @@ def crossing_rates(problem: OrbitProblem, x: Array, profiles: dict[str, Profile]
 def rate(problem: OrbitProblem, x: Array, s: int) -> float:
     """Return the rate at which segment ``s`` crosses its event at its end, positive in the direction listed."""
     segment = problem.segments[s]
-    along = profile(problem, x, problem.numeric.event(segment.event))
+    along = event_profile(problem, x, segment.event)
     return along.end_slope(s) if from_below(along, s, segment.direction) else -along.end_slope(s)
 
 
@@ -71,7 +71,7 @@ class Meeting:
 
     def at(self, problem: OrbitProblem, x: Array) -> float:
         """Return the same for an orbit."""
-        along = profile(problem, x, problem.numeric.event(self.event))
+        along = event_profile(problem, x, self.event)
         value = along.ends(self.s)[self.at_end]
         slope = along.end_slope(self.s) if self.at_end else along.start_slope(self.s)
         counts = {"rising": slope > 0.0, "falling": slope < 0.0}.get(self.direction, True)

@@ -10,7 +10,7 @@ import click
 
 from pddecont.cli.console import plain, print_json
 
-TABLES = ("points", "special", "orbit", "multipliers", "trajectory", "events", "returns", "cells")
+TABLES = ("points", "special", "orbit", "multipliers", "trajectory", "events", "returns", "cells", "precision")
 
 
 @click.command("export")

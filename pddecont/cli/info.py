@@ -88,7 +88,7 @@ def _lines(data: dict[str, Any], indent: str = "") -> list[str]:
         elif key == "curve":
             lines.append(f"{indent}{key}: {value}{_in_words(value)}")
         elif isinstance(value, list):
-            long = key in ("segments", "termination")
+            long = key in ("segments", "termination", "cheapest")
             lines += [f"{indent}{key}:", *(f"{indent}  {v}" for v in value)] if long else [f"{indent}{key}: {', '.join(map(str, value))}"]
         else:
             lines.append(f"{indent}{key}: {value:.6g}" if isinstance(value, float) else f"{indent}{key}: {value}")

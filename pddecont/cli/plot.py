@@ -8,7 +8,7 @@ import click
 
 from pddecont.cli.console import say
 
-KINDS = ("diagram", "plane", "manifold", "multipliers", "orbit", "profile", "trajectory", "sweep", "basin")
+KINDS = ("diagram", "plane", "manifold", "multipliers", "orbit", "profile", "trajectory", "sweep", "basin", "precision", "distance")
 
 
 @click.command("plot")
@@ -38,6 +38,8 @@ def command(file: str, output: Path | None, steps: tuple[str, ...], kind: str | 
       trajectory   a simulation
       sweep        a brute-force diagram: returns over a parameter, with branches in it and Lyapunov exponents below it
       basin        the map of basins of attraction
+      precision    error against CPU time and unknowns, with slopes
+      distance     how far chains are from the delay equation, over N
     """  # noqa: D301 - click's mark for text that is not wrapped anew
     from pddecont.plot.choice import View
     from pddecont.plot.figure import draw

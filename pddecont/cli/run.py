@@ -15,6 +15,8 @@ from pddecont.cli.console import Progress, print_json, say
 @click.option("-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="Results file  [default: the input's name, .h5]")
 @click.option("--set", "assignments", multiple=True, metavar="NAME=VALUE", help="Set a parameter; may be repeated.")
 @click.option("--without", multiple=True, metavar="EFFECT", help="Leave an effect of the model out; may be repeated.")
+@click.option("--accuracy", type=click.FloatRange(1e-11, 1, max_open=True), metavar="ERROR",
+              help="Choose method, degree and mesh to meet this error on orbits.")  # fmt: skip
 @click.option("--only", metavar="STEP", help="Do this step only; with --resume into a file that holds the steps it starts from.")
 @click.option("--until", metavar="STEP", help="Stop after this step.")
 @click.option("--resume", is_flag=True, help="Go on with an output that exists.")
@@ -23,9 +25,9 @@ from pddecont.cli.console import Progress, print_json, say
 @click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler whose workers do sweeps and basins, such as tcp://host:8786.")
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors and warnings.")
 @click.option("--json", "as_json", is_flag=True, help="Write one JSON document on what was computed to standard output.")
-def command(file: str, output: Path | None, assignments: tuple[str, ...], without: tuple[str, ...], only: str | None,
-            until: str | None, resume: bool, overwrite: bool, workers: int, scheduler: str | None, quiet: bool,
-            as_json: bool) -> None:  # fmt: skip
+def command(file: str, output: Path | None, assignments: tuple[str, ...], without: tuple[str, ...], accuracy: float | None,
+            only: str | None, until: str | None, resume: bool, overwrite: bool, workers: int, scheduler: str | None,
+            quiet: bool, as_json: bool) -> None:  # fmt: skip
     """Do the steps of run file FILE, or of the run block of model FILE.
 
     FILE is a path, '-' for standard input, or the name of a shipped model or run.
@@ -39,7 +41,7 @@ def command(file: str, output: Path | None, assignments: tuple[str, ...], withou
     if resume and overwrite:
         raise click.UsageError("--resume and --overwrite exclude each other")
     document = load_document(file)
-    plan = load_plan(document, Overrides(tuple(map(_assignment, assignments)), without))
+    plan = load_plan(document, Overrides(tuple(map(_assignment, assignments)), without, accuracy))
     for warning in plan.warnings:
         say(f"{warning} (warning)")
     stem = "run" if file == "-" else Path(document.path).stem

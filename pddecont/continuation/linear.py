@@ -50,18 +50,36 @@ def factor(matrix: Matrix) -> Factors:
 def scale_matrix(matrix: Matrix, rows: Array, columns: Array) -> Matrix:
     """Return diag(rows) * matrix * diag(columns)."""
     if sp.issparse(matrix):
-        return sp.csc_matrix(sp.diags_array(rows) @ matrix @ sp.diags_array(columns))
+        return _csc(matrix.data * rows[matrix.indices] * np.repeat(columns, np.diff(matrix.indptr)), matrix.indices, matrix.indptr,
+                    matrix.shape)  # fmt: skip
     return rows[:, None] * matrix * columns
 
 
 def row_maxima(matrix: Matrix) -> Array:
     """Return the largest modulus in each row (1 for a row of zeros)."""
-    largest = np.asarray(abs(matrix).max(axis=1).todense()).ravel() if sp.issparse(matrix) else np.abs(matrix).max(axis=1)
+    if sp.issparse(matrix):
+        largest = np.zeros(matrix.shape[0])
+        np.maximum.at(largest, matrix.indices, np.abs(matrix.data))
+    else:
+        largest = np.abs(matrix).max(axis=1)
     return np.where(largest > 0, largest, 1.0)
 
 
 def add_row(matrix: Matrix, row: Array) -> Matrix:
-    """Return ``matrix`` with one more row below."""
+    """Return ``matrix`` with one more row below; a sparse one keeps a place for each of its entries."""
     if sp.issparse(matrix):
-        return sp.csc_matrix(sp.vstack([matrix, sp.csr_matrix(row[None])]))
+        n_rows, n_columns = matrix.shape
+        ends, added = matrix.indptr[1:], np.arange(n_columns + 1, dtype=matrix.indptr.dtype)
+        # The new entry of column j comes after all of that column's, moved on by those of the columns before.
+        last = ends + added[:-1]
+        old = np.ones(len(matrix.data) + n_columns, dtype=bool)
+        old[last] = False
+        data, indices = np.empty(len(old)), np.empty(len(old), dtype=matrix.indices.dtype)
+        data[old], data[last] = matrix.data, row
+        indices[old], indices[last] = matrix.indices, n_rows
+        return _csc(data, indices, matrix.indptr + added, (n_rows + 1, n_columns))
     return np.vstack([matrix, row])
+
+
+def _csc(data: Array, indices: Any, indptr: Any, shape: tuple[int, int]) -> sp.csc_matrix:
+    return sp.csc_matrix((data, indices, indptr), shape=shape)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,8 +32,8 @@ class Direct:
 
     def operator(self, mesh: Mesh, theta: Array, tau_index: int, places: Places) -> DelayOperator:
         """Return the operator of the delay ``theta[tau_index]`` for reads at ``places``."""
-        anchor = theta if mesh.anchor is None or places is not mesh.sites else mesh.anchor
-        reads = locate(mesh, anchor, tau_index, places)
+        held = mesh.anchor is not None and places is mesh.sites
+        reads = anchored(mesh, tau_index) if held else locate(mesh, theta, tau_index, places)
         j = reads.interval
         lengths = (mesh.length @ theta)[j]
         if not np.all(np.abs(lengths) > 0.0):
@@ -41,10 +42,10 @@ class Direct:
         if np.max(np.abs(sigma), initial=0.0) > FAR:
             raise ConvergenceError("a delayed value is read far outside its mesh interval")
         weights = mesh.basis.lagrange(sigma)
-        columns = mesh.base_index[j]
+        columns = reads.columns
 
         def theta_derivative(values: Array, which: Sequence[int]) -> Array:
-            slopes = np.einsum("pb,pbq->pq", weights @ mesh.basis.differentiate, values[columns])
+            slopes = np.matmul((weights @ mesh.basis.differentiate)[:, None], values[columns])[:, 0]
             moves = (reads.times - mesh.start[j] - sigma[:, None] * mesh.length[j])[:, which] / lengths[:, None]
             return slopes[:, :, None] * moves[:, None, :]
 
@@ -53,11 +54,22 @@ class Direct:
 
 @dataclass(frozen=True, eq=False)
 class Where:
-    """Where reads fall: ``times`` their coefficients of theta, ``wraps`` periods back, ``interval`` the mesh interval."""
+    """Where reads fall: ``times`` their coefficients of theta, ``wraps`` periods back, ``interval`` the mesh interval.
+
+    ``columns`` (n_places, degree + 1) are the interval's base points.
+    """
 
     times: Array
     wraps: NDArray[np.intp]
     interval: NDArray[np.intp]
+    columns: NDArray[np.intp]
+
+
+@lru_cache(maxsize=64)
+def anchored(mesh: Mesh, tau_index: int) -> Where:
+    """Return where the sites of a mesh read at the theta that it was made for."""
+    assert mesh.anchor is not None
+    return locate(mesh, mesh.anchor, tau_index, mesh.sites)
 
 
 def locate(mesh: Mesh, theta: Array, tau_index: int, places: Places) -> Where:
@@ -72,4 +84,5 @@ def locate(mesh: Mesh, theta: Array, tau_index: int, places: Places) -> Where:
     times[:, :n] += wraps[:, None]
     edges = mesh.start @ theta
     interval = np.searchsorted(edges, at + wraps * period, side="right") - 1
-    return Where(times, wraps, np.clip(interval, 0, mesh.n_intervals - 1))
+    interval = np.clip(interval, 0, mesh.n_intervals - 1)
+    return Where(times, wraps, interval, mesh.base_index[interval])

@@ -34,7 +34,12 @@ class LocalWeights:
 
     def apply(self, values: Array) -> Array:
         """Return the delayed values of base ``values`` (n_base, n_quantities), shape (n_places, n_quantities)."""
-        return np.einsum("sb,sbq->sq", self.weights, values[self.columns])
+        return np.matmul(self.weights[:, None], values[self.columns])[:, 0]
+
+    def reads_as(self, other: LocalWeights) -> bool:
+        """Whether every place reads the same base points, as many periods back, as with ``other``."""
+        same = self.columns is other.columns or np.array_equal(self.columns, other.columns)
+        return same and (self.wraps is other.wraps or np.array_equal(self.wraps, other.wraps))
 
 
 @dataclass(frozen=True, eq=False)

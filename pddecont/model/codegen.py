@@ -8,7 +8,7 @@ values come with the points on the last axis, so ``x`` has shape (n_states, n_po
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from typing import Any
@@ -22,6 +22,7 @@ from pddecont.model.expression import TIME
 from pddecont.model.system import Model
 
 Array = NDArray[np.float64]
+Ints = NDArray[np.intp]
 Symbols = Sequence[sympy.Symbol]
 
 ARGUMENTS = "t, x, xd, p"
@@ -34,10 +35,9 @@ _MATH |= {"arcsin": math.asin, "arccos": math.acos, "arctan": math.atan, "arctan
 
 @dataclass(frozen=True)
 class Derivatives:
-    """A function's value and derivatives at n_points points.
+    """A function's value (n_out, n_points) and those of its derivatives that are not zero, each of shape (n_entries, n_points).
 
-    Shapes: value (n_out, n_points), dx (n_out, n_states, n_points), dxd (n_out, n_delayed, n_points),
-    dp (n_out, n_free, n_points), dt (n_out, n_points).
+    The function's :class:`Structure` says which entries these are.
     """
 
     value: Array
@@ -45,6 +45,26 @@ class Derivatives:
     dxd: Array
     dp: Array
     dt: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Structure:
+    """Which derivatives of a function are not zero: (output, variable) of each entry of dx, dxd and dp, output of each of dt."""
+
+    dx: tuple[Ints, Ints]
+    dxd: tuple[Ints, Ints]
+    dp: tuple[Ints, Ints]
+    dt: Ints
+
+    @cached_property
+    def moved(self) -> Ints:
+        """Outputs that move when a time or a delayed value does."""
+        return np.union1d(self.dt, self.dxd[0]).astype(np.intp)
+
+    @cached_property
+    def moving(self) -> Ints:
+        """Outputs that depend on a free parameter."""
+        return np.unique(self.dp[0]).astype(np.intp)
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,6 +76,7 @@ class ArrayFunction:
     delayed: tuple[sympy.Symbol, ...]
     parameters: tuple[sympy.Symbol, ...]
     _compiled: dict[Any, Callable[..., None]] = field(default_factory=dict, repr=False, compare=False)
+    _structures: dict[tuple[int, ...], Structure] = field(default_factory=dict, repr=False, compare=False)
 
     @property
     def n_out(self) -> int:
@@ -69,11 +90,26 @@ class ArrayFunction:
         return out
 
     def derivatives(self, t: Array, x: Array, xd: Array, p: Array, free: tuple[int, ...] = ()) -> Derivatives:
-        """Return values and all derivatives; those in parameters only for the numbers in ``free``."""
-        n, out = np.shape(t)[0], self.n_out
-        arrays = [np.zeros((out, *inner, n)) for inner in ((), (len(self.states),), (len(self.delayed),), (len(free),), ())]
+        """Return values and all derivatives that are not zero; those in parameters only for the numbers in ``free``."""
+        n, where = np.shape(t)[0], self.structure(free)
+        arrays = [np.zeros((m, n)) for m in (self.n_out, len(where.dx[0]), len(where.dxd[0]), len(where.dp[0]), len(where.dt))]
         self._function(free)(t, x, xd, p, *arrays)
         return Derivatives(*arrays)
+
+    def structure(self, free: tuple[int, ...] = ()) -> Structure:
+        """Return which derivatives are not zero."""
+        if free not in self._structures:
+            symbols = (self.states, self.delayed, [self.parameters[i] for i in free], [TIME])
+            dx, dxd, dp, dt = (_places(self._slopes(group)) for group in symbols)
+            self._structures[free] = Structure(dx, dxd, dp, dt[0])
+        return self._structures[free]
+
+    def _slopes(self, symbols: Symbols) -> dict[tuple[int, int], sympy.Expr]:
+        """Return the derivatives that are not zero by (output, symbol), in order."""
+        number = {s: k for k, s in enumerate(symbols)}
+        places = [(i, number[s]) for i, e in enumerate(self.exprs) for s in sorted(e.free_symbols & set(number), key=number.__getitem__)]
+        slopes = {(i, k): self.exprs[i].diff(symbols[k]) for i, k in places}
+        return {place: slope for place, slope in slopes.items() if slope != 0}
 
     @cached_property
     def scalar(self) -> Callable[..., None]:
@@ -101,12 +137,16 @@ class ArrayFunction:
         names = symbol_names(self.states, self.delayed, self.parameters)
         if key == "value":
             return source({"value": self.exprs}, names)
+        groups: dict[str, Sequence[sympy.Expr]] = {"value": self.exprs}
         free = [self.parameters[i] for i in key]
-        groups: dict[str, Sequence[Any]] = {"value": self.exprs}
-        for name, symbols in (("dx", self.states), ("dxd", self.delayed), ("dp", free)):
-            groups[name] = [[e.diff(s) for s in symbols] for e in self.exprs]
-        groups["dt"] = [e.diff(TIME) for e in self.exprs]
+        for name, symbols in (("dx", self.states), ("dxd", self.delayed), ("dp", free), ("dt", [TIME])):
+            groups[name] = list(self._slopes(symbols).values())
         return source(groups, names)
+
+
+def _places(entries: Iterable[tuple[int, int]]) -> tuple[Ints, Ints]:
+    pairs = np.array(list(entries), dtype=np.intp).reshape(-1, 2)
+    return pairs[:, 0], pairs[:, 1]
 
 
 def symbol_names(states: Symbols, delayed: Symbols, parameters: Symbols) -> dict[sympy.Symbol, str]:
@@ -126,18 +166,9 @@ class _Printer(NumPyPrinter):
         return self._names.get(expr) or super()._print_Symbol(expr)
 
 
-def source(groups: Mapping[str, Sequence[Any]], names: Mapping[sympy.Symbol, str]) -> str:
-    """Return the text of a function that fills one output array a group; entries that are zero are left alone.
-
-    ``groups`` maps an output's name to a list of expressions, or to a list of rows of expressions.
-    """
-    targets: list[tuple[str, sympy.Expr]] = []
-    for name, entries in groups.items():
-        for i, entry in enumerate(entries):
-            if isinstance(entry, list):
-                targets += [(f"{name}[{i}, {j}]", e) for j, e in enumerate(entry) if e != 0]
-            elif entry != 0:
-                targets.append((f"{name}[{i}]", entry))
+def source(groups: Mapping[str, Sequence[sympy.Expr]], names: Mapping[sympy.Symbol, str]) -> str:
+    """Return the text of a function that fills one output array a group; entries that are zero are left alone."""
+    targets = [(f"{name}[{i}]", entry) for name, entries in groups.items() for i, entry in enumerate(entries) if entry != 0]
     printer = _Printer(names)
     shared, exprs = sympy.cse([e for _, e in targets], symbols=sympy.numbered_symbols("c"), order="canonical")
     lines = [f"def generated({ARGUMENTS}, {', '.join(groups)}):"]
@@ -167,7 +198,9 @@ class ParameterFunction:
     def derivatives(self, p: Array, free: tuple[int, ...]) -> Array:
         """Return the derivatives in the free parameters, shape (n_out, n_free)."""
         empty = np.zeros((0, 1))
-        return self.function.derivatives(np.zeros(1), empty, empty, p, free).dp[:, :, 0]
+        result = np.zeros((self.function.n_out, len(free)))
+        result[self.function.structure(free).dp] = self.function.derivatives(np.zeros(1), empty, empty, p, free).dp[:, 0]
+        return result
 
 
 @dataclass(frozen=True, eq=False)

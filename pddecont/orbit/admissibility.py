@@ -18,11 +18,19 @@ SAME_TIME = 1e-6
 
 def event_profiles(problem: OrbitProblem, x: Array) -> dict[str, Profile]:
     """Return the event functions along the orbit, by event, each over the segments that watch it."""
-    watching: dict[str, set[int]] = {}
-    for s in range(len(problem.segments)):
-        for event, _, _ in watched_events(problem, s):
-            watching.setdefault(event, set()).add(s)
-    return {name: profile(problem, x, problem.numeric.event(name), segments=where) for name, where in watching.items()}
+    watched = dict.fromkeys(event for s in range(len(problem.segments)) for event, _, _ in watched_events(problem, s))
+    return {event: event_profile(problem, x, event) for event in watched}
+
+
+def event_profile(problem: OrbitProblem, x: Array, event: str) -> Profile:
+    """Return the function of ``event`` along the orbit, over the segments that watch it."""
+
+    def along() -> Profile:
+        watching = [s for s in range(len(problem.segments)) if any(event == e for e, _, _ in watched_events(problem, s))]
+        return profile(problem, x, problem.numeric.event(event), segments=watching)
+
+    found: Profile = problem.once(f"profile of {event}", x, along)
+    return found
 
 
 def watched_events(problem: OrbitProblem, s: int) -> Iterator[tuple[str, str, bool]]:
@@ -53,7 +61,7 @@ def objections(problem: OrbitProblem, x: Array, profiles: dict[str, Profile] | N
 
 def _crossings(profile: Profile, s: int, event: str, direction: str, terminal: bool) -> Iterator[str]:
     start, end = profile.ends(s)
-    interior = [e.value for e in profile.extrema() if e.segment == s]
+    interior = [e.value for e in profile.extrema if e.segment == s]
     levels = np.array([start, *interior, end])
     zero = RELATIVE_ZERO * max(float(np.max(np.abs(profile.values))), np.finfo(float).tiny)
     signs = np.where(np.abs(levels) <= zero, 0, np.sign(levels)).astype(int)
@@ -75,12 +83,11 @@ def approaches(problem: OrbitProblem, profiles: dict[str, Profile]) -> list[tupl
 
     The height is h at a maximum below the surface and -h at a minimum above it.
     """
-    extrema = {name: p.extrema() for name, p in profiles.items()}
     found = []
     for s in range(len(problem.segments)):
         for name, direction, _ in watched_events(problem, s):
             if name in profiles:
-                inside = [e for e in extrema[name] if e.segment == s]
+                inside = [e for e in profiles[name].extrema if e.segment == s]
                 found += [(height, name, e) for height, e in _near_crossings(profiles[name], s, direction, inside)]
     return found
 

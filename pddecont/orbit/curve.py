@@ -47,7 +47,7 @@ class Curve:
     density: Density | None = None
 
     def __post_init__(self) -> None:
-        self._assembler = Assembler(self.problem)
+        self.assembler = Assembler(self.problem)
         self._last: tuple[Array, Reads] | None = None
 
     def _reads(self, x: Array) -> Reads:
@@ -61,7 +61,7 @@ class Curve:
 
     def jacobian(self, x: Array) -> Matrix:
         """Return its derivatives."""
-        return self._assembler(x, self._reads(x))
+        return self.assembler(x, self._reads(x))
 
     @cached_property
     def _metric(self) -> Metric:
@@ -129,7 +129,7 @@ class Curve:
         if self.rule is not None and self.rule.tol is not None:
             density = density_of(problem, x, self.rule)
         curve = Curve(problem, self.sizes, self.rule, density)
-        curve._assembler.pattern = self._assembler.pattern
+        curve.assembler.blocks = self.assembler.blocks
         return curve
 
 
@@ -145,6 +145,8 @@ def settle(problem: OrbitProblem, guess: Array, rule: MeshRule, settings: Newton
         If Newton's method fails, or no mesh reaches the rule's tolerance.
     """
     for _ in range(MAX_MESHES):
+        if not fits(problem, guess):
+            problem, guess = on_mesh(problem, guess, new_mesh(problem, problem.theta(guess), rule))
         solution = solve_orbit(problem, guess, settings)
         curve = Curve(problem, sizes_of(problem, solution.x), rule)
         if curve.suits(solution.x):

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from pddecont.delay.operator import FullWeights
 from pddecont.orbit.basis import make_basis
-from pddecont.orbit.mesh import Places
 from pddecont.orbit.problem import OrbitProblem, read
 
 Array = NDArray[np.float64]
@@ -26,11 +25,15 @@ ZERO = 1e-13
 
 def interval_errors(problem: OrbitProblem, x: Array) -> Array:
     """Return each mesh interval's error estimate relative to the size of each state, shape (n_intervals,)."""
+    found: Array = problem.once("interval errors", x, lambda: _interval_errors(problem, x))
+    return found
+
+
+def _interval_errors(problem: OrbitProblem, x: Array) -> Array:
     mesh = problem.mesh
     basis = make_basis(mesh.degree)
     sigma, weights = _checks(mesh.degree)
-    n = mesh.n_intervals
-    places = Places(np.repeat(np.arange(n), len(sigma)), np.tile(sigma, n))
+    places = mesh.grid(sigma)
     reads = read(problem, x, places)
     slope = np.einsum("cb,jbn->jcn", basis.lagrange(sigma) @ basis.differentiate, reads.values[mesh.base_index])
     defect = np.empty_like(slope)

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.model.codegen import ArrayFunction
 from pddecont.orbit.basis import make_basis
-from pddecont.orbit.mesh import Places
 from pddecont.orbit.problem import OrbitProblem, read
 
 Array = NDArray[np.float64]
@@ -74,8 +73,9 @@ class Profile:
         basis = make_basis(self.degree)
         return float(basis.lagrange(np.array(at)) @ basis.differentiate @ self.values[j] / self.h[j])
 
+    @cached_property
     def extrema(self) -> list[Extremum]:
-        """Return all local extrema inside segments, in order of time."""
+        """All local extrema inside segments, in order of time."""
         return _told_apart(list(_extrema(self)), self)
 
 
@@ -89,7 +89,7 @@ def profile(problem: OrbitProblem, x: Array, function: ArrayFunction, row: int =
     degree = mesh.degree if function.linear[row] else 2 * mesh.degree
     base = make_basis(degree).base
     there = np.arange(mesh.n_intervals) if segments is None else np.flatnonzero(np.isin(mesh.segment, list(segments)))
-    places = Places(np.repeat(there, len(base)), np.tile(base, len(there)))
+    places = mesh.grid(base, there)
     reads = read(problem, x, places, delays=function.uses_delayed)
     values = function.value(reads.t, reads.x, reads.xd, reads.p)[row].reshape(len(there), -1)
     return Profile(degree, values, mesh.segment[there], (mesh.start @ reads.theta)[there], reads.h[there], not problem.segments[0].event)

@@ -1,4 +1,4 @@
-"""The residual's derivatives in all unknowns: one pattern a mesh, refilled at every call.
+"""The residual's derivatives in all unknowns: places of entries found once a mesh, values filled in at every call.
 
 Block pattern, with columns in the order of the unknowns (J intervals, S segments):
 
@@ -14,7 +14,7 @@ returned sparse in the first case and dense in the second.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -23,42 +23,29 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from pddecont.continuation.linear import Matrix
-from pddecont.delay.operator import FullWeights, LocalWeights
-from pddecont.model.codegen import Derivatives
+from pddecont.delay.operator import DelayOperator, FullWeights, LocalWeights
+from pddecont.model.codegen import ArrayFunction, Derivatives
 from pddecont.orbit.problem import OrbitProblem, Reads, read
-from pddecont.orbit.residual import Rows, end_point, mode_sites, phase_weights, timer_weights
+from pddecont.orbit.residual import Rows, mode_sites, phase_weights, reset_sites, timer_weights
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)
-class Triplets:
-    """Entries of a matrix by row, column and value; entries at the same place add up."""
-
-    rows: Ints
-    columns: Ints
-    values: Array
-
-
-@dataclass(frozen=True, eq=False)
 class Pattern:
-    """A sparse matrix's structure, found once from the places of its entries."""
+    """A sparse matrix's structure, found once from the places of its entries; entries at one place add up."""
 
     shape: tuple[int, int]
     rows: Ints
     columns: Ints
 
     @cached_property
-    def _order(self) -> tuple[Ints, Ints, Ints]:
+    def _order(self) -> tuple[NDArray[np.intc], NDArray[np.intc], Ints]:
         key = self.columns * self.shape[0] + self.rows
         unique, inverse = np.unique(key, return_inverse=True)
         indptr = np.searchsorted(unique, np.arange(self.shape[1] + 1) * self.shape[0])
-        return unique % self.shape[0], indptr, inverse
-
-    def fits(self, rows: Ints, columns: Ints) -> bool:
-        """Whether entries at these places have this structure."""
-        return np.array_equal(self.columns, columns) and np.array_equal(self.rows, rows)
+        return (unique % self.shape[0]).astype(np.intc), indptr.astype(np.intc), inverse
 
     def fill(self, values: Array) -> sp.csc_matrix:
         """Return the matrix with these values."""
@@ -68,110 +55,242 @@ class Pattern:
 
 
 class Assembler:
-    """Jacobian of one problem; keeps the pattern between calls while the delayed reads stay in their intervals."""
+    """Jacobian of one problem; keeps the places of its entries while the delayed reads stay in their intervals."""
 
-    def __init__(self, problem: OrbitProblem):
+    def __init__(self, problem: OrbitProblem, blocks: Blocks | None = None):
         self.problem = problem
-        self.rows = Rows(problem.layout)
-        self.pattern: Pattern | None = None
+        self.blocks = blocks
 
     def __call__(self, x: Array, sites: Reads | None = None) -> Matrix:
         """Return d residual / d x, shape (n_equations, n_unknowns); ``sites`` if the orbit has been read already."""
         problem = self.problem
         sites = sites or read(problem, x, problem.mesh.sites)
-        blocks = Blocks(problem, self.rows, sites)
-        triplets = blocks.assemble()
-        shape = (self.rows.size, problem.layout.size)
-        if blocks.dense:
-            matrix = np.bincount(triplets.rows * shape[1] + triplets.columns, weights=triplets.values,
-                                 minlength=shape[0] * shape[1]).reshape(shape)  # fmt: skip
-            for rows, state, values in blocks.dense:
-                columns = problem.layout.value_index[:, state]
-                place = np.ix_(rows, columns)
-                matrix[place] = matrix[place] + values
-            return matrix
-        if self.pattern is None or not self.pattern.fits(triplets.rows, triplets.columns):
-            self.pattern = Pattern(shape, triplets.rows, triplets.columns)
-        return self.pattern.fill(triplets.values)
+        if self.blocks is None or not self.blocks.fits(sites.operators):
+            self.blocks = Blocks(problem, sites.operators)
+        return self.blocks.matrix(problem, sites)
+
+
+@dataclass(frozen=True, eq=False)
+class Term:
+    """Entries of one kind: where they stand among all entries, their shape, and what gives their values at an orbit."""
+
+    place: slice
+    shape: tuple[int, ...]
+    values: Callable[[Evaluation], Array]
+
+
+@dataclass(frozen=True, eq=False)
+class DenseTerm:
+    """Reads of all base values of one state: ``columns`` of the equations ``rows``, with their values at an orbit."""
+
+    rows: Ints
+    columns: Ints
+    values: Callable[[Evaluation], Array]
+
+
+@dataclass(frozen=True, eq=False)
+class Equations:
+    """Equations ``rows`` (n_out, n_points) that hold a factor times ``function`` at ``points``.
+
+    The states there are read from the unknowns ``columns`` (n_points, n_base, n_states) with ``weights`` (n_points, n_base). The factor
+    is minus the interval's length for a collocation equation, else ``sign``.
+    """
+
+    function: ArrayFunction
+    points: Ints
+    rows: Ints
+    columns: Ints
+    weights: Array
+    sign: float = 0.0
+
+
+class Evaluation:
+    """An orbit at which a Jacobian is evaluated; what several terms need is computed once.
+
+    ``problem`` may differ from that of the blocks in what leaves the places alone: values of fixed parameters, the phase's reference.
+
+    ``h`` (n_sites,) are the lengths of the sites' intervals. ``xd_moving`` (n_delayed, n_sites, n_moving) says how the delayed values
+    move with the durations and delays that move, ``to_free`` (n_moving delays, n_free) how those delays do with the free parameters.
+    """
+
+    def __init__(self, blocks: Blocks, problem: OrbitProblem, sites: Reads):
+        self.blocks, self.problem, self.sites = blocks, problem, sites
+        self.h = sites.h[blocks.mesh.sites.interval]
+        self.to_free = blocks.numeric.delays.derivatives(sites.p, blocks.problem.free_index)[blocks.moving_delays]
+        self.xd_moving = blocks.delayed_slopes(sites)
+        self._derivatives: dict[int, Derivatives] = {}
+        self._slopes: dict[int, Array] = {}
+
+    def derivatives(self, e: Equations) -> Derivatives:
+        """Return the function of ``e`` with its derivatives at its points."""
+        if id(e) not in self._derivatives:
+            s = self.sites
+            self._derivatives[id(e)] = e.function.derivatives(s.t[e.points], s.x[:, e.points], s.xd[:, e.points], s.p,
+                                                              self.blocks.problem.free_index)  # fmt: skip
+        return self._derivatives[id(e)]
+
+    def factor(self, e: Equations) -> Array | float:
+        """Return what the function of ``e`` is multiplied by."""
+        return e.sign or -self.h[e.points]
+
+    def slopes(self, e: Equations) -> Array:
+        """Return how the equations move with the durations and delays that move, shape (n_out, n_points, n_moving)."""
+        if id(e) not in self._slopes:
+            d, blocks, structure = self.derivatives(e), self.blocks, e.function.structure(self.blocks.problem.free_index)
+            result = np.zeros((*e.rows.shape, blocks.times.shape[1]))
+            if len(structure.dt):
+                result[structure.dt] = d.dt[:, :, None] * blocks.times[e.points]
+            for i, q, slope in zip(*structure.dxd, d.dxd, strict=True):
+                result[i] += slope[:, None] * self.xd_moving[q, e.points]
+            if e.sign:
+                result *= e.sign
+            else:
+                result *= -self.h[e.points, None]
+                result -= d.value[:, :, None] * blocks.lengths[blocks.mesh.sites.interval[e.points]]
+            self._slopes[id(e)] = result
+        return self._slopes[id(e)]
 
 
 class Blocks:
-    """Collects the entries of one Jacobian.
+    """Places of a Jacobian's entries, for one mesh, one set of free parameters and reads in the same intervals.
 
     ``times`` (n_sites, n_moving) and ``lengths`` (n_intervals, n_moving) say how sites and mesh intervals move with the durations
-    and the delays that move, ``xd_moving`` (n_delayed, n_sites, n_moving) how the delayed values do; the first of these columns
-    belong to the unknowns ``duration_columns``, the rest to the free parameters through ``to_free``.
+    and the delays that move; the first of these columns belong to the unknowns ``duration_columns``, the rest to the free parameters.
     """
 
-    def __init__(self, problem: OrbitProblem, rows: Rows, sites: Reads):
-        self.problem, self.equations, self.sites = problem, rows, sites
+    def __init__(self, problem: OrbitProblem, operators: Sequence[DelayOperator]):
+        self.problem, self.operators = problem, tuple(operators)
+        self.equations = Rows(problem.layout)
         self.mesh, self.layout, self.numeric = problem.mesh, problem.layout, problem.numeric
         self.n = self.numeric.n_states
-        self.parts: list[Triplets] = []
-        self.dense: list[tuple[Ints, int, Array]] = []
+        self.shape = (self.equations.size, problem.layout.size)
         # Unknown part of theta: durations are unknowns themselves, delays move with free parameters.
-        self.delay_slopes = self.numeric.delays.derivatives(sites.p, problem.free_index)
-        moving = np.flatnonzero(np.any(self.delay_slopes != 0.0, axis=1))
-        self.to_free = self.delay_slopes[moving]
-        self.move([*range(self.mesh.n_segments), *(self.mesh.n_segments + moving).tolist()])
-
-    def move(self, which: Sequence[int]) -> None:
-        """Find how times and delayed values move with the components ``which`` of theta."""
-        self.duration_columns = np.arange(self.layout.durations.start, self.layout.durations.stop)
-        self.times, self.lengths = self.mesh.site_times[:, which], self.mesh.length[:, which]
-        self.xd_moving = self.delayed_slopes(which)
-
-    def delayed_slopes(self, which: Sequence[int]) -> Array:
-        """Return the derivatives of the delayed values in components of theta, shape (n_delayed, n_sites, len(which))."""
-        delayed = self.numeric.model.delayed
-        slopes = np.zeros((len(delayed), self.mesh.n_sites, len(which)))
-        for k, operator in enumerate(self.sites.operators):
-            reads = [i for i, (_, delay) in enumerate(delayed) if delay == k]
-            states = [delayed[i][0] for i in reads]
-            slopes[reads] = np.moveaxis(operator.theta_derivative(self.sites.values[:, states], which), 1, 0)
-        return slopes
-
-    def add(self, rows: Ints | int, columns: Ints | int, values: Array) -> None:
-        """Add entries; the three are broadcast against each other."""
-        r, c, v = np.broadcast_arrays(np.asarray(rows), np.asarray(columns), values)
-        self.parts.append(Triplets(r.ravel(), c.ravel(), v.ravel()))
-
-    def assemble(self) -> Triplets:
-        """Return all entries, but those of full delay operators (``dense``)."""
+        self.moving_delays = self.numeric.delays.function.structure(problem.free_index).moving
+        self.terms: list[Term] = []
+        self.dense: list[DenseTerm] = []
+        self._rows: list[Ints] = []
+        self._columns: list[Ints] = []
+        self._constant: list[Array] = []
+        self._size = 0
+        self.move([*range(self.mesh.n_segments), *(self.mesh.n_segments + self.moving_delays).tolist()])
         self.collocation()
         self.ends()
         self.period()
-        return Triplets(*(np.concatenate([getattr(p, f) for p in self.parts]) for f in ("rows", "columns", "values")))
+        self.template = np.concatenate(self._constant)
+        self.rows, self.columns = np.concatenate(self._rows), np.concatenate(self._columns)
 
-    def others(self, rows: Ints, points: Ints, d: Derivatives, factor: Array, extra: Array) -> None:
-        """Add the columns of durations, start and free parameters for ``factor`` * function at ``points``.
+    def move(self, which: Sequence[int]) -> None:
+        """Find how times move with the components ``which`` of theta."""
+        self.which = which
+        self.duration_columns = np.arange(self.layout.durations.start, self.layout.durations.stop)
+        self.times, self.lengths = self.mesh.site_times[:, which], self.mesh.length[:, which]
 
-        ``rows`` (n_out, n_points) are the equations, ``factor`` (n_points,) multiplies the function, ``extra`` (n_points,
-        n_moving) is the factor's own derivative.
-        """
-        layout, n_durations = self.layout, len(self.duration_columns)
-        slope = d.dt[:, :, None] * self.times[points] + np.einsum("oqc,qcr->ocr", d.dxd, self.xd_moving[:, points])
-        slope = factor[:, None] * slope + d.value[:, :, None] * extra
-        self.add(rows[:, :, None], self.duration_columns, slope[:, :, :n_durations])
-        if layout.forced:
-            self.add(rows, layout.start.start, factor * d.dt)
+    def serves(self, problem: OrbitProblem, operators: Sequence[DelayOperator]) -> bool:
+        """Whether another problem's entries stand in the same places: same mesh, signature, free parameters and reads."""
+        own = self.problem
+        same = own.mesh is problem.mesh and (own.segments, own.free, own.timers) == (problem.segments, problem.free, problem.timers)
+        return same and own.numeric is problem.numeric and self.fits(operators)
+
+    def fits(self, operators: Sequence[DelayOperator]) -> bool:
+        """Whether delayed values read with ``operators`` are read from the same unknowns."""
+        pairs = [(a.weights, b.weights) for a, b in zip(self.operators, operators, strict=True)]
+        return all(isinstance(a, FullWeights) if isinstance(b, FullWeights) else isinstance(a, LocalWeights) and a.reads_as(b)
+                   for a, b in pairs)  # fmt: skip
+
+    @cached_property
+    def pattern(self) -> Pattern:
+        """Places of all entries but those of full delay operators."""
+        return Pattern(self.shape, self.rows, self.columns)
+
+    def values(self, at: Evaluation) -> Array:
+        """Return the values of all entries but those of full delay operators."""
+        result = self.template.copy()
+        for term in self.terms:
+            result[term.place].reshape(term.shape)[...] = term.values(at)
+        return result
+
+    def matrix(self, problem: OrbitProblem, sites: Reads) -> Matrix:
+        """Return the Jacobian at an orbit."""
+        at = Evaluation(self, problem, sites)
+        values = self.values(at)
+        if not any(isinstance(op.weights, FullWeights) for op in self.operators):
+            return self.pattern.fill(values)
+        size = self.shape[0] * self.shape[1]
+        matrix = np.asarray(np.bincount(self.rows * self.shape[1] + self.columns, weights=values, minlength=size), dtype=np.float64)
+        matrix = matrix.reshape(self.shape)
+        self.add_dense(matrix, at)
+        return matrix
+
+    def add_dense(self, matrix: Array, at: Evaluation) -> None:
+        """Add the entries of full delay operators to a matrix."""
+        for term in self.dense:
+            place = np.ix_(term.rows, term.columns)
+            matrix[place] = matrix[place] + term.values(at)
+
+    def delayed_slopes(self, sites: Reads) -> Array:
+        """Return the derivatives of the delayed values in the components of theta that move, shape (n_delayed, n_sites, n_moving)."""
+        delayed = self.numeric.model.delayed
+        slopes = np.zeros((len(delayed), self.mesh.n_sites, len(self.which)))
+        for k, operator in enumerate(sites.operators):
+            reads = [i for i, (_, delay) in enumerate(delayed) if delay == k]
+            states = [delayed[i][0] for i in reads]
+            slopes[reads] = np.moveaxis(operator.theta_derivative(sites.values[:, states], self.which), 1, 0)
+        return slopes
+
+    def add(self, rows: Ints | int, columns: Ints | int, values: Callable[[Evaluation], Array] | Array | float) -> None:
+        """Add entries, rows and columns broadcast against each other; the values fit into their common shape."""
+        r, c = np.broadcast_arrays(np.asarray(rows), np.asarray(columns))
+        place, self._size = slice(self._size, self._size + r.size), self._size + r.size
+        self._rows.append(r.ravel())
+        self._columns.append(c.ravel())
+        if callable(values):
+            self.terms.append(Term(place, r.shape, values))
+            self._constant.append(np.zeros(r.size))
+        else:
+            self._constant.append(np.broadcast_to(values, r.shape).ravel())
+
+    def function(self, e: Equations) -> None:
+        """Add all entries of a function's equations."""
+        layout, structure = self.layout, e.function.structure(self.problem.free_index)
+        collocates = not e.sign
+        if len(structure.dx[0]):
+            out, state = structure.dx
+            self.add(e.rows[out][:, :, None], np.moveaxis(e.columns, 2, 0)[state],
+                     lambda at: (at.factor(e) * at.derivatives(e).dx)[:, :, None] * e.weights)  # fmt: skip
+        self.reads(e)
+        moving = np.arange(len(e.rows)) if collocates else structure.moved
+        if len(moving):
+            self.add(e.rows[moving][:, :, None], self.duration_columns,
+                     lambda at: at.slopes(e)[moving][:, :, : len(self.duration_columns)])  # fmt: skip
+        if layout.forced and len(structure.dt):
+            self.add(e.rows[structure.dt], layout.start.start, lambda at: at.factor(e) * at.derivatives(e).dt)
         if layout.n_free:
-            columns = np.arange(layout.free.start, layout.free.stop)
-            at_free = factor[:, None] * np.moveaxis(d.dp, 1, 2) + slope[:, :, n_durations:] @ self.to_free
-            self.add(rows[:, :, None], columns, at_free)
+            self.free(e, moving)
 
-    def reads(self, rows: Ints, points: Ints, dxd: Array) -> None:
-        """Add the delayed reads: ``dxd`` (n_out, n_delayed, n_points) times the weights at ``points``."""
-        for q, (state, delay) in enumerate(self.numeric.model.delayed):
-            weights = self.sites.operators[delay].weights
-            for i in range(len(rows)):
-                if not np.any(dxd[i, q]):
-                    continue
-                if isinstance(weights, FullWeights):
-                    self.dense.append((rows[i], state, dxd[i, q][:, None] * weights.weights[points]))
-                elif isinstance(weights, LocalWeights):
-                    columns = self.read_columns(weights, points, state)
-                    self.add(rows[i][:, None], columns, dxd[i, q][:, None] * weights.weights[points])
+    def free(self, e: Equations, moving: Ints) -> None:
+        """Add the columns of the free parameters, which the function may hold itself and the delays that move."""
+        structure, first = e.function.structure(self.problem.free_index), self.layout.free.start
+        out, free = structure.dp
+        if len(out):
+            self.add(e.rows[out], first + free[:, None], lambda at: at.factor(e) * at.derivatives(e).dp)
+        if len(moving) and len(self.moving_delays):
+            n = len(self.duration_columns)
+            self.add(e.rows[moving][:, :, None], np.arange(first, self.layout.free.stop),
+                     lambda at: at.slopes(e)[moving][:, :, n:] @ at.to_free)  # fmt: skip
+
+    def reads(self, e: Equations) -> None:
+        """Add the delayed reads of a function: its slopes times the weights at its points."""
+        for entry, (out, q) in enumerate(zip(*e.function.structure(self.problem.free_index).dxd, strict=True)):
+            state, delay = self.numeric.model.delayed[q]
+            weights = self.operators[delay].weights
+
+            def values(at: Evaluation, entry: int = entry, delay: int = delay) -> Array:
+                return (at.factor(e) * at.derivatives(e).dxd[entry])[:, None] * at.sites.operators[delay].weights.weights[e.points]
+
+            if isinstance(weights, FullWeights):
+                self.dense.append(DenseTerm(e.rows[out], self.layout.value_index[:, state], values))
+            else:
+                self.add(e.rows[out][:, None], self.read_columns(weights, e.points, state), values)
 
     def read_columns(self, weights: LocalWeights, points: Ints, state: int) -> Ints:
         """Return the unknowns that are read at ``points``, shape (n_points, degree + 1)."""
@@ -184,71 +303,59 @@ class Blocks:
         columns = self.layout.value_index[mesh.base_index]  # (J, m + 1, n)
         row_blocks = all_rows.reshape(mesh.n_intervals, mesh.degree, n)
         self.add(row_blocks[:, :, None, :], columns[:, None, :, :], mesh.basis.slopes[None, :, :, None])
-        h = np.repeat(self.sites.h, mesh.degree)
-        h_moving = np.repeat(self.lengths, mesh.degree, axis=0)
         for mode, points in mode_sites(self.problem):
-            s = self.sites
-            d = self.numeric.mode(mode).derivatives(s.t[points], s.x[:, points], s.xd[:, points], s.p, self.problem.free_index)
             interval, node = np.divmod(points, mesh.degree)
-            rows = all_rows[points].T
-            # -h df/dx at the node, spread over the interval's base points; only entries that can be non-zero
-            for i, k in np.argwhere(np.any(d.dx != 0.0, axis=2)):
-                block = (-h[points] * d.dx[i, k])[:, None] * mesh.basis.values[node]
-                self.add(rows[i][:, None], columns[interval, :, k], block)
-            self.reads(rows, points, -h[points] * d.dxd)
-            self.others(rows, points, d, -h[points], -h_moving[points])
+            # -h df/dx at the node, spread over the interval's base points
+            self.function(Equations(self.numeric.mode(mode), points, all_rows[points].T, columns[interval], mesh.basis.values[node]))
 
     def ends(self) -> None:
         """Add the resets and what ends each segment."""
-        mesh, n = self.mesh, self.n
-        timed = {s: (source, wraps) for s, source, wraps in self.problem.timers}
-        for s, segment in enumerate(self.problem.segments):
-            at_end = end_point(self.problem, self.sites, s)
-            point = np.array([mesh.n_collocation + s])
-            end = self.layout.value_index[mesh.last_base[s]]
-            rows = (self.equations.resets + s * n + np.arange(n))[:, None]
-            self.add(rows[:, 0], self.after(s), np.ones(n))
-            d = self.numeric.reset(segment.reset).derivatives(*at_end, self.problem.free_index)
-            self.condition(rows, point, end, d, -1.0)
-            row = np.array([[self.equations.events + s]])
+        problem, n, S = self.problem, self.n, self.mesh.n_segments
+        timed = {s: (source, wraps) for s, source, wraps in problem.timers}
+        all_rows = (self.equations.resets + np.arange(S * n)).reshape(S, n)
+        for s in range(S):
+            self.add(all_rows[s], self.after(s), 1.0)
+        for reset, which in reset_sites(problem):
+            self.at_ends(self.numeric.reset(reset), which, all_rows[which].T, -1.0)
+        for s, segment in enumerate(problem.segments):
+            row = self.equations.events + s
             if s in timed:
                 self.timer(row, s, *timed[s])
             elif segment.event:
-                self.condition(row, point, end, self.numeric.event(segment.event).derivatives(*at_end, self.problem.free_index), 1.0)
+                self.at_ends(self.numeric.event(segment.event), np.array([s]), np.array([[row]]), 1.0)
             else:
                 self.phase(row)
+
+    def at_ends(self, function: ArrayFunction, segments: Ints, rows: Ints, sign: float) -> None:
+        """Add ``sign`` times a function at the ends of some segments."""
+        ends = self.layout.value_index[self.mesh.last_base[segments]][:, None, :]
+        self.function(Equations(function, self.mesh.n_collocation + segments, rows, ends, np.ones((len(segments), 1)), sign))
 
     def after(self, s: int) -> Ints:
         """Return the unknowns that hold the state after the reset at the end of segment ``s``, shape (n_states,)."""
         return self.layout.value_index[self.mesh.first_base[(s + 1) % self.mesh.n_segments]]
 
-    def timer(self, row: Ints, s: int, source: int, wraps: int) -> None:
+    def timer(self, row: int, s: int, source: int, wraps: int) -> None:
         """Add the equation of a delayed event at the end of segment ``s``."""
         self.add(row, self.duration_columns, timer_weights(self.problem, s, source, wraps))
         if self.layout.n_free:
-            delay = self.numeric.event_delay(self.problem.segments[s].event)
-            slope = delay.derivatives(self.sites.p, self.problem.free_index)[0]
-            self.add(row, np.arange(self.layout.free.start, self.layout.free.stop), -slope)
+            delay, free = self.numeric.event_delay(self.problem.segments[s].event), self.problem.free_index
+            self.add(row, np.arange(self.layout.free.start, self.layout.free.stop),
+                     lambda at: -delay.derivatives(at.sites.p, free)[0])  # fmt: skip
 
-    def phase(self, row: Ints) -> None:
+    def phase(self, row: int) -> None:
         """Add the phase condition of an orbit without events."""
         if self.layout.forced:
-            self.add(row, self.layout.start.start, np.ones(1))
+            self.add(row, self.layout.start.start, 1.0)
         else:
-            self.add(row, np.arange(self.layout.values.stop), phase_weights(self.problem))
-
-    def condition(self, rows: Ints, point: Ints, end: Ints, d: Derivatives, sign: float) -> None:
-        """Add ``sign`` times a function of a segment's end."""
-        self.add(rows, end, sign * d.dx[:, :, 0])
-        self.reads(rows, point, sign * d.dxd)
-        self.others(rows, point, d, np.full(1, sign), np.zeros((1, self.times.shape[1])))
+            self.add(row, np.arange(self.layout.values.stop), lambda at: phase_weights(at.problem))
 
     def period(self) -> None:
         """Add the period of a forced orbit."""
         if not self.layout.forced:
             return
-        row, layout = self.equations.period, self.layout
-        self.add(row, self.duration_columns, np.ones(self.mesh.n_segments))
+        row, layout, free = self.equations.period, self.layout, self.problem.free_index
+        self.add(row, self.duration_columns, 1.0)
         if layout.n_free:
-            slope = self.numeric.period.derivatives(self.sites.p, self.problem.free_index)[0]
-            self.add(row, np.arange(layout.free.start, layout.free.stop), -self.problem.n_periods * slope)
+            self.add(row, np.arange(layout.free.start, layout.free.stop),
+                     lambda at: -at.problem.n_periods * self.numeric.period.derivatives(at.sites.p, free)[0])  # fmt: skip

@@ -25,27 +25,27 @@ class Layout:
     forced: bool
     n_free: int
 
-    @property
+    @cached_property
     def values(self) -> slice:
         """Base-point values, n_base * n_states of them."""
         return slice(0, self.mesh.n_base * self.n_states)
 
-    @property
+    @cached_property
     def durations(self) -> slice:
         """Segment durations T_1 .. T_S."""
         return slice(self.values.stop, self.values.stop + self.mesh.n_segments)
 
-    @property
+    @cached_property
     def start(self) -> slice:
         """Start time t_0 of a forced orbit (empty for an autonomous one)."""
         return slice(self.durations.stop, self.durations.stop + self.forced)
 
-    @property
+    @cached_property
     def free(self) -> slice:
         """Free parameters."""
         return slice(self.start.stop, self.start.stop + self.n_free)
 
-    @property
+    @cached_property
     def size(self) -> int:
         """Number of unknowns."""
         return self.free.stop

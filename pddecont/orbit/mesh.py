@@ -22,10 +22,14 @@ Ints = NDArray[np.intp]
 
 @dataclass(frozen=True, eq=False)
 class Places:
-    """Points of an orbit by mesh interval and sigma in [0, 1]; both of shape (n_places,)."""
+    """Points of an orbit by mesh interval and sigma in [0, 1]; both of shape (n_places,).
+
+    ``weights`` (n_places, degree + 1) are those of the interval's base values, where they are known beforehand.
+    """
 
     interval: Ints
     sigma: Array
+    weights: Array | None = None
 
     def __len__(self) -> int:
         return len(self.sigma)
@@ -79,12 +83,12 @@ class Mesh:
         """Coefficients of each interval's length, shape (n_intervals, n_theta)."""
         return np.concatenate([np.outer(np.diff(p.cuts), p.end - p.start) for p in self.pieces])
 
-    @property
+    @cached_property
     def n_intervals(self) -> int:
         """Number of mesh intervals."""
         return len(self.segment)
 
-    @property
+    @cached_property
     def n_base(self) -> int:
         """Number of base points."""
         return self.degree * self.n_intervals + self.n_segments
@@ -113,8 +117,16 @@ class Mesh:
     @cached_property
     def sites(self) -> Places:
         """Where equations hold: the collocation points, interval by interval, then the segments' ends."""
-        return Places(np.concatenate([np.repeat(np.arange(self.n_intervals), self.degree), self.last_interval]),
-                      np.concatenate([np.tile(self.basis.nodes, self.n_intervals), np.ones(self.n_segments)]))  # fmt: skip
+        points, ends = self.grid(self.basis.nodes), np.ones(self.n_segments)
+        assert points.weights is not None
+        return Places(np.concatenate([points.interval, self.last_interval]), np.concatenate([points.sigma, ends]),
+                      np.concatenate([points.weights, self.basis.lagrange(ends)]))  # fmt: skip
+
+    def grid(self, sigma: Array, intervals: NDArray[np.intp] | None = None) -> Places:
+        """Return the places at the same ``sigma`` (k,) of every interval, or of some ``intervals``."""
+        there = np.arange(self.n_intervals) if intervals is None else intervals
+        n = len(there)
+        return Places(np.repeat(there, len(sigma)), np.tile(sigma, n), np.tile(self.basis.lagrange(sigma), (n, 1)))
 
     @cached_property
     def site_times(self) -> Array:
@@ -127,18 +139,18 @@ class Mesh:
 
     def local_weights(self, places: Places) -> Array:
         """Return the weights of the interval's base values in the value at each place, shape (n_places, degree + 1)."""
-        return self.basis.lagrange(places.sigma)
+        return self.basis.lagrange(places.sigma) if places.weights is None else places.weights
 
     def at(self, values: Array, places: Places) -> Array:
         """Return the polynomials through base ``values`` (n_base, n) at ``places``, shape (n_places, n)."""
-        return np.einsum("pb,pbn->pn", self.local_weights(places), values[self.base_index[places.interval]])
+        return np.matmul(self.local_weights(places)[:, None], values[self.base_index[places.interval]])[:, 0]
 
-    @property
+    @cached_property
     def n_collocation(self) -> int:
         """Number of collocation points."""
         return self.degree * self.n_intervals
 
-    @property
+    @cached_property
     def n_sites(self) -> int:
         """Number of sites: collocation points and segment ends."""
         return self.n_collocation + self.n_segments

@@ -15,7 +15,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.delay.direct import Direct, locate
+from pddecont.delay.direct import Direct, anchored, locate
 from pddecont.orbit.breaking import Edge, echoes, edges
 from pddecont.orbit.error import interval_errors
 from pddecont.orbit.mesh import Mesh, Piece, Places, equal_cuts, share_intervals
@@ -125,7 +125,7 @@ def _reads_stay(problem: OrbitProblem, theta: Array) -> bool:
     held = slice(0 if problem.delay.track else mesh.n_collocation, None)
     lengths, starts = mesh.length @ theta, mesh.start @ theta
     for k in range(len(theta) - mesh.n_segments):
-        where = locate(mesh, mesh.anchor, mesh.n_segments + k, mesh.sites)
+        where = anchored(mesh, mesh.n_segments + k)
         sigma = (where.times @ theta - starts[where.interval]) / lengths[where.interval]
         if np.any(sigma < -BEYOND) or np.any(sigma > 1.0 + BEYOND):
             return False

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from pddecont.model.codegen import ArrayFunction, NumericModel, ParameterFunction
 from pddecont.model.expression import ExpressionError, Scope, build, parse
 from pddecont.model.system import Model
-from pddecont.orbit.admissibility import closest_approach
+from pddecont.orbit.admissibility import closest_approach, event_profiles
 from pddecont.orbit.extrema import profile
 from pddecont.orbit.mesh import Places
 from pddecont.orbit.problem import OrbitProblem, read
@@ -115,7 +115,7 @@ def _levels(problem: OrbitProblem, x: Array, function: ArrayFunction) -> Array:
     """Return the values at which an expression along the orbit can be largest or smallest."""
     curve = profile(problem, x, function)
     ends = [value for s in range(len(problem.segments)) for value in curve.ends(s)]
-    return np.array([*ends, *(e.value for e in curve.extrema())])
+    return np.array([*ends, *(e.value for e in curve.extrema)])
 
 
 def _max(problem: OrbitProblem, x: Array, function: ArrayFunction) -> float:
@@ -154,5 +154,5 @@ def _at(problem: OrbitProblem, x: Array, segment: str, function: ArrayFunction) 
 
 def _extremum(problem: OrbitProblem, x: Array, event: str) -> float:
     """Return the event function where it comes nearest to grazing."""
-    found = closest_approach(problem, {event: profile(problem, x, problem.numeric.event(event))}, event)
+    found = closest_approach(problem, event_profiles(problem, x), event)
     return float("nan") if found is None else found[1].value

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,6 +76,20 @@ class OrbitProblem:
         """Return one operator a delay at ``theta`` for reads at ``places``."""
         first = self.mesh.n_segments
         return [self.delay.operator(self.mesh, theta, first + k, places) for k in range(len(theta) - first)]
+
+    @cached_property
+    def _found(self) -> deque[tuple[Array, dict[str, Any]]]:
+        return deque(maxlen=8)
+
+    def once(self, what: str, x: Array, find: Callable[[], Any]) -> Any:
+        """Return ``what`` of the orbit ``x``, found once while that orbit is in use."""
+        known = next((found for at, found in self._found if at is x), None)
+        if known is None:
+            known = {}
+            self._found.append((x, known))
+        if what not in known:
+            known[what] = find()
+        return known[what]
 
     def with_free(self, x: Array, free: tuple[str, ...]) -> tuple[OrbitProblem, Array]:
         """Return the same problem and orbit with other free parameters."""

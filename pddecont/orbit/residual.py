@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pddecont.model.codegen import ArrayFunction
 from pddecont.orbit.layout import Layout
 from pddecont.orbit.problem import OrbitProblem, Reads, read
 
@@ -61,10 +62,10 @@ def mode_sites(problem: OrbitProblem) -> list[tuple[str, NDArray[np.intp]]]:
     return [(mode, np.flatnonzero(of_point == mode)) for mode in dict.fromkeys(of_interval.tolist())]
 
 
-def end_point(problem: OrbitProblem, sites: Reads, s: int) -> tuple[Array, Array, Array, Array]:
-    """Return (t, x, xd, p) at the end of segment ``s``, as arrays over one point."""
-    i = problem.mesh.n_collocation + s
-    return sites.t[i : i + 1], sites.x[:, i : i + 1], sites.xd[:, i : i + 1], sites.p
+def reset_sites(problem: OrbitProblem) -> list[tuple[str, NDArray[np.intp]]]:
+    """Return each reset of the orbit with the segments at whose ends it happens."""
+    resets = np.array([segment.reset for segment in problem.segments])
+    return [(reset, np.flatnonzero(resets == reset)) for reset in dict.fromkeys(resets.tolist())]
 
 
 def residual(problem: OrbitProblem, x: Array, sites: Reads | None = None) -> Array:
@@ -74,22 +75,22 @@ def residual(problem: OrbitProblem, x: Array, sites: Reads | None = None) -> Arr
     rows = Rows(problem.layout)
     result = np.empty(rows.size)
     h = np.repeat(sites.h, mesh.degree)
-    slope = np.einsum("ib,jbn->jin", mesh.basis.slopes, sites.values[mesh.base_index]).reshape(-1, n)
+    slope = np.matmul(mesh.basis.slopes, sites.values[mesh.base_index]).reshape(-1, n)
     collocation = result[: rows.n_collocation].reshape(-1, n)
     for mode, points in mode_sites(problem):
         f = problem.numeric.mode(mode).value(sites.t[points], sites.x[:, points], sites.xd[:, points], sites.p)
         collocation[points] = slope[points] - h[points, None] * f.T
+    starts = sites.values[np.roll(mesh.first_base, -1)]
+    resets = result[rows.resets : rows.events].reshape(-1, n)
+    for reset, which in reset_sites(problem):
+        resets[which] = starts[which] - at_ends(problem.numeric.reset(reset), problem, sites, which).T
     timed = {s: (source, wraps) for s, source, wraps in problem.timers}
     for s, segment in enumerate(problem.segments):
-        at_end = end_point(problem, sites, s)
-        after = problem.numeric.reset(segment.reset).value(*at_end)[:, 0]
-        start = sites.values[mesh.first_base[(s + 1) % mesh.n_segments]]
-        result[rows.resets + s * n : rows.resets + (s + 1) * n] = start - after
         if s in timed:
             elapsed = timer_weights(problem, s, *timed[s]) @ sites.theta[: mesh.n_segments]
             result[rows.events + s] = elapsed - event_delay(problem, s, sites.p)
         elif segment.event:
-            result[rows.events + s] = problem.numeric.event(segment.event).value(*at_end)[0, 0]
+            result[rows.events + s] = at_ends(problem.numeric.event(segment.event), problem, sites, np.array([s]))[0, 0]
         elif problem.numeric.model.forced:
             result[rows.events + s] = sites.start - problem.phase
         else:
@@ -97,6 +98,12 @@ def residual(problem: OrbitProblem, x: Array, sites: Reads | None = None) -> Arr
     if problem.numeric.model.forced:
         result[rows.period] = problem.period(x) - problem.n_periods * problem.numeric.period.value(sites.p)[0]
     return result
+
+
+def at_ends(function: ArrayFunction, problem: OrbitProblem, sites: Reads, segments: NDArray[np.intp]) -> Array:
+    """Return a function's values at the ends of some segments, shape (n_out, len(segments))."""
+    i = problem.mesh.n_collocation + segments
+    return function.value(sites.t[i], sites.x[:, i], sites.xd[:, i], sites.p)
 
 
 def phase_weights(problem: OrbitProblem) -> Array:

@@ -8,11 +8,12 @@ from pddecont.errors import ResultsError
 from pddecont.plot.columns import agree, default_height, free_of
 from pddecont.plot.diagram import special_rows
 from pddecont.plot.manifold import signals, within_plane
+from pddecont.results.precision import distances
 from pddecont.results.reader import Results, Step
 from pddecont.results.tables import has_multipliers
 
 # Views that show one step at a time.
-SINGLE = ("orbit", "profile", "trajectory", "multipliers")
+SINGLE = ("orbit", "profile", "trajectory", "multipliers", "precision")
 MAX_PANELS = 6
 
 
@@ -33,6 +34,8 @@ def kinds_for(step: Step) -> tuple[str, ...]:
     """Return the views of a step, the one that suits it best first."""
     if step.kind == "continue" and len(free_of(step)) == 2:
         return "plane", "diagram", "manifold", "orbit", "profile", "multipliers"
+    if step.kind == "precision":
+        return ("precision", "distance") if distances(step) else ("precision",)
     return {"simulate": ("trajectory",), "sweep": ("sweep",), "basin": ("basin",), "orbit": ("orbit", "profile", "multipliers"),
             "continue": ("diagram", "orbit", "profile", "multipliers", "manifold")}.get(step.kind, ())  # fmt: skip
 
@@ -71,7 +74,7 @@ def _asked(results: Results, view: View) -> tuple[str, list[Step]]:
 
 def _suitable(results: Results, view: View) -> tuple[str, list[Step]]:
     full = [s for s in results.steps.values() if len(s) and kinds_for(s)]
-    full = [s for kind in ("simulate", "orbit", "basin", "continue", "sweep") for s in full if s.kind == kind]
+    full = [s for kind in ("simulate", "orbit", "basin", "continue", "sweep", "precision") for s in full if s.kind == kind]
     kind = view.kind or (kinds_for(full[-1])[0] if full else "")
     fit = [s for s in full if kind in kinds_for(s)]
     if not fit:
@@ -83,6 +86,8 @@ def _suitable(results: Results, view: View) -> tuple[str, list[Step]]:
         return kind, _swept([s for s in full if s.kind == "continue" or free_of(s) == free_of(fit[-1])])
     if kind in SINGLE:
         return kind, fit[-1:]
+    if kind == "distance":
+        return kind, fit[-MAX_PANELS:]
     if kind == "basin":
         return kind, [s for s in fit if s.meta["over"] == fit[-1].meta["over"]][-MAX_PANELS:]
     if kind == "manifold" and view.x and view.y and {view.x, view.y} <= set(signals(fit[-1])):

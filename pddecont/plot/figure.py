@@ -18,9 +18,11 @@ from pddecont.plot.manifold import draw_manifold, draw_orbits_along, signals
 from pddecont.plot.multipliers import draw_multipliers
 from pddecont.plot.orbits import draw_orbit, draw_profile, draw_together, draw_trajectory
 from pddecont.plot.plane import draw_plane
+from pddecont.plot.precision import draw_distances, draw_enlarged, draw_family, draw_work, varied
 from pddecont.plot.style import RC, label
 from pddecont.plot.tags import Tag, place_tags
 from pddecont.results.attractors import found
+from pddecont.results.precision import distances
 from pddecont.results.reader import Results, Step
 
 SUFFIXES = (".png", ".svg", ".pdf")
@@ -47,7 +49,8 @@ def picture(results: Results, view: View) -> Any:
     """Return ``view`` of a results file as a matplotlib figure."""
     kind, steps = choose(results, view)
     views = {"diagram": _diagram, "plane": _plane, "manifold": _manifold, "multipliers": _multipliers, "orbit": _orbits,
-             "profile": _profiles, "trajectory": _trajectory, "sweep": _sweep, "basin": _basin}  # fmt: skip
+             "profile": _profiles, "trajectory": _trajectory, "sweep": _sweep, "basin": _basin,
+             "precision": _precision, "distance": _distance}  # fmt: skip
     return views[kind](steps, view)
 
 
@@ -207,6 +210,38 @@ def _basin(steps: list[Step], view: View) -> Any:
         handles = draw_basin(axes, step, palette)
         axes.set_title("  ".join(f"{label(step.meta['parameters'][k])} = {parameters[k]:.6g}" for k in changing) or step.name, fontsize=9.5)
         axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.16), fontsize=7.5)
+    return figure
+
+
+def _precision(steps: list[Step], view: View) -> Any:
+    """Return error against CPU time and against unknowns (or steps), and Dist(N) where the length of a chain varies."""
+    step = steps[0]
+    costs = [view.x] if view.x else list(varied(step))
+    with_distances = bool(distances(step)) and not view.x
+    figure = _figure(4.4 * (len(costs) + with_distances), 4.6)
+    panels = figure.subplots(1, len(costs) + with_distances, squeeze=False)[0]
+    handles = [draw_work(axes, step, cost) for axes, cost in zip(panels, costs, strict=False)]
+    for axes in panels[1 : len(costs)]:
+        axes.set_ylabel("")
+    if with_distances:
+        draw_distances(panels[-1], step, "distance from the delay equation")
+    return _finished(figure, panels[0], [], handles[0])
+
+
+def _distance(steps: list[Step], view: View) -> Any:
+    """Return the family of orbits of the last step, then Dist(N) of every step."""
+    figure, panels = _panels(len(steps) + 2)
+    draw_family(panels[0], steps[-1], *_states(steps[-1], view))
+    draw_enlarged(panels[1], steps[-1], *_states(steps[-1], view))
+    values = np.array([step.points["parameters"][0] for step in steps])
+    changing, names = np.flatnonzero(np.ptp(values, axis=0) > 0), list(steps[0].meta["parameters"])
+
+    def at(row: Any) -> str:
+        return "  ".join(f"{label(names[k])} = {row[k]:.6g}" for k in changing)
+
+    panels[0].set_title(at(values[-1]), fontsize=9.5)
+    for axes, step, row in zip(panels[2:], steps, values, strict=True):
+        draw_distances(axes, step, at(row) or step.name)
     return figure
 
 

@@ -74,24 +74,31 @@ class Step:
 
 @dataclass(frozen=True, eq=False)
 class Results:
-    """The contents of a results file."""
+    """The contents of a results file; ``names`` lists all its steps, of which ``steps`` holds those that were read."""
 
     path: Path
     versions: Mapping[str, str]
     source: str
     model_text: str
     run_text: str
+    names: tuple[str, ...]
     steps: Mapping[str, Step]
 
     def step(self, name: str) -> Step:
         """Return a step by name, or raise :class:`ResultsError` with those there are."""
         if name not in self.steps:
-            raise ResultsError(f"{self.path} has no step '{name}'{suggest(name, self.steps)} (steps: {', '.join(self.steps) or 'none'})")
+            raise ResultsError(f"{self.path} has no step '{name}'{suggest(name, self.names)} (steps: {', '.join(self.names) or 'none'})")
         return self.steps[name]
 
 
-def read_results(path: str | Path) -> Results:
-    """Return what a results file holds; raise :class:`ResultsError` if it is not one that this version can read."""
+def read_results(path: str | Path, only: str | None = None) -> Results:
+    """Return what a results file holds, of its steps all or ``only`` one.
+
+    Raises
+    ------
+    ResultsError
+        If it is not a file that this version can read.
+    """
     path = Path(path)
     if not path.is_file():
         raise ResultsError(f"{path} does not exist; make it with 'pddecont run'")
@@ -102,9 +109,9 @@ def read_results(path: str | Path) -> Results:
                 raise ResultsError(f"{path} is an HDF5 file but not a results file of pddecont")
             if int(version) > FORMAT_VERSION:
                 raise ResultsError(f"{path} has format version {version}, newer than {FORMAT_VERSION}; install a newer pddecont")
-            steps = {name: _read_step(name, file["steps"][name]) for name in file["steps"]}
+            steps = {name: _read_step(name, file["steps"][name]) for name in file["steps"] if only in (None, name)}
             return Results(path, json.loads(file.attrs["versions"]), str(file.attrs["source"]), file["model"].asstr()[()],
-                           file["run"].asstr()[()], steps)  # fmt: skip
+                           file["run"].asstr()[()], tuple(file["steps"]), steps)  # fmt: skip
     except (OSError, KeyError, ValueError, TypeError, AttributeError) as exc:
         raise ResultsError(f"{path} cannot be read as a results file: {exc}") from exc
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from pddecont.results.attractors import class_of
+from pddecont.results.precision import cheapest_lines
 from pddecont.results.reader import Results, Step
 
 WORDS = {
@@ -49,6 +50,8 @@ def step_summary(step: Step) -> dict[str, Any]:
     if step.kind in ("sweep", "basin"):
         found = [class_of(step, i) for i in range(len(step)) if step.labels[i]]
         return result | {"special": [], "attractors": {name: found.count(name) for name in dict.fromkeys(found)}}
+    if step.kind == "precision":
+        return result | {"special": [], "cheapest": cheapest_lines(step) if len(step) else []}
     free = step.meta.get("free") or []
     if len(free) == 2:
         result |= {"free": list(free), "curve": step.meta.get("curve") or None}

@@ -9,13 +9,14 @@ from numpy.typing import NDArray
 
 from pddecont.errors import ResultsError
 from pddecont.results.attractors import attractor_rows, cell_rows, return_rows
+from pddecont.results.precision import precision_rows
 from pddecont.results.reader import Step
 
 Row = dict[str, Any]
 ORBITS, ATTRACTORS = ("orbit", "continue"), ("sweep", "basin")
 # The steps that have each table.
 TABLES = {"points": (*ORBITS, *ATTRACTORS), "special": ORBITS, "orbit": ORBITS, "multipliers": ORBITS, "trajectory": ("simulate",),
-          "events": ("simulate",), "returns": ATTRACTORS, "cells": ("basin",)}  # fmt: skip
+          "events": ("simulate",), "precision": ("precision",), "returns": ATTRACTORS, "cells": ("basin",)}  # fmt: skip
 
 
 def table(step: Step, name: str, row: int | None = None) -> list[Row]:
@@ -36,6 +37,8 @@ def table(step: Step, name: str, row: int | None = None) -> list[Row]:
         return [r for r in rows if r["label"]] if name == "special" else rows
     if name == "multipliers":
         return multiplier_rows(step, row)
+    if name == "precision":
+        return precision_rows(step)
     return {"orbit": orbit_rows, "trajectory": trajectory_rows, "events": event_rows}[name](step, row or 0)
 
 

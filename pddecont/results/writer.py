@@ -64,6 +64,7 @@ class StepWriter:
         self.n = kept
         self.used = dict.fromkeys(spec.orbits, 0) | dict(kept_rows or {})
         capacity = max(capacity, kept, *self.used.values()) if self.used else max(capacity, kept)
+        self.room = capacity
         self.capacity = dict.fromkeys((*spec.points, *spec.orbits), capacity)
         self._descriptor = -1
         self._offsets: dict[str, int] = {}
@@ -113,10 +114,13 @@ class StepWriter:
         _rewrite(self.path, change)
 
     def _make_room(self, wanted: Mapping[str, int]) -> None:
-        short = {name: max(n, 2 * self.capacity[name]) for name, n in wanted.items() if n > self.capacity[name]}
-        if short:
-            self.capacity |= short
-            self._arrange(keep=True)
+        if all(n <= self.capacity[name] for name, n in wanted.items()):
+            return
+        # All arrays grow together, for twice as many points as there are, each as long as those so far.
+        points = 2 * self.n + self.room
+        for name, n in wanted.items():
+            self.capacity[name] = max(self.capacity[name], -(-n * points // (self.n + 1)))
+        self._arrange(keep=True)
 
     def _arrange(self, *, keep: bool) -> None:
         """Rewrite the file with the present capacities and note where each array lies in it."""

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from pddecont.orbit.mesh import Mesh
 from pddecont.orbit.meshing import on_mesh
 from pddecont.orbit.problem import OrbitProblem
-from pddecont.stability.period import Period, linearise
+from pddecont.stability.period import LaggedBlocks, Period, linearise
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -81,7 +81,11 @@ def describe(m: Multipliers) -> str:
 
 def multipliers(problem: OrbitProblem, x: Array, n: int | None = None) -> Multipliers:
     """Return the ``n`` leading multipliers of the orbit ``x`` (None: those of modulus above ``SMALL``, at most ``AT_MOST``)."""
-    period = linearise(problem, x)
+    return multipliers_of(linearise(problem, x), problem, x, n)
+
+
+def multipliers_of(period: Period, problem: OrbitProblem, x: Array, n: int | None) -> Multipliers:
+    """Return the same from the orbit's linearised map."""
     wanted = AT_MOST if n is None else n
     values, noise = _leading(period, wanted), 0.0
     if period.couplings:
@@ -180,12 +184,15 @@ class Known:
     def __init__(self, n: int | None = None):
         self.n = n
         self._kept: deque[tuple[Array, Multipliers]] = deque(maxlen=32)
+        self._blocks: LaggedBlocks | None = None
 
     def __call__(self, problem: OrbitProblem, x: Array) -> Multipliers:
         """Return the multipliers of the orbit ``x``."""
         for known, result in self._kept:
             if known is x:
                 return result
-        result = multipliers(problem, x, self.n)
+        period = linearise(problem, x, self._blocks)
+        self._blocks = period.blocks
+        result = multipliers_of(period, problem, x, self.n)
         self._kept.append((x, result))
         return result

@@ -10,7 +10,7 @@ one without events lasts as long as the orbit's own.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -19,10 +19,9 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from pddecont.continuation.linear import Factors, Matrix, factor, row_maxima, scale_matrix
-from pddecont.delay.operator import FullWeights, LocalWeights
-from pddecont.orbit.jacobian import Blocks, Triplets
+from pddecont.delay.operator import DelayOperator, FullWeights, LocalWeights
+from pddecont.orbit.jacobian import Blocks, Equations, Evaluation
 from pddecont.orbit.problem import OrbitProblem, Reads, read
-from pddecont.orbit.residual import Rows
 from pddecont.stability.lags import LaggedMesh, deepest
 from pddecont.stability.lines import PeriodLine, period_line
 
@@ -30,18 +29,20 @@ Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
 
 
-class _LaggedBlocks(Blocks):
-    """Entries of all A_w: column w * n_columns + j belongs to unknown j of period k - w.
+class LaggedBlocks(Blocks):
+    """Places of all entries of all A_w: column w * n_columns + j belongs to unknown j of period k - w.
 
-    ``lines`` holds the delay lines by number of the delay; ``reading`` collects how equations read the delayed values they make.
+    ``lines`` holds the delay lines by number of the delay; ``reading`` collects how equations read the delayed values they make: by
+    number of the delayed value, the equations, the sites and what gives the values.
     """
 
-    def __init__(self, problem: OrbitProblem, rows: Rows, sites: Reads, lines: Mapping[int, PeriodLine], n_lags: int):
-        self.lines, self.n_lags = lines, n_lags
+    def __init__(self, problem: OrbitProblem, operators: Sequence[DelayOperator], lines: Mapping[int, PeriodLine]):
+        wraps = [int(np.max(op.weights.wraps)) for op in operators if isinstance(op.weights, LocalWeights)]
+        self.n_lags = 2 + max([*wraps, *(w for _, _, w in problem.timers)], default=0) + deepest(problem.mesh)
+        self.lines, self.lags = lines, LaggedMesh(problem.mesh, self.n_lags)
         self.n_columns = problem.layout.size + problem.layout.n_states
-        self.lags = LaggedMesh(problem.mesh, n_lags)
-        self.reading: dict[int, list[Triplets]] = {}
-        super().__init__(problem, rows, sites)
+        self.reading: dict[int, list[tuple[Ints, Ints, Callable[[Evaluation], Array]]]] = {}
+        super().__init__(problem, operators)
 
     def move(self, which: Sequence[int]) -> None:
         """Note how the places of reading move with the durations of all periods."""
@@ -50,30 +51,36 @@ class _LaggedBlocks(Blocks):
         self.duration_columns = (np.arange(self.n_lags)[:, None] * self.n_columns + durations).ravel()
         self.times = self.lags.times(mesh.sites).reshape(shape)
         self.lengths = self.lags.length.reshape(shape)
-        self.xd_moving = np.zeros((len(self.numeric.model.delayed), *self.times.shape))
-        for q in range(len(self.xd_moving)):
-            self.xd_moving[q] = self.read_slopes(q).reshape(shape)
 
-    def read_slopes(self, q: int) -> Array:
+    def delayed_slopes(self, sites: Reads) -> Array:
+        """Return the derivatives of the delayed values in the durations of all periods, shape (n_delayed, n_sites, n_lags * S)."""
+        n_delayed = len(self.numeric.model.delayed)
+        slopes = [self.read_slopes(q, sites).reshape(self.times.shape) for q in range(n_delayed)]
+        return np.stack(slopes) if slopes else np.zeros((0, *self.times.shape))
+
+    def read_slopes(self, q: int, sites: Reads) -> Array:
         """Return the derivatives of delayed value ``q`` in the durations of all periods, shape (n_sites, n_lags, S)."""
         mesh, (state, delay) = self.mesh, self.numeric.model.delayed[q]
         if delay in self.lines:
             result = np.zeros((mesh.n_sites, self.n_lags, mesh.n_segments))
             result[:, 0] = self.lines[delay].slopes[:, self.lines[delay].states.index(state)]
             return result
-        weights = self.sites.operators[delay].weights
+        weights = sites.operators[delay].weights
         assert isinstance(weights, LocalWeights)
-        slope = np.einsum("pb,pb->p", weights.weights @ mesh.basis.differentiate, self.sites.values[weights.columns, state])
-        lengths = self.sites.h[weights.interval]
+        slope = np.einsum("pb,pb->p", weights.weights @ mesh.basis.differentiate, sites.values[weights.columns, state])
+        lengths = sites.h[weights.interval]
         return slope[:, None, None] * self.lags.sigma_slopes(mesh.sites, weights.interval, weights.sigma, weights.wraps, lengths)
 
-    def reads(self, rows: Ints, points: Ints, dxd: Array) -> None:
+    def reads(self, e: Equations) -> None:
         """Add what reads of delayed values contribute; those that a delay line gives are kept for it."""
-        super().reads(rows, points, dxd)
-        for q, (_, delay) in enumerate(self.numeric.model.delayed):
-            if delay in self.lines:
-                r, c, v = np.broadcast_arrays(rows, points, dxd[:, q])
-                self.reading.setdefault(q, []).append(Triplets(r.ravel(), c.ravel(), v.ravel()))
+        super().reads(e)
+        for entry, (out, q) in enumerate(zip(*e.function.structure(self.problem.free_index).dxd, strict=True)):
+
+            def values(at: Evaluation, entry: int = entry) -> Array:
+                return at.factor(e) * at.derivatives(e).dxd[entry]
+
+            if self.numeric.model.delayed[q][1] in self.lines:
+                self.reading.setdefault(q, []).append((e.rows[out], e.points, values))
 
     def read_columns(self, weights: LocalWeights, points: Ints, state: int) -> Ints:
         """Return the columns that a read reaches: those of as many periods back as it wraps."""
@@ -85,7 +92,7 @@ class _LaggedBlocks(Blocks):
             return self.layout.size + np.arange(self.n)
         return super().after(s)
 
-    def timer(self, row: Ints, s: int, source: int, wraps: int) -> None:
+    def timer(self, row: int, s: int, source: int, wraps: int) -> None:
         """Add the equation of a delayed event: durations of as many periods as lie between."""
         weights = np.zeros((self.n_lags, self.mesh.n_segments))
         weights[1 : wraps + 1] = 1.0
@@ -93,22 +100,21 @@ class _LaggedBlocks(Blocks):
         weights[wraps, : source + 1] -= 1.0
         self.add(row, self.duration_columns, weights.ravel())
 
-    def phase(self, row: Ints) -> None:
+    def phase(self, row: int) -> None:
         """Add the equation that fixes a period's phase."""
-        self.add(row, self.layout.durations.start, np.ones(1))
+        self.add(row, self.layout.durations.start, 1.0)
 
     def period(self) -> None:
         """Add where a period starts: its time, and the state that the last one ended with."""
         rows = self.equations.size + np.arange(self.n)
-        self.add(rows, self.layout.value_index[self.mesh.first_base[0]], np.ones(self.n))
-        self.add(rows, self.n_columns + self.layout.size + np.arange(self.n), -np.ones(self.n))
+        self.add(rows, self.layout.value_index[self.mesh.first_base[0]], 1.0)
+        self.add(rows, self.n_columns + self.layout.size + np.arange(self.n), -1.0)
         if self.layout.forced:
             row, start = self.equations.period, self.layout.start.start
-            self.add(row, start, np.ones(1))
+            self.add(row, start, 1.0)
             if self.problem.segments[0].event:
-                self.add(row, self.n_columns + start, -np.ones(1))
-                self.add(row, self.n_columns + np.arange(self.layout.durations.start, self.layout.durations.stop),
-                         -np.ones(self.mesh.n_segments))  # fmt: skip
+                self.add(row, self.n_columns + start, -1.0)
+                self.add(row, self.n_columns + np.arange(self.layout.durations.start, self.layout.durations.stop), -1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,7 +130,7 @@ class Period:
     """The linear map from a history to the next period.
 
     ``present`` holds the factors of A_0, ``past`` the columns of A_1, A_2, ... that are not zero, ``kept[w - 1]`` which unknowns of
-    period k - w the history keeps.
+    period k - w the history keeps, ``blocks`` where all entries stand.
     """
 
     problem: OrbitProblem
@@ -132,6 +138,7 @@ class Period:
     past: tuple[sp.csc_matrix, ...]
     kept: tuple[Ints, ...]
     couplings: tuple[Coupling, ...]
+    blocks: LaggedBlocks
 
     @cached_property
     def size(self) -> int:
@@ -171,29 +178,28 @@ class Period:
         return self.step(np.eye(self.size))[1]
 
 
-def linearise(problem: OrbitProblem, x: Array) -> Period:
-    """Return the linearised map of the orbit ``x``, its parameters fixed."""
+def linearise(problem: OrbitProblem, x: Array, blocks: LaggedBlocks | None = None) -> Period:
+    """Return the linearised map of the orbit ``x``, its parameters fixed; ``blocks`` of an earlier one are used where they fit."""
     problem, x = problem.with_free(x, ())
     sites = read(problem, x, problem.mesh.sites)
     lines = {k: _line(problem, sites, k) for k, op in enumerate(sites.operators) if isinstance(op.weights, FullWeights)}
     operators = [replace(op, weights=FullWeights(lines[k].weights)) if k in lines else op for k, op in enumerate(sites.operators)]
-    wraps = [int(np.max(op.weights.wraps)) for op in operators if isinstance(op.weights, LocalWeights)]
-    n_lags = 2 + max([*wraps, *(w for _, _, w in problem.timers)], default=0) + deepest(problem.mesh)
-    blocks = _LaggedBlocks(problem, Rows(problem.layout), replace(sites, operators=operators), lines, n_lags)
-    entries, n = blocks.assemble(), blocks.n_columns
-    lag, column = np.divmod(entries.columns, n)
-    A = [sp.csc_matrix((entries.values[lag == w], (entries.rows[lag == w], column[lag == w])), shape=(n, n)) for w in range(n_lags)]
-    present = A[0].toarray() if blocks.dense else A[0]
-    for rows, state, values in blocks.dense:
-        place = np.ix_(rows, problem.layout.value_index[:, state])
-        present[place] = present[place] + values
-    used = [np.flatnonzero(np.diff(matrix.indptr)) for matrix in A[1:]]
+    if blocks is None or lines or not blocks.serves(problem, operators):
+        blocks = LaggedBlocks(problem, operators, lines)
+    at = Evaluation(blocks, problem, replace(sites, operators=operators))
+    n, values = blocks.n_columns, blocks.values(at)
+    wide = sp.coo_matrix((values, (blocks.rows, blocks.columns)), shape=(n, n * blocks.n_lags)).tocsc()
+    present = wide[:, :n]
+    if lines:
+        present = present.toarray()
+        blocks.add_dense(present, at)
+    used = [np.flatnonzero(np.diff(wide.indptr[w * n : (w + 1) * n + 1])) for w in range(1, blocks.n_lags)]
     while len(used) > 1 and not len(used[-1]):
         used.pop()
-    kept = [np.unique(np.concatenate(used[w:])) for w in range(len(used))]
-    past = [sp.csc_matrix(matrix[:, columns]) for matrix, columns in zip(A[1:], kept, strict=False)]
-    couplings = [Coupling(line, tuple(_read_by(blocks, n, q) for q in line.numbers)) for line in lines.values()]
-    return Period(problem, _scaled_factors(present), tuple(past), tuple(kept), tuple(couplings))
+    kept = tuple(np.unique(np.concatenate(used[w:])) for w in range(len(used)))
+    past = tuple(wide[:, (w + 1) * n + columns] for w, columns in enumerate(kept))
+    couplings = tuple(Coupling(line, tuple(_read_by(blocks, at, q) for q in line.numbers)) for line in lines.values())
+    return Period(problem, _scaled_factors(present), past, kept, couplings, blocks)
 
 
 def _line(problem: OrbitProblem, sites: Reads, delay: int) -> PeriodLine:
@@ -202,12 +208,12 @@ def _line(problem: OrbitProblem, sites: Reads, delay: int) -> PeriodLine:
     return period_line(problem, sites.theta, delay, states, numbers, problem.mesh.at_nodes(sites.values[:, list(states)]))
 
 
-def _read_by(blocks: _LaggedBlocks, n_rows: int, q: int) -> sp.csr_matrix:
+def _read_by(blocks: LaggedBlocks, at: Evaluation, q: int) -> sp.csr_matrix:
     """Return how the equations depend on delayed value ``q`` at the sites."""
     parts = blocks.reading.get(q, [])
-    rows, columns, values = (np.concatenate([np.zeros(0, dtype=t), *(getattr(p, f) for p in parts)])
-                             for f, t in (("rows", np.intp), ("columns", np.intp), ("values", float)))  # fmt: skip
-    return sp.csr_matrix((values, (rows, columns)), shape=(n_rows, blocks.mesh.n_sites))
+    rows, points = (np.concatenate([np.zeros(0, dtype=np.intp), *(part[i] for part in parts)]) for i in range(2))
+    values = np.concatenate([np.zeros(0), *(part[2](at) for part in parts)])
+    return sp.csr_matrix((values, (rows, points)), shape=(blocks.n_columns, blocks.mesh.n_sites))
 
 
 def _scaled_factors(matrix: Matrix) -> Factors:

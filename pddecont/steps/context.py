@@ -80,9 +80,14 @@ class Context:
     workers: Workers = field(default_factory=Workers)
     trajectories: dict[str, tuple[Trajectory, Array]] = field(default_factory=dict)
 
-    def results(self) -> Results:
-        """Return what the results file holds now."""
-        return read_results(self.path)
+    def recorded(self, name: str) -> RecordedStep:
+        """Return a step as the results file holds it now."""
+        return read_results(self.path, name).step(name)
+
+    def source(self, source: Source) -> tuple[Results, RecordedStep]:
+        """Return the recorded step that ``source`` names, in this run's file or another, and that file."""
+        results = read_results(self.path if source.file is None else self.plan.base / source.file, source.step)
+        return results, results.step(source.step)
 
     def rule_of(self, step: Step) -> MeshRule:
         """Return how a step makes its meshes."""
@@ -91,8 +96,7 @@ class Context:
 
 def source_step(context: Context, source: Source) -> tuple[RecordedStep, int]:
     """Return the recorded step that a step starts from and the row of its point."""
-    results = context.results() if source.file is None else read_results(context.plan.base / source.file)
-    recorded = results.step(source.step)
+    results, recorded = context.source(source)
     if recorded.kind not in ("orbit", "continue"):
         raise ResultsError(f"step '{source.step}' of {results.path} is a {recorded.kind} step and holds no orbits")
     row = recorded.row(source.point) if source.point else source.index or 0
@@ -103,8 +107,7 @@ def source_step(context: Context, source: Source) -> tuple[RecordedStep, int]:
 
 def attractor_step(context: Context, source: Source) -> RecordedStep | None:
     """Return the sweep or basin step that a step starts from, or None if it starts from something else."""
-    results = context.results() if source.file is None else read_results(context.plan.base / source.file)
-    recorded = results.step(source.step)
+    recorded = context.source(source)[1]
     return recorded if recorded.kind in ("sweep", "basin") else None
 
 
@@ -148,6 +151,14 @@ def mesh_settings(plan: Plan, step: Step) -> str:
     return repr((mesh_rule(step.mesh or plan.run.mesh), plan.delay_method(step)))
 
 
+def choice_of(plan: Plan, step: Step) -> dict[str, str]:
+    """Return, for a run with an accuracy, the delay and mesh of a step as text, so that steps that start from it can use them again."""
+    if plan.run.accuracy is None or step.mesh is None:
+        return {}
+    used = {"delay": step.delay or plan.run.delay, "mesh": step.mesh}
+    return {"choice": json.dumps({key: value.model_dump(mode="json", exclude_none=True) for key, value in used.items()})}
+
+
 def with_reference(problem: OrbitProblem, x: Array) -> OrbitProblem:
     """Return the problem with the orbit ``x`` as the reference of its phase, where it needs one."""
     if problem.segments[0].event or problem.numeric.model.forced:
@@ -171,6 +182,6 @@ def segments_of(plan: Plan, names: str) -> Any:
 def settings_text(plan: Plan, step: Step) -> str:
     """Return all that decides a step's numbers besides the model, as JSON, to compare with at --resume."""
     body: Mapping[str, Any] = step.model_dump(mode="json", by_alias=True)
-    shared = plan.run.model_dump(mode="json", by_alias=True, include={"delay", "mesh", "monitors"})
+    shared = plan.run.model_dump(mode="json", by_alias=True, include={"accuracy", "delay", "mesh", "monitors"})
     return json.dumps({"step": body, **shared, "parameters": plan.parameters.tolist(), "left_out": plan.model.left_out.as_data()},
                       sort_keys=True)  # fmt: skip

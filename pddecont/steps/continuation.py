@@ -22,7 +22,7 @@ from pddecont.orbit.record import from_rows, mesh_from_row
 from pddecont.results.reader import Step as RecordedStep
 from pddecont.results.writer import StepWriter
 from pddecont.stability.multipliers import LOST_ADVICE, TRIVIAL_ERROR
-from pddecont.steps.context import Context, known_multipliers, mesh_settings, segments_of, settings_text, with_reference
+from pddecont.steps.context import Context, choice_of, known_multipliers, mesh_settings, segments_of, settings_text, with_reference
 from pddecont.steps.next_signature import go_on
 from pddecont.steps.points import orbit_row, orbit_spec
 from pddecont.steps.schema import Step
@@ -96,7 +96,7 @@ class _Branch:
 
     def ending(self, end: Termination, way: int) -> str:
         """Return how a direction ended, with the signatures that it went through."""
-        done = self.task.context.results().step(self.task.step.name)
+        done = self.task.context.recorded(self.task.step.name)
         names: list[str] = []
         for i in done.order[::way]:
             if done.points["arclength"][i] * way >= 0 and done.points["kind"][i] in (b"", b"EP"):
@@ -120,7 +120,7 @@ def run_continue(context: Context, step: Step, recorded: RecordedStep | None = N
         raise ConvergenceError(f"step '{step.name}': {LOST_ADVICE}, or leave 'stability' out")
     ways = ways_of(task, start)
     meta = {"free": list(body.free), "directions": len(ways), "settings": settings_text(plan, step), "curve": start.curve,
-            "mesh_settings": mesh_settings(plan, step)}  # fmt: skip
+            "mesh_settings": mesh_settings(plan, step), **choice_of(plan, step)}  # fmt: skip
     spec = orbit_spec(step.name, "continue", plan.numeric, monitors, meta)
     if recorded is not None and len(recorded):
         states, ended, kept = _resume(task, recorded, start.state, ways)
@@ -139,7 +139,7 @@ def run_continue(context: Context, step: Step, recorded: RecordedStep | None = N
             if way not in ended:
                 writer.terminate(text, i)
             terminations.append(text)
-    done = context.results().step(step.name)
+    done = context.recorded(step.name)
     special = [(label, i) for i, label in enumerate(done.labels) if label]
     writer.special([label for label, _ in special], [i for _, i in special])
     errors = done.points["trivial_error"]

@@ -13,7 +13,7 @@ WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
 
 def named_in(run: RunBlock) -> Named:
-    """Return the identifiers in a run's monitors, signals, sections, grids and boxes, and the modes that its motions are put into.
+    """Return the identifiers in a run's expressions, grids and boxes, and the modes that its motions are put into.
 
     Initial values and histories need no state: they say where it begins if it is there.
     """
@@ -25,6 +25,8 @@ def named_in(run: RunBlock) -> Named:
 def _texts(step: Step) -> Iterator[Any]:
     if step.continue_:
         yield from step.continue_.events_along.values()
+    if step.precision:
+        yield from step.precision.quantities.values()
     if step.simulate:
         yield from step.simulate.record.signals.values()
     settling = step.sweep or step.basin

@@ -19,7 +19,7 @@ from pddecont.results.writer import StepWriter
 from pddecont.simulate.recognise import recognise
 from pddecont.simulate.trajectory import Trajectory
 from pddecont.stability.multipliers import describe
-from pddecont.steps.context import Context, attractor_step, known_multipliers, mesh_settings, orbit_at, settings_text
+from pddecont.steps.context import Context, attractor_step, choice_of, known_multipliers, mesh_settings, orbit_at, settings_text
 from pddecont.steps.points import orbit_row, orbit_spec
 from pddecont.steps.schema import Step
 
@@ -79,7 +79,7 @@ def run_orbit(context: Context, step: Step) -> None:
                                "What usually helps: a longer transient (raise 't_end'), a finer mesh, "
                                f"parameters farther from a grazing.{magnified}", exc.history) from exc  # fmt: skip
     monitors = [parse_monitor(plan.numeric, name, text) for name, text in plan.monitors.items()]
-    meta = {"settings": settings_text(plan, step), "mesh_settings": mesh_settings(plan, step)}
+    meta = {"settings": settings_text(plan, step), "mesh_settings": mesh_settings(plan, step), **choice_of(plan, step)}
     spec = orbit_spec(step.name, "orbit", plan.numeric, monitors, meta)
     known = known_multipliers(step.orbit.stability)
     stability = None if known is None else known(problem, solution.x)

@@ -17,10 +17,11 @@ from pddecont.model.document import Document, KeyPath
 from pddecont.model.effects import without
 from pddecont.model.expression import ExpressionError, parse
 from pddecont.model.system import Model, check_signature
+from pddecont.steps.comparisons import check_precision
 from pddecont.steps.motions import check_basin, check_simulate, check_sweep
 from pddecont.steps.named import named_in
 from pddecont.steps.plan import Plan, as_number
-from pddecont.steps.schema import OnBranch, OnCurve, RunBlock, Step
+from pddecont.steps.schema import Delay, Mesh, OnBranch, OnCurve, RunBlock, Step
 
 Array = NDArray[np.float64]
 NEED_MULTIPLIERS = {"BP", "TR", "FF", "FT", "PT", "TT", "GL", "GP", "GT"}
@@ -29,16 +30,20 @@ COLUMNS = {"index", "label", "kind", "period", "stable", "admissible", "error_es
 
 @dataclass(frozen=True)
 class Overrides:
-    """What the command line changes of a run file: parameter values (as text) and effects left out."""
+    """What the command line changes of a run file: parameter values (as text), effects left out, the accuracy asked for."""
 
     set: tuple[tuple[str, str], ...] = ()
     without: tuple[str, ...] = ()
+    accuracy: float | None = None
 
 
 class Planner:
     """Collects the problems of a run against its model."""
 
     def __init__(self, document: Document, prefix: KeyPath, run: RunBlock, model: Model, overrides: Overrides):
+        if overrides.accuracy is not None:
+            open_ = {"accuracy": overrides.accuracy, "delay": Delay.model_validate({}), "mesh": Mesh.model_validate({})}
+            run = run.model_copy(update=open_)
         self.document, self.prefix, self.run, self.overrides = document, prefix, run, overrides
         self.whole, self.model = model, model
         self.problems: list[Problem] = []
@@ -157,6 +162,8 @@ class Planner:
             check_sweep(self, (*path, "sweep"), step, values)
         if step.basin:
             check_basin(self, (*path, "basin"), step, values)
+        if step.precision:
+            check_precision(self, (*path, "precision"), step, values, earlier)
         if step.orbit and step.orbit.signature is not None:
             self.check_signature((*path, "orbit", "signature"), step.orbit.signature)
         if step.continue_:
@@ -218,6 +225,8 @@ class Planner:
         if step.kind == "continue" and kind == "simulate":
             self.complain(path, f"'{source.step}' is a trajectory; put an orbit step between: "
                                 f"{{name: orbit, orbit: {{from: {source.step}}}}}")  # fmt: skip
+        if kind == "precision":
+            self.complain(path, f"'{source.step}' compares settings; start from the step that it compares them on")
         if kind == "continue" and source.point is None and source.index is None:
             self.complain(path, f"'{source.step}' holds many orbits; say which: {{step: {source.step}, point: GR1}} or 'index: 0'")
 

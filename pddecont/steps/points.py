@@ -12,7 +12,6 @@ from pddecont.bifurcation.grazing import clearance
 from pddecont.model.codegen import NumericModel
 from pddecont.orbit.admissibility import event_profiles, objections
 from pddecont.orbit.error import error_estimate
-from pddecont.orbit.mesh import Places
 from pddecont.orbit.monitors import Monitor
 from pddecont.orbit.problem import OrbitProblem, read
 from pddecont.orbit.record import to_rows
@@ -67,7 +66,7 @@ def delayed_values(problem: OrbitProblem, x: Array) -> Array:
     """Return the delayed values at the base points, shape (n_base, n_delayed)."""
     mesh = problem.mesh
     base = mesh.basis.base
-    places = Places(np.repeat(np.arange(mesh.n_intervals), len(base)), np.tile(base, mesh.n_intervals))
+    places = mesh.grid(base)
     result = np.empty((mesh.n_base, len(problem.numeric.model.delayed)))
     result[mesh.base_index.ravel()] = read(problem, x, places).xd.T
     return result
@@ -83,6 +82,8 @@ def surfaces(problem: OrbitProblem, x: Array) -> Array:
             continue
         function = problem.numeric.event(event.name)
         d = function.derivatives(np.zeros(2), np.outer(np.ones(n), [0.0, 1.0]), np.zeros((len(model.delayed), 2)), p)
-        if np.allclose(d.dx[0, :, 0], d.dx[0, :, 1], rtol=0, atol=1e-14 * (1 + np.max(np.abs(d.dx)))) and np.all(np.isfinite(d.value)):
-            result[i, :n], result[i, n] = d.dx[0, :, 0], -d.value[0, 0]
+        rounding = 1e-14 * (1 + np.max(np.abs(d.dx), initial=0.0))
+        if np.allclose(d.dx[:, 0], d.dx[:, 1], rtol=0, atol=rounding) and np.all(np.isfinite(d.value)):
+            result[i] = 0.0
+            result[i, function.structure().dx[1]], result[i, n] = d.dx[:, 0], -d.value[0, 0]
     return result

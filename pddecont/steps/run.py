@@ -13,10 +13,12 @@ from pddecont.results.reader import Step as RecordedStep
 from pddecont.results.reader import read_results
 from pddecont.results.writer import create, drop_steps
 from pddecont.simulate.workers import Workers
+from pddecont.steps.accuracy import resolved
 from pddecont.steps.context import Context, Reporter, Silent, settings_text
 from pddecont.steps.continuation import run_continue
 from pddecont.steps.orbit import run_orbit
 from pddecont.steps.plan import Plan
+from pddecont.steps.precision import run_precision
 from pddecont.steps.schema import Step
 
 PACKAGES = ("numpy", "scipy", "sympy", "h5py", "numba")
@@ -41,14 +43,17 @@ def execute(plan: Plan, path: Path, reporter: Reporter | None = None, *, resume:
         create(path, plan.model_text, plan.run_text, plan.source, json.dumps(versions()), overwrite=overwrite)
     context = Context(plan, path, reporter or Silent(), Workers(workers, scheduler))
     for step in steps:
-        recorded = read_results(path).steps.get(step.name)
+        context.reporter.step(step.name, step.kind)
+        recorded = read_results(path, step.name).steps.get(step.name)
+        step = resolved(context, step, None if recorded is None else recorded.meta.get("choice"))
         if recorded is not None and recorded.meta.get("settings") != settings_text(plan, step):
             raise ResultsError(f"step '{step.name}' of {path} was computed with other settings; give --overwrite or another -o")
-        context.reporter.step(step.name, step.kind)
         if recorded is not None and recorded.done:
             context.reporter.done("done already")
         elif step.continue_:
             run_continue(context, step, recorded)
+        elif step.precision:
+            run_precision(context, step, recorded)
         elif step.orbit:
             _anew(path, recorded)
             run_orbit(context, step)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, ConfigDict, Field, WithJsonSchema, model_validator
+from pydantic import BeforeValidator, ConfigDict, Field, ValidationError, WithJsonSchema, model_validator
 from pydantic_core import PydanticCustomError
 
 from pddecont.model.validation import Formula, Identifier, Strict
@@ -260,6 +260,60 @@ class Continue(Strict):
     events_along: dict[Identifier, Formula] = Field(default_factory=dict, description="user functions whose zeros are located")
 
 
+Several = Annotated[list[Annotated[int, Field(ge=1)]], BeforeValidator(lambda v: v if isinstance(v, list) else [v]), Field(min_length=1)]
+
+
+class Compared(Strict):
+    """Ways to find delayed values that are compared; lists stand for one way each."""
+
+    method: Literal["direct", "chain", "chebyshev"] = Field(description="as in 'delay'")
+    track_breaking_points: bool | None = Field(None, description="direct: as in 'delay'")
+    order: Several | None = Field(None, description="chain: orders M of each Taylor step")
+    n: Several | None = Field(None, description="chain: numbers of Taylor steps; chebyshev: numbers of points")
+    states: Literal["eliminated", "explicit"] | None = Field(None, description=(
+        "chain: stages eliminated from the unknowns (the default), or each a state of its own as in the paper"))
+
+    @model_validator(mode="after")
+    def _are_delays(self) -> Compared:
+        if self.states is not None and self.method != "chain":
+            raise PydanticCustomError("delay", "'states' does not go with method '{method}'", {"method": self.method})
+        self.delays()
+        return self
+
+    def delays(self) -> list[Delay]:
+        """Return one way each."""
+        given = {"method": self.method, "track_breaking_points": self.track_breaking_points}
+        orders: list[int | None] = [*self.order] if self.order else [None]
+        numbers: list[int | None] = [*self.n] if self.n else [None]
+        try:
+            return [Delay.model_validate({**given, "order": order, "n": n}) for order in orders for n in numbers]
+        except ValidationError as exc:
+            raise PydanticCustomError("delay", "{what}", {"what": exc.errors()[0]["msg"]}) from exc
+
+
+class Precision(Strict):
+    """What accuracy costs: quantities of one orbit, or of one simulation's end, by many settings."""
+
+    from_: From = Field(alias="from", description="an orbit step, a point of a branch, or a simulate step")
+    quantities: dict[Identifier, Formula] = Field(min_length=1, description="monitors of the orbit, or expressions in the last state")
+    reference: dict[Identifier, Formula] = Field(default_factory=dict, description=(
+        "values of the quantities in closed form; those not given come from the finest solution, checked on two meshes"))
+    methods: list[Compared] = Field(default_factory=lambda: [Compared.model_validate({"method": "direct"})], min_length=1, description=(
+        "orbits: ways to find delayed values"))
+    degrees: Several = Field(default_factory=lambda: [4, 6, 8], description="orbits: degrees of the polynomials")
+    intervals: Several | None = Field(None, description="orbits: numbers of mesh intervals a period")
+    tolerances: list[Annotated[float, Field(gt=0, lt=1)]] | None = Field(None, min_length=1, description=(
+        "orbits: mesh tolerances, instead of intervals; simulations: relative tolerances"))
+    integrators: list[Literal["explicit", "stiff"]] | None = Field(None, min_length=1, description="simulations: methods (default both)")
+    repeats: int = Field(3, ge=1, le=1000, description="how often each is timed; the median counts")
+
+    @model_validator(mode="after")
+    def _one_rule(self) -> Precision:
+        if self.intervals is not None and self.tolerances is not None:
+            raise PydanticCustomError("mesh", "'tolerances' and 'intervals' exclude each other", {})
+        return self
+
+
 class Step(Strict):
     """One step of a run; exactly one of its kinds."""
 
@@ -272,6 +326,7 @@ class Step(Strict):
     basin: Basin | None = None
     orbit: Orbit | None = None
     continue_: Continue | None = Field(None, alias="continue")
+    precision: Precision | None = None
 
     @property
     def kind(self) -> str:
@@ -296,7 +351,7 @@ class Step(Strict):
         return self
 
 
-KINDS = ("simulate", "sweep", "basin", "orbit", "continue")
+KINDS = ("simulate", "sweep", "basin", "orbit", "continue", "precision")
 
 
 class RunBlock(Strict):
@@ -304,10 +359,20 @@ class RunBlock(Strict):
 
     set: dict[Identifier, Formula] = Field(default_factory=dict, description="parameter values")
     effects: Effects = Field(default_factory=lambda: Effects.model_validate({}))
+    accuracy: float | None = Field(None, ge=1e-11, lt=1, description=(
+        "error allowed on orbits, relative to their sizes; method, degree and mesh are chosen for it, instead of 'delay' and 'mesh'"))
     delay: Delay = Field(default_factory=lambda: Delay.model_validate({}))
     mesh: Mesh = Field(default_factory=lambda: Mesh.model_validate({}))
     monitors: dict[Identifier, Formula] = Field(default_factory=dict, description="numbers recorded at every point")
     steps: list[Step] = Field(min_length=1, description="what to do, in order")
+
+    @model_validator(mode="after")
+    def _one_rule(self) -> RunBlock:
+        for key in ("delay", "mesh"):
+            if self.accuracy is not None and key in self.model_fields_set:
+                raise PydanticCustomError("accuracy", "'accuracy' chooses the method and the mesh; leave '{key}' out, or give it to a step",
+                                          {"key": key})  # fmt: skip
+        return self
 
 
 class RunFile(RunBlock):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import sympy
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from pddecont.results.layout import Column, StepSpec
 from pddecont.results.writer import StepWriter
 from pddecont.simulate.integrate import simulate
+from pddecont.simulate.simulator import Method
 from pddecont.simulate.trajectory import Trajectory
 from pddecont.steps.context import Context, settings_text
 from pddecont.steps.integration import history_of, method_of, start_of
@@ -25,23 +26,31 @@ def integrate(context: Context, step: Step) -> Trajectory:
     """Return the trajectory of a simulate step; it is kept in memory for the steps that start from it."""
     if step.name in context.trajectories:
         return context.trajectories[step.name][0]
-    body, plan = step.simulate, context.plan
-    assert body is not None
+    plan = context.plan
+    assert step.simulate is not None
     p = plan.step_parameters(step)
-    t_end, start = plan.number(body.t_end, p), start_of(plan, body.initial, p)
-    changes = schedule(plan, step, p)
-    # Signals read delayed values of what is recorded.
-    longest = max(float(np.max(plan.numeric.delays.value(q), initial=0.0)) for q in (p, *(q for _, q in changes)))
-    trajectory = simulate(
-        plan.numeric, p, plan.delay_method(step), t_end, method_of(plan, step, body), initial=list(start.states), mode=start.mode,
-        constant=start.constant, history=history_of(plan, body.initial), schedule=changes,
-        keep_from=plan.number(body.record.from_, p) - longest,
-        heard=lambda t: context.reporter.progress(f"t = {t:.6g}", t / t_end))  # fmt: skip
+    t_end, changes = plan.number(step.simulate.t_end, p), schedule(plan, step, p)
+    trajectory = trajectory_of(plan, step, method_of(plan, step, step.simulate),
+                               lambda t: context.reporter.progress(f"t = {t:.6g}", t / t_end))  # fmt: skip
     context.trajectories[step.name] = (trajectory, changes[-1][1] if changes else p)
     return trajectory
 
 
-def _past(plan: Plan, step: Step, p: Array) -> Sequence[sympy.Expr]:
+def trajectory_of(plan: Plan, step: Step, method: Method, heard: Callable[[float], None] | None = None) -> Trajectory:
+    """Return the trajectory of a simulate step by ``method``; ``heard`` hears of times reached."""
+    body = step.simulate
+    assert body is not None
+    p = plan.step_parameters(step)
+    start, changes = start_of(plan, body.initial, p), schedule(plan, step, p)
+    # Signals read delayed values of what is recorded.
+    longest = max(float(np.max(plan.numeric.delays.value(q), initial=0.0)) for q in (p, *(q for _, q in changes)))
+    return simulate(
+        plan.numeric, p, plan.delay_method(step), plan.number(body.t_end, p), method, initial=list(start.states), mode=start.mode,
+        constant=start.constant, history=history_of(plan, body.initial), schedule=changes,
+        keep_from=plan.number(body.record.from_, p) - longest, heard=heard)  # fmt: skip
+
+
+def past_of(plan: Plan, step: Step, p: Array) -> Sequence[sympy.Expr]:
     """Return the history of a step's motion as expressions in t."""
     assert step.simulate is not None
     initial = step.simulate.initial
@@ -89,7 +98,7 @@ def run_simulate(context: Context, step: Step) -> None:
     else:
         times, states, in_mode = trajectory.every(plan.number(record.every, p), since)
     values = signal_values(plan, signals, trajectory, times, states, [(-np.inf, p), *changes],
-                           _past(plan, step, p))  # fmt: skip
+                           past_of(plan, step, p))  # fmt: skip
     events = trajectory.events
     late = events.t >= since
     with StepWriter(context.path, spec, capacity=1) as writer:

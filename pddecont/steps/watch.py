@@ -53,10 +53,10 @@ def _vanishings(state: State) -> list[TestFunction]:
 
 def _grazings(state: State) -> list[TestFunction]:
     """Return the test of each segment and event that it watches."""
-    problem, clearances = state.problem.problem, grazing.Clearances()
+    problem = state.problem.problem
 
     def value(s: int, event: str) -> Callable[[Located], float]:
-        return lambda at: clearances(at.problem.problem, at.x, s, event)
+        return lambda at: grazing.height(at.problem.problem, at.x, s, event)
 
     pairs = dict.fromkeys((s, event) for s in range(len(problem.segments)) for event, _, _ in watched_events(problem, s))
     return [TestFunction(grazing.KIND, value(*pair), stops=True) for pair in pairs]

@@ -31,7 +31,7 @@ def test_none_is_missed_and_none_invented(seed):
     t = np.linspace(0, 1, 20001)
     signs = np.sign(slope(t))
     expected = int(np.sum(signs[1:] != signs[:-1]))
-    found = profile.extrema()
+    found = profile.extrema
     assert len(found) == expected
     for e in found:
         assert abs(slope(e.time)) < 1e-3
@@ -46,7 +46,7 @@ def test_none_is_missed_and_none_invented(seed):
 def test_an_extremum_on_an_edge_counts_once(offset, place):
     """A cosine with its maximum at an edge of the mesh, or at the start of a closed orbit, to rounding and beyond."""
     profile, _, _ = wave([1], [1.0], [np.pi / 2 - 2 * np.pi * (place + offset)], 8, 6, closed=True)
-    found = profile.extrema()
+    found = profile.extrema
     assert [e.is_max for e in found].count(True) == 1
     assert len(found) == 2
     top = next(e for e in found if e.is_max)
@@ -56,4 +56,4 @@ def test_an_extremum_on_an_edge_counts_once(offset, place):
 
 def test_an_open_segment_has_none_at_its_ends():
     profile, _, _ = wave([1], [1.0], [np.pi / 2], 8, 6, closed=False)
-    assert [e.is_max for e in profile.extrema()] == [False]
+    assert [e.is_max for e in profile.extrema] == [False]

@@ -96,8 +96,8 @@ def test_without_delays_the_matrix_is_sparse_and_its_pattern_is_kept():
     assembler = Assembler(problem)
     x = start(problem)
     first = assembler(x)
-    pattern = assembler.pattern
+    pattern = assembler.blocks.pattern
     assert sp.issparse(first)
     assert first.nnz < 0.08 * np.prod(first.shape)
     assembler(x + 0.1)
-    assert assembler.pattern is pattern
+    assert assembler.blocks.pattern is pattern

@@ -40,7 +40,7 @@ def calls(monkeypatch):
 
         return counted
 
-    for where, name in ((grazing.Clearances, "__call__"), (tangency, "crossing_rate"), (tangency.Meeting, "at"),
+    for where, name in ((grazing, "height"), (tangency, "crossing_rate"), (tangency.Meeting, "at"),
                         (period_doubling, "halves"), (Known, "__call__"), (watch, "objections"), (Monitor, "value")):  # fmt: skip
         key = f"{where.__name__}.{name}"
         monkeypatch.setattr(where, name, counting(key, getattr(where, name)))
@@ -51,8 +51,7 @@ def test_all_is_looked_for_unless_said_otherwise(tmp_path, calls):
     step = branch(tmp_path, "")
     assert "GR1" in labels(step)
     names = {name.rsplit(".", 1)[1] for name in calls}
-    assert {"crossing_rate", "objections", "value", "halves"} <= names
-    assert "Clearances.__call__" in calls
+    assert {"height", "crossing_rate", "objections", "value", "halves"} <= names
 
 
 def test_nothing_is_looked_for_where_nothing_is_asked_for(tmp_path, calls):

@@ -64,6 +64,7 @@ def test_what_an_effect_took_along_is_named_with_the_reason(off, more, steps, me
     ("monitors: {m: max(filter)}\n", TRANSIENT),
     ("", "{name: t, simulate: {t_end: 10, record: {signals: {s: w + x}}}}"),
     ("", SWEEP % ", section: {zero: w}"),
+    ("", f"{TRANSIENT}, {{name: c, precision: {{from: t, quantities: {{q: w}}}}}}"),
     ("", SWEEP % ", random: {number: 2, box: {w: [0, 1]}}"),
     ("", "{name: s, basin: {over: {x: [0, 1, 2], w: [0, 1, 2]}, transient: 100}}"),
     ("", f"{TRANSIENT}, {ORBIT}, {{name: b, continue: {{from: o, free: [a], range: {{a: [0, 1]}}, events_along: {{u: mean(w)}}}}}}"),

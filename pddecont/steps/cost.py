@@ -1,0 +1,38 @@
+"""What a computation costs: wall time, CPU time, memory."""
+
+from __future__ import annotations
+
+import time
+import tracemalloc
+from collections.abc import Callable
+from dataclasses import dataclass
+from statistics import median
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Seconds by the clock (median, lowest, highest of the repeats), CPU seconds (median), bytes held at most by Python and arrays."""
+
+    wall: float
+    wall_low: float
+    wall_high: float
+    cpu: float
+    memory: int
+
+
+def measured(compute: Callable[[], Any], repeats: int) -> tuple[Any, Cost]:
+    """Return what ``compute`` returns and what it costs; a first run, which counts for the memory alone, warms it up."""
+    tracemalloc.start()
+    try:
+        result = compute()
+        memory = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    walls, cpus = [], []
+    for _ in range(repeats):
+        wall, cpu = time.perf_counter(), time.process_time()
+        compute()
+        walls.append(time.perf_counter() - wall)
+        cpus.append(time.process_time() - cpu)
+    return result, Cost(median(walls), min(walls), max(walls), median(cpus), memory)
