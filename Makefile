@@ -30,6 +30,7 @@ bench: setup         ## ratios, each measured in one process
 	$(BIN)/python -m pip install --quiet -e ".[bench]"
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.run
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.simulator
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.effects
 
 tracking: setup      ## error with and without tracked breaking points: table, and a picture in out/
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.tracking $(OUT)

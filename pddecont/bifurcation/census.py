@@ -15,8 +15,11 @@ from pddecont.continuation.locate import Located
 from pddecont.continuation.special import Census, Counts, TestFunction
 from pddecont.stability.multipliers import Known, Multipliers
 
+# Whether a kind of special point is asked for.
+Asks = Callable[[str], bool]
 # A multiplier passes +1, one passes -1, a pair passes the circle elsewhere.
 PASSING = (branch_point.passing, period_doubling.passing, torus.passing)
+KINDS = (branch_point.KIND, period_doubling.KIND, torus.KIND)
 ON_THE_AXIS = ((2, 0, -1), (-2, 0, 1), (0, 2, -1), (0, -2, 1))
 FOLD = TestFunction(fold.KIND, fold.turning)
 
@@ -44,18 +47,34 @@ def crossings(kinds: Sequence[str], multipliers_of: Callable[[Located], Multipli
     return Census(lambda at: outside(multipliers_of(at)), explain)
 
 
-def branch_census(known: Known | None) -> Census:
-    """Return the census of a branch in one parameter: its multipliers, if ``known``, and the direction of the parameter last.
+def asked_only(census: Census, kinds: Sequence[str], asks: Asks) -> Census | None:
+    """Return the census as far as it is asked for, None if it is not; ``kinds`` name what a change of each number alone is."""
+    wanted = [i for i, kind in enumerate(kinds) if asks(kind)]
+    if not wanted:
+        return None
 
-    At a fold both change at once, by one multiplier at +1 or, where a branch meets its mirror image, by none.
+    def explain(before: Counts, after: Counts) -> Sequence[TestFunction] | None:
+        if all(before[i] == after[i] for i in wanted):
+            return []
+        tests = census.explain(before, after)
+        return None if tests is None else [test for test in tests if asks(test.kind)]
+
+    return Census(census.count, explain)
+
+
+def branch_census(known: Known | None, asks: Asks) -> Census | None:
+    """Return the census of a branch in one parameter, as far as it is asked for.
+
+    It counts multipliers, if ``known``, and the direction of the parameter last. At a fold both change at once, by one multiplier at +1
+    or, where a branch meets its mirror image, by none.
     """
 
     def turn(at: Located) -> int:
         return int(fold.turning(at) > 0.0)
 
-    if known is None:
-        return Census(lambda at: (turn(at),), lambda before, after: [FOLD])
-    circle = crossings((branch_point.KIND, period_doubling.KIND, torus.KIND), lambda at: known(at.problem.problem, at.x))
+    if known is None or not any(map(asks, KINDS)):
+        return asked_only(Census(lambda at: (turn(at),), lambda before, after: [FOLD]), (fold.KIND,), asks)
+    circle = crossings(KINDS, lambda at: known(at.problem.problem, at.x))
 
     def explain(before: Counts, after: Counts) -> Sequence[TestFunction] | None:
         if before[-1] == after[-1]:
@@ -63,4 +82,4 @@ def branch_census(known: Known | None) -> Census:
         change = tuple(b - a for a, b in zip(before[:-1], after[:-1], strict=True))
         return [FOLD] if change in ((0, 0, 0), (1, 0, 0), (-1, 0, 0)) else None
 
-    return Census(lambda at: (*circle.count(at), turn(at)), explain)
+    return asked_only(Census(lambda at: (*circle.count(at), turn(at)), explain), (*KINDS, fold.KIND), asks)

@@ -16,7 +16,7 @@ from dataclasses import replace
 import numpy as np
 
 from pddecont.bifurcation import branch_point, fold, period_doubling, torus
-from pddecont.bifurcation.census import crossings
+from pddecont.bifurcation.census import Asks, asked_only, crossings
 from pddecont.bifurcation.conditioned import SpecialCurve
 from pddecont.bifurcation.fold import Fold
 from pddecont.bifurcation.grazing import Graze, clearance
@@ -31,8 +31,8 @@ OTHERS = ("GL", "GP", "GT")
 RESONANCES = (("R1", 2.0, True), ("R2", -2.0, True), ("R3", -1.0, False), ("R4", 0.0, False))
 
 
-def watch_curve(special: SpecialCurve, known: Known | None) -> Watch:
-    """Return what is watched along a curve of special points; without ``known`` nothing that needs multipliers."""
+def watch_curve(special: SpecialCurve, known: Known | None, asks: Asks) -> Watch:
+    """Return what is watched along a curve of special points, as far as it is asked for; without ``known`` nothing of multipliers."""
     tests: list[TestFunction] = []
     kind = special.condition.kind
     if isinstance(special.condition, Fold):
@@ -43,9 +43,12 @@ def watch_curve(special: SpecialCurve, known: Known | None) -> Watch:
         tests.append(TestFunction("GG", lambda at: at.problem.condition.others(at.problem.curve, at.x)))
     elif kind not in ("UF",):
         tests.append(TestFunction("GG", lambda at: clearance(at.problem.problem, at.x), note="grazing"))
+    tests = [test for test in tests if asks(test.kind)]
     if known is None:
         return Watch(tests)
-    return Watch(tests, crossings(KINDS.get(kind, OTHERS), lambda at: without_critical(known(at.problem.problem, at.x), kind)))
+    kinds = KINDS.get(kind, OTHERS)
+    census = crossings(kinds, lambda at: without_critical(known(at.problem.problem, at.x), kind))
+    return Watch(tests, asked_only(census, kinds, asks))
 
 
 def cusp(at: Located) -> float:

@@ -52,11 +52,12 @@ def model_info(file: str, without: tuple[str, ...]) -> dict[str, Any]:
     steps = None
     if is_run_file(document):
         plan = load_plan(document, Overrides(without=without))
-        model, left_out = plan.model, plan.left_out
+        model = plan.model
         steps = [f"{step.name}: {step.kind}" for step in plan.run.steps]
     else:
-        model, left_out = leave_out(parse_model(document)[0], without)
-        steps = [f"{s.get('name')}" for s in ((document.data.get("run") or {}).get("steps") or []) if isinstance(s, dict)]
+        run = document.data.get("run") or {}
+        model = leave_out(parse_model(document)[0], [*((run.get("effects") or {}).get("off") or []), *without])
+        steps = [f"{s.get('name')}" for s in (run.get("steps") or []) if isinstance(s, dict)]
     delays = [f"{model.states[i]}(t - {model.delays[k]})" for i, k in model.delayed]
     return {
         "model": model.name, "reference": model.reference, "states": list(model.states), "parameters": dict(model.parameters),
@@ -64,8 +65,7 @@ def model_info(file: str, without: tuple[str, ...]) -> dict[str, Any]:
         "events": list(model.events), "resets": list(model.resets),
         "segments": [f"{s.name}: {s.mode} -- {s.event} ({s.direction}) / {s.reset} -> {s.to}" for s in model.segments.values()],
         "effects": list(model.effects), "steps": steps,
-        "left out": {"effects": list(left_out.effects), "events": list(left_out.events), "modes": list(left_out.modes),
-                     "delays": list(left_out.delays)},
+        "left out": model.left_out.as_data(),
     }  # fmt: skip
 
 

@@ -220,6 +220,18 @@ class NumericModel:
         """The model file's parameter values, in the order of ``model.parameters``."""
         return np.array(list(self.model.parameters.values()), dtype=float)
 
+    def with_fixed(self, p: Array) -> Array:
+        """Return ``p`` with the parameters that effects left out set at their values."""
+        if not self.model.fixed:
+            return p
+        p = p.copy()
+        p[[self.parameter_index(name) for name in self.model.fixed]] = self._fixed.value(p)
+        return p
+
+    @cached_property
+    def _fixed(self) -> ParameterFunction:
+        return ParameterFunction(_array_function(tuple(self.model.fixed.values()), (), (), self.model.parameter_symbols))
+
     def parameter_index(self, name: str) -> int:
         """Return the place of a parameter in ``p``."""
         return list(self.model.parameters).index(name)

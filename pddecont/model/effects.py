@@ -1,79 +1,79 @@
-"""A model without some of its effects: the terms, delays, events and modes that nothing left needs are gone."""
+"""A model without some of its effects: the terms, delays, events, modes and states that nothing left needs are gone."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Iterable
+from dataclasses import replace
 
 import sympy
 
 from pddecont.errors import PddecontError, suggest
-from pddecont.model.system import IDENTITY, Model, delayed_symbol, symbol
+from pddecont.model.expression import ExpressionError
+from pddecont.model.left_out import LeftOut
+from pddecont.model.reduction import KINDS, Cut, Named, Reasons, check_finite, reduced
+from pddecont.model.system import Model, symbol
 
 
-@dataclass(frozen=True)
-class LeftOut:
-    """What a model lost with its effects, for a person to read."""
+def without(model: Model, off: Iterable[str], named: Named | None = None) -> Model:
+    """Return the model without the effects named in ``off``; ``left_out`` of it tells what went with them.
 
-    effects: tuple[str, ...] = ()
-    events: tuple[str, ...] = ()
-    modes: tuple[str, ...] = ()
-    delays: tuple[str, ...] = ()
-
-
-def without(model: Model, off: Iterable[str]) -> tuple[Model, LeftOut]:
-    """Return the model without the effects named in ``off``, and what went with them."""
-    names = tuple(off)
-    values: dict[sympy.Symbol, sympy.Expr] = {}
-    dropped: set[str] = set()
+    Raises
+    ------
+    PddecontError
+        If an effect is unknown, two effects set a parameter to different values, or a formula is not finite without them.
+    """
+    names, named = tuple(dict.fromkeys(off)), named or Named()
     for name in names:
         if name not in model.effects:
             raise PddecontError(f"'{name}' is not an effect of model '{model.name}'{suggest(name, model.effects)} "
                                 f"(effects: {', '.join(model.effects) or 'none'})")  # fmt: skip
-        effect = model.effects[name]
-        values |= {symbol(key): value for key, value in effect.set.items()}
-        dropped |= set(effect.drop)
     if not names:
-        return model, LeftOut()
-    segments = {k: s for k, s in model.segments.items() if s.event not in dropped}
-    reachable = _reachable(model.initial_mode, segments.values())
-    segments = {k: s for k, s in segments.items() if s.mode in reachable}
-    kept_events = {s.event for s in segments.values()}
-    kept_events |= {e.after for e in model.events.values() if e.after and e.name in kept_events}
-
-    def cut(expr: sympy.Expr) -> sympy.Expr:
-        return sympy.sympify(expr).subs(values)
-
-    modes = {k: tuple(map(cut, v)) for k, v in model.modes.items() if k in reachable}
-    events = {k: replace(e, function=None if e.function is None else cut(e.function), delay=None if e.delay is None else cut(e.delay))
-              for k, e in model.events.items() if k in kept_events}  # fmt: skip
-    kept_resets = {IDENTITY, *(s.reset for s in segments.values())}
-    resets = {k: tuple(map(cut, v)) for k, v in model.resets.items() if k in kept_resets}
-    left = replace(model, modes=modes, events=events, resets=resets, segments=segments,
-                   period=None if model.period is None else cut(model.period),
-                   history=tuple(map(cut, model.history)), definitions={k: cut(v) for k, v in model.definitions.items()})  # fmt: skip
-    left = _prune_delays(left)
-    return left, LeftOut(names, tuple(sorted(set(model.events) - set(events))), tuple(sorted(set(model.modes) - set(modes))),
-                         tuple(str(d) for d in model.delays if d not in left.delays))  # fmt: skip
-
-
-def _reachable(start: str, segments: Iterable[object]) -> set[str]:
-    steps = [(s.mode, s.to) for s in segments]  # type: ignore[attr-defined]
-    seen, todo = {start}, [start]
-    while todo:
-        here = todo.pop()
-        for mode, to in steps:
-            if mode == here and to not in seen:
-                seen.add(to)
-                todo.append(to)
-    return seen
+        return model
+    fixed = fixed_values(model, names)
+    left = _cut(model, names, named)
+    try:
+        check_finite(left.model)
+    except ExpressionError as exc:
+        raise PddecontError(f"{_effects(names)} cannot be left out: a formula of model '{model.name}' then divides by zero") from exc
+    put_back = {name: _cut(model, [n for n in names if n != name], named).reasons for name in names}
+    alone = {name: _cut(model, [name], named).reasons for name in names}
+    reasons: Reasons = {"parameters": {}}
+    for parameter, value in fixed.items():
+        setters = [name for name in names if parameter in model.effects[name].set]
+        reasons["parameters"][parameter] = f"set to {value} by leaving out {_effects(setters)}"
+    for kind, gone in left.reasons.items():
+        for item, why in gone.items():
+            needed = [name for name in names if item not in put_back[name][kind]]
+            guilty = needed or [name for name in names if item in alone[name][kind]] or names
+            reasons.setdefault(kind, {})[item] = f"{why} without {_effects(guilty)}"
+    left_out = LeftOut(names, {kind: reasons[kind] for kind in ("parameters", *KINDS) if reasons.get(kind)})
+    return replace(left.model, left_out=left_out, effects={k: e for k, e in model.effects.items() if k not in names})
 
 
-def _prune_delays(model: Model) -> Model:
-    """Return the model with only the delayed quantities that its expressions still read."""
-    exprs = [e for group in (model.modes, model.resets) for body in group.values() for e in body]
-    exprs += [e.function for e in model.events.values() if e.function is not None]
-    used = set().union(*(e.free_symbols for e in exprs))
-    pairs = [(i, k) for i, k in model.delayed if delayed_symbol(model.states[i], model.delays[k]) in used]
-    kept = [k for k in range(len(model.delays)) if any(j == k for _, j in pairs)]
-    return replace(model, delays=tuple(model.delays[k] for k in kept), delayed=tuple((i, kept.index(k)) for i, k in pairs))
+def fixed_values(model: Model, off: Iterable[str]) -> dict[str, sympy.Expr]:
+    """Return the parameters that the effects ``off`` set, as expressions in those that they do not."""
+    values: dict[str, sympy.Expr] = {}
+    by: dict[str, str] = {}
+    for effect in off:
+        for name, given in model.effects[effect].set.items():
+            value = sympy.Integer(int(given)) if given.is_Float and float(given).is_integer() else given
+            if name in values and values[name] != value:
+                raise PddecontError(f"effects '{by[name]}' and '{effect}' cannot both be left out: they set '{name}' to {values[name]} and "
+                                    f"to {value}")  # fmt: skip
+            values[name], by[name] = value, effect
+    symbols = {symbol(name): value for name, value in values.items()}
+    for _ in values:
+        values = {name: value.subs(symbols) for name, value in values.items()}
+    for name, value in values.items():
+        if value.free_symbols & set(symbols):
+            raise PddecontError(f"effect '{by[name]}' cannot be left out: it sets '{name}' to {value}, which other effects set in a circle")
+    return values
+
+
+def _cut(model: Model, off: Collection[str], named: Named) -> Cut:
+    dropped = {event for name in off for event in model.effects[name].drop}
+    return reduced(model, fixed_values(model, off), dropped, named)
+
+
+def _effects(names: Collection[str]) -> str:
+    return f"effect{'s' if len(names) > 1 else ''} {', '.join(repr(n) for n in names)}"

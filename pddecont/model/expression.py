@@ -56,7 +56,7 @@ class Scope:
 
     ``symbols`` maps names to what they stand for; ``delayed(state, delay)`` returns the symbol of a delayed value, or is
     None where delays are not allowed; ``time`` says whether ``t`` may appear; ``builtins`` are functions of syntax nodes
-    (for monitors); ``place`` names the scope in messages.
+    (for monitors); ``place`` names the scope in messages; ``missing`` says why a name that once was there is not any more.
     """
 
     symbols: Mapping[str, sympy.Expr]
@@ -66,6 +66,7 @@ class Scope:
     builtins: Mapping[str, Builtin] = field(default_factory=dict)
     place: str = "this expression"
     no_delay_because: str = "delayed values are not allowed here"
+    missing: Callable[[str], str] = lambda _: ""
 
 
 def parse(text: str | float | int, scope: Scope) -> sympy.Expr:
@@ -179,7 +180,7 @@ class _Translator:
             raise ExpressionError(f"'{name}' is a function: write {name}(...)", node.col_offset)
         known = [*self.scope.symbols, "t", PI_NAME] if self.scope.time else [*self.scope.symbols, PI_NAME]
         listed = ", ".join(sorted(self.scope.symbols)[:12])
-        hint = suggest(name, known) or f" (known: {listed})"
+        hint = self.scope.missing(name) or suggest(name, known) or f" (known: {listed})"
         raise ExpressionError(f"'{name}' is not defined{hint}", node.col_offset)
 
     def binary(self, node: ast.BinOp, depth: int) -> sympy.Expr:
@@ -237,7 +238,7 @@ class _Translator:
                                   "function that is zero there", node.col_offset)  # fmt: skip
         if name in self.scope.symbols:
             raise ExpressionError(f"'{name}' cannot be called: only a state can be delayed, as in x(t - tau)", node.col_offset)
-        raise ExpressionError(f"unknown function '{name}'{suggest(name, FUNCTIONS)}", node.col_offset)
+        raise ExpressionError(f"unknown function '{name}'{self.scope.missing(name) or suggest(name, FUNCTIONS)}", node.col_offset)
 
     def delayed(self, state: str, node: ast.Call, depth: int) -> sympy.Expr:
         """Return a delayed value."""

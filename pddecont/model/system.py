@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -11,6 +11,7 @@ import sympy
 
 from pddecont.errors import SignatureError, suggest
 from pddecont.model.expression import ExpressionError, Scope
+from pddecont.model.left_out import LeftOut
 
 IDENTITY = "identity"
 
@@ -50,7 +51,8 @@ class Model:
     """A piecewise-smooth delay differential equation in symbols.
 
     ``delays`` are expressions in the parameters; ``delayed`` lists the delayed quantities as pairs (state number, delay
-    number), in the order of ``delayed_symbols``. ``modes`` and ``resets`` hold one expression for each state.
+    number), in the order of ``delayed_symbols``. ``modes`` and ``resets`` hold one expression for each state. ``fixed`` are parameters
+    that effects left out set, in terms of the others.
     """
 
     name: str
@@ -68,6 +70,8 @@ class Model:
     initial_mode: str
     history: tuple[sympy.Expr, ...]
     definitions: Mapping[str, sympy.Expr] = field(default_factory=dict)
+    fixed: Mapping[str, sympy.Expr] = field(default_factory=dict)
+    left_out: LeftOut = field(default_factory=LeftOut)
 
     @cached_property
     def forced(self) -> bool:
@@ -94,14 +98,27 @@ class Model:
         """One symbol a delayed quantity."""
         return tuple(delayed_symbol(self.states[i], self.delays[k]) for i, k in self.delayed)
 
+    @cached_property
+    def parameter_values(self) -> dict[str, sympy.Expr]:
+        """What each parameter's name stands for in a run's expressions: its symbol, or what an effect left out sets it to."""
+        return {name: self.fixed.get(name, symbol(name)) for name in self.parameters}
+
+    def hint(self, kind: str, name: str, known: Collection[str]) -> str:
+        """Return what to say of a name that is no member of ``kind``: why it was left out, or a similar one that is known."""
+        return self.left_out.hint(kind, name) or suggest(name, known)
+
+    def missing(self, name: str) -> str:
+        """Return why a state or definition was left out; empty if there never was one."""
+        return self.left_out.hint("states", name) or self.left_out.hint("definitions", name)
+
     def scope(self, place: str, **changes: Any) -> Scope:
         """Return the names that an expression over this model may use (for monitors and run files)."""
-        symbols = {name: symbol(name) for name in (*self.states, *self.parameters)} | dict(self.definitions)
-        return Scope(symbols, states=self.states, place=place, time=self.forced, **changes)
+        symbols = {name: symbol(name) for name in self.states} | self.parameter_values | dict(self.definitions)
+        return Scope(symbols, states=self.states, place=place, time=self.forced, missing=self.missing, **changes)
 
     def parameter_scope(self, place: str) -> Scope:
         """Return the scope of an expression in the parameters alone."""
-        return Scope({name: symbol(name) for name in self.parameters}, time=False, place=place)
+        return Scope(self.parameter_values, time=False, place=place)
 
     def delayed_value(self, state: str, delay: sympy.Expr) -> sympy.Expr:
         """Return the symbol of a delayed value that the model itself reads; raise :class:`ExpressionError` for any other."""
@@ -111,11 +128,12 @@ class Model:
             if self.states[i] == state and self.delays[k] == delay:
                 return delayed_symbol(state, delay)
         known = ", ".join(s.name for s in self.delayed_symbols)
-        raise ExpressionError(f"only delayed values that the model itself reads can be used here ({known or 'none'})")
+        gone = self.left_out.hint("delayed", delayed_symbol(state, delay).name)
+        raise ExpressionError(f"only delayed values that the model itself reads can be used here ({known or 'none'}){gone}")
 
     def history_scope(self) -> Scope:
         """Return the scope of an expression for the history before the start: parameters and t."""
-        return Scope({name: symbol(name) for name in self.parameters}, place="the initial history")
+        return Scope(self.parameter_values, place="the initial history")
 
     def evaluate(self, expr: sympy.Expr, values: Mapping[str, float] | None = None) -> float:
         """Return the number that an expression in the parameters stands for."""
@@ -137,7 +155,7 @@ def check_signature(model: Model, signature: Sequence[str]) -> None:
     """Raise :class:`SignatureError` unless each segment leads to the mode of the next, the last to that of the first."""
     for name in signature:
         if name not in model.segments:
-            raise SignatureError(f"'{name}' is not a segment of this model{suggest(name, model.segments)} "
+            raise SignatureError(f"'{name}' is not a segment of this model{model.hint('segments', name, model.segments)} "
                                  f"(segments: {', '.join(model.segments) or 'none'})")  # fmt: skip
     for here, there in zip(signature, [*signature[1:], *signature[:1]], strict=True):
         a, b = model.segments[here], model.segments[there]

@@ -17,16 +17,19 @@ SAME_TIME = 1e-6
 
 
 def event_profiles(problem: OrbitProblem, x: Array) -> dict[str, Profile]:
-    """Return the event functions along the orbit, by event, for all that some mode of the orbit watches."""
-    model = problem.numeric.model
-    modes = {segment.mode for segment in problem.segments}
-    watched = dict.fromkeys(s.event for s in model.segments.values() if s.mode in modes)
-    return {name: event_profile(problem, x, name) for name in watched if model.events[name].function is not None}
+    """Return the event functions along the orbit, by event, each over the segments that watch it."""
+    watched = dict.fromkeys(event for s in range(len(problem.segments)) for event, _, _ in watched_events(problem, s))
+    return {event: event_profile(problem, x, event) for event in watched}
 
 
 def event_profile(problem: OrbitProblem, x: Array, event: str) -> Profile:
-    """Return the function of ``event`` along the orbit."""
-    found: Profile = problem.once(f"profile of {event}", x, lambda: profile(problem, x, problem.numeric.event(event)))
+    """Return the function of ``event`` along the orbit, over the segments that watch it."""
+
+    def along() -> Profile:
+        watching = [s for s in range(len(problem.segments)) if any(event == e for e, _, _ in watched_events(problem, s))]
+        return profile(problem, x, problem.numeric.event(event), segments=watching)
+
+    found: Profile = problem.once(f"profile of {event}", x, along)
     return found
 
 

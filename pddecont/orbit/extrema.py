@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 
@@ -79,8 +79,8 @@ class Profile:
         return _told_apart(list(_extrema(self)), self)
 
 
-def profile(problem: OrbitProblem, x: Array, function: ArrayFunction, row: int = 0) -> Profile:
-    """Return expression ``row`` of ``function`` along the orbit with unknowns ``x``.
+def profile(problem: OrbitProblem, x: Array, function: ArrayFunction, row: int = 0, segments: Collection[int] | None = None) -> Profile:
+    """Return expression ``row`` of ``function`` along the orbit with unknowns ``x``, or along some of its segments.
 
     An expression that is linear in the states is a polynomial of the orbit's degree; any other is interpolated at twice
     that degree.
@@ -88,10 +88,11 @@ def profile(problem: OrbitProblem, x: Array, function: ArrayFunction, row: int =
     mesh = problem.mesh
     degree = mesh.degree if function.linear[row] else 2 * mesh.degree
     base = make_basis(degree).base
-    places = mesh.grid(base)
+    there = np.arange(mesh.n_intervals) if segments is None else np.flatnonzero(np.isin(mesh.segment, list(segments)))
+    places = mesh.grid(base, there)
     reads = read(problem, x, places, delays=function.uses_delayed)
-    values = function.value(reads.t, reads.x, reads.xd, reads.p)[row].reshape(mesh.n_intervals, -1)
-    return Profile(degree, values, mesh.segment, mesh.start @ reads.theta, reads.h, not problem.segments[0].event)
+    values = function.value(reads.t, reads.x, reads.xd, reads.p)[row].reshape(len(there), -1)
+    return Profile(degree, values, mesh.segment[there], (mesh.start @ reads.theta)[there], reads.h[there], not problem.segments[0].event)
 
 
 def _extrema(profile: Profile) -> Iterator[Extremum]:

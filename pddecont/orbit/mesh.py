@@ -122,10 +122,11 @@ class Mesh:
         return Places(np.concatenate([points.interval, self.last_interval]), np.concatenate([points.sigma, ends]),
                       np.concatenate([points.weights, self.basis.lagrange(ends)]))  # fmt: skip
 
-    def grid(self, sigma: Array) -> Places:
-        """Return the places at the same ``sigma`` (k,) of every interval."""
-        n = self.n_intervals
-        return Places(np.repeat(np.arange(n), len(sigma)), np.tile(sigma, n), np.tile(self.basis.lagrange(sigma), (n, 1)))
+    def grid(self, sigma: Array, intervals: NDArray[np.intp] | None = None) -> Places:
+        """Return the places at the same ``sigma`` (k,) of every interval, or of some ``intervals``."""
+        there = np.arange(self.n_intervals) if intervals is None else intervals
+        n = len(there)
+        return Places(np.repeat(there, len(sigma)), np.tile(sigma, n), np.tile(self.basis.lagrange(sigma), (n, 1)))
 
     @cached_property
     def site_times(self) -> Array:

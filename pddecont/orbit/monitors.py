@@ -10,11 +10,10 @@ import numpy as np
 import sympy
 from numpy.typing import NDArray
 
-from pddecont.errors import suggest
 from pddecont.model.codegen import ArrayFunction, NumericModel, ParameterFunction
 from pddecont.model.expression import ExpressionError, Scope, build, parse
-from pddecont.model.system import symbol
-from pddecont.orbit.admissibility import closest_approach
+from pddecont.model.system import Model
+from pddecont.orbit.admissibility import closest_approach, event_profiles
 from pddecont.orbit.extrema import profile
 from pddecont.orbit.mesh import Places
 from pddecont.orbit.problem import OrbitProblem, read
@@ -60,24 +59,24 @@ def parse_monitor(numeric: NumericModel, name: str, text: str | float, others: M
     def at(node: ast.Call, _: Scope) -> sympy.Expr:
         if len(node.args) != 2:
             raise ExpressionError("at takes a segment and an expression: at(segment, expression)", node.col_offset)
-        segment = _name(node.args[0], model.segments, "segment")
+        segment = _name(model, node.args[0], model.segments, "segment")
         function = numeric.function([build(node.args[1], inner)])
         return measure(lambda problem, x: _at(problem, x, segment, function))
 
     def time_in(node: ast.Call, _: Scope) -> sympy.Expr:
-        mode = _name(_only(node), model.modes, "mode")
+        mode = _name(model, _only(node), model.modes, "mode")
         return measure(lambda problem, x: _time_in(problem, x, mode))
 
     def extremum(node: ast.Call, _: Scope) -> sympy.Expr:
-        event = _name(_only(node), [e.name for e in model.events.values() if e.function is not None], "event")
+        event = _name(model, _only(node), [e.name for e in model.events.values() if e.function is not None], "event")
         return measure(lambda problem, x: _extremum(problem, x, event))
 
     builtins = {"min": along(_min), "max": along(_max), "mean": along(_mean), "amplitude": along(_amplitude),
                 "at": at, "time_in": time_in, "extremum": extremum}  # fmt: skip
-    parameters = {p: symbol(p) for p in model.parameters}
     period = measure(lambda problem, x: problem.period(x))
     named = {key: measure(other.value) for key, other in (others or {}).items()}
-    scope = Scope({**parameters, **named, "period": period}, states=model.states, time=False, builtins=builtins, place="a monitor",
+    scope = Scope({**model.parameter_values, **named, "period": period}, states=model.states, time=False, builtins=builtins,
+                  place="a monitor", missing=model.missing,
                   no_delay_because="a state varies along the orbit: write max(...), mean(...) or at(segment, ...)")  # fmt: skip
     try:
         expr = parse(text, scope)
@@ -103,11 +102,12 @@ def _only(node: ast.Call) -> ast.expr:
     return node.args[0]
 
 
-def _name(node: ast.expr, known: Collection[str], what: str) -> str:
+def _name(model: Model, node: ast.expr, known: Collection[str], what: str) -> str:
     name = ast.unparse(node)
     if name not in known:
-        raise ExpressionError(f"'{name}' is not a {what}{suggest(name, list(known))} ({what}s: {', '.join(known) or 'none'})",
-                              node.col_offset)  # fmt: skip
+        article = "an" if what == "event" else "a"
+        raise ExpressionError(f"'{name}' is not {article} {what}{model.hint(f'{what}s', name, known)} ({what}s: "
+                              f"{', '.join(known) or 'none'})", node.col_offset)  # fmt: skip
     return name
 
 
@@ -154,5 +154,5 @@ def _at(problem: OrbitProblem, x: Array, segment: str, function: ArrayFunction) 
 
 def _extremum(problem: OrbitProblem, x: Array, event: str) -> float:
     """Return the event function where it comes nearest to grazing."""
-    found = closest_approach(problem, {event: profile(problem, x, problem.numeric.event(event))}, event)
+    found = closest_approach(problem, event_profiles(problem, x), event)
     return float("nan") if found is None else found[1].value

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 import numpy as np
@@ -21,8 +22,23 @@ TRIVIAL_TOL = 1e-4
 
 def summary(results: Results) -> dict[str, Any]:
     """Return the contents of a results file as plain data (``info --json``)."""
+    left_out = [left_out_of(step) for step in results.steps.values()]
+    # A file may be gone on with, step by step, without other effects.
+    same = all(data == left_out[0] for data in left_out)
+    steps = [step_summary(step) | ({} if same else {"left out": data}) for step, data in zip(results.steps.values(), left_out, strict=True)]
     return {"model": next((s.meta.get("model") for s in results.steps.values()), None), "versions": dict(results.versions),
-            "steps": [step_summary(step) for step in results.steps.values()]}  # fmt: skip
+            "left out": left_out[0] if left_out and same else {}, "steps": steps}  # fmt: skip
+
+
+def left_out_of(step: Step) -> dict[str, Any]:
+    """Return the effects that a step was computed without, and what went with them and why; empty if all were in."""
+    data = json.loads(step.meta.get("settings", "{}")).get("left_out", {})
+    return {"effects": data["effects"], **data} if data else {}
+
+
+def effects_off(step: Step) -> list[str]:
+    """Return the effects that a step was computed without."""
+    return list(left_out_of(step).get("effects", []))
 
 
 def step_summary(step: Step) -> dict[str, Any]:

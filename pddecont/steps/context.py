@@ -183,4 +183,5 @@ def settings_text(plan: Plan, step: Step) -> str:
     """Return all that decides a step's numbers besides the model, as JSON, to compare with at --resume."""
     body: Mapping[str, Any] = step.model_dump(mode="json", by_alias=True)
     shared = plan.run.model_dump(mode="json", by_alias=True, include={"accuracy", "delay", "mesh", "monitors"})
-    return json.dumps({"step": body, **shared, "parameters": plan.parameters.tolist(), "off": plan.left_out.effects}, sort_keys=True)
+    return json.dumps({"step": body, **shared, "parameters": plan.parameters.tolist(), "left_out": plan.model.left_out.as_data()},
+                      sort_keys=True)  # fmt: skip

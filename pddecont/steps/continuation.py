@@ -7,10 +7,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from pddecont.bifurcation import tangency
 from pddecont.bifurcation.codim2 import without_critical
 from pddecont.bifurcation.conditioned import SpecialCurve
 from pddecont.bifurcation.side import side_of
-from pddecont.bifurcation.tangency import MEETS
 from pddecont.continuation.branch import Point, State, StepSettings, follow
 from pddecont.continuation.ending import End, Termination
 from pddecont.errors import ConvergenceError
@@ -80,6 +80,8 @@ class _Branch:
             end = follow(state, self.limits(state), watch_of(self.task, state), self.settings, self.record, way)
             if end.end not in (End.SPECIAL, End.IMPOSSIBLE) or self.task.body.signature_change == "stop":
                 break
+            if end.end is End.IMPOSSIBLE and not self.task.asks(tangency.KIND):
+                break
             try:
                 following = go_on(end, self.last, self.ordinary, rule, self.record, way)
             except ConvergenceError as exc:
@@ -89,7 +91,7 @@ class _Branch:
             # A signature may be short-lived: begin it as a branch is begun.
             state = replace(following, step=min(following.step, self.task.body.step.initial))
         note = self.last.note if self.last is not None else ""
-        advice = f": {note}; beyond, they happen in another order: start anew from a simulation there" if MEETS in note else ""
+        advice = f": {note}; beyond, they happen in another order: start anew from a simulation there" if tangency.MEETS in note else ""
         return self.ending(end, way) + advice
 
     def ending(self, end: Termination, way: int) -> str:

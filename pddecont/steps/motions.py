@@ -26,6 +26,10 @@ class Checker(Protocol):
         """Note a problem at a place in the run."""
         ...
 
+    def check_settable(self, path: Sequence[str | int], name: str, values: Mapping[str, float], *, key: bool = True) -> bool:
+        """Check that a name is a parameter that can be given a value."""
+        ...
+
     def formula(self, path: Sequence[str | int], text: str | float, values: Mapping[str, float]) -> float:
         """Return the number that a formula stands for; note a problem where it stands for none."""
         ...
@@ -45,9 +49,7 @@ def check_simulate(planner: Checker, path: Path, step: Step, values: Mapping[str
         if not 0 < time < t_end:
             planner.complain(here, f"the time {time:g} does not lie between 0 and t_end, {t_end:g}", key=True)
         for name, value in changes.items():
-            if name not in values:
-                planner.complain((*here, name), f"'{name}' is not a parameter{suggest(name, values)}", key=True)
-            else:
+            if planner.check_settable((*here, name), name, values):
                 later[name] = planner.formula((*here, name), value, later)
         check_parameters(planner, here, later)
     since = planner.formula((*path, "record", "from"), body.record.from_, values)
@@ -97,17 +99,19 @@ def check_initial(planner: Checker, path: Path, initial: Initial, values: Mappin
     """Check where a motion starts."""
     if initial.mode is not None and initial.mode not in planner.model.modes:
         planner.complain((*path, "mode"), f"mode '{initial.mode}' is not defined (modes: {', '.join(planner.model.modes)})")
+    # A state that an effect took along may still be given: what it begins with means nothing then.
+    states = [*planner.model.states, *planner.model.left_out.reasons.get("states", ())]
     for name, text in initial.states.items():
-        if name not in planner.model.states:
-            planner.complain((*path, name), f"'{name}' is not a state{suggest(name, planner.model.states)}", key=True)
+        if name not in states:
+            planner.complain((*path, name), f"'{name}' is not a state{suggest(name, states)}", key=True)
         else:
             planner.formula((*path, name), text, values)
     if not isinstance(initial.history, Mapping):
         return
     for name, text in initial.history.items():
         here = (*path, "history", name)
-        if name not in planner.model.states:
-            planner.complain(here, f"'{name}' is not a state{suggest(name, planner.model.states)}", key=True)
+        if name not in states:
+            planner.complain(here, f"'{name}' is not a state{suggest(name, states)}", key=True)
         try:
             parse(text, planner.model.history_scope())
         except ExpressionError as exc:
@@ -118,7 +122,8 @@ def check_integration(planner: Checker, path: Path, step: Step, body: Integratio
     """Check how a step integrates."""
     for event, mode in body.stick.items():
         if event not in planner.model.events:
-            planner.complain((*path, "stick", event), f"'{event}' is not an event{suggest(event, planner.model.events)}", key=True)
+            hint = planner.model.hint("events", event, planner.model.events)
+            planner.complain((*path, "stick", event), f"'{event}' is not an event{hint}", key=True)
         if mode not in planner.model.modes:
             planner.complain((*path, "stick", event), f"mode '{mode}' is not defined{suggest(mode, planner.model.modes)} "
                                                    f"(modes: {', '.join(planner.model.modes)})")  # fmt: skip
@@ -143,10 +148,12 @@ def check_settling(planner: Checker, path: Path, step: Step, body: Sweep | Basin
     if (section is None or section.phase is not None) and not planner.model.forced:
         events = next(iter(planner.model.events), None)
         example = f"{{event: {events}}}" if events else f"{{zero: {planner.model.states[0]} - 1}}"
-        planner.complain((*path, "section") if section else path, "the model has no forcing whose periods could count returns; say where "
-                      f"they are counted: 'section: {example}'", key=section is None)  # fmt: skip
+        why = planner.model.left_out.hint("forcing", "period")
+        planner.complain((*path, "section") if section else path, f"the model has no forcing whose periods could count returns{why}; say "
+                      f"where they are counted: 'section: {example}'", key=section is None)  # fmt: skip
     if section is not None and section.event is not None and section.event not in planner.model.events:
-        planner.complain((*path, "section", "event"), f"'{section.event}' is not an event{suggest(section.event, planner.model.events)} "
+        hint = planner.model.hint("events", section.event, planner.model.events)
+        planner.complain((*path, "section", "event"), f"'{section.event}' is not an event{hint} "
                                                    f"(events: {', '.join(planner.model.events) or 'none'})")  # fmt: skip
     if section is not None and section.zero is not None:
         try:
@@ -166,9 +173,7 @@ def check_sweep(planner: Checker, path: Path, step: Step, values: Mapping[str, f
     assert body is not None
     check_settling(planner, path, step, body, values)
     for name in body.over:
-        if name not in values:
-            planner.complain((*path, "over", name), f"'{name}' is not a parameter{suggest(name, values)} "
-                                                 f"(parameters: {', '.join(values)})", key=True)  # fmt: skip
+        if not planner.check_settable((*path, "over", name), name, values):
             return
     names = list(body.over)
     for ends in itertools.product(*(body.over[name][:2] for name in names)):

@@ -15,7 +15,6 @@ from pddecont.delay.direct import Direct
 from pddecont.delay.operator import DelayMethod
 from pddecont.errors import Problem
 from pddecont.model.codegen import NumericModel
-from pddecont.model.effects import LeftOut
 from pddecont.model.expression import parse
 from pddecont.model.system import Model
 from pddecont.orbit.meshing import MeshRule
@@ -31,7 +30,6 @@ class Plan:
     run: RunBlock
     model: Model
     numeric: NumericModel
-    left_out: LeftOut
     parameters: Array
     monitors: Mapping[str, str | float]
     warnings: tuple[Problem, ...]
@@ -45,7 +43,7 @@ class Plan:
         p = (self.parameters if start is None else start).copy()
         for name, text in step.set.items():
             p[self.numeric.parameter_index(name)] = self.number(text, p)
-        return p
+        return self.numeric.with_fixed(p)
 
     def number(self, text: str | float, p: Array | None = None) -> float:
         """Return the number that an expression of the run file stands for at parameters ``p``."""

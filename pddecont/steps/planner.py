@@ -6,6 +6,7 @@ import contextlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,15 +14,17 @@ from numpy.typing import NDArray
 from pddecont.errors import PddecontError, Problem, RunError, SignatureError, suggest
 from pddecont.model.codegen import NumericModel
 from pddecont.model.document import Document, KeyPath
-from pddecont.model.effects import LeftOut, without
+from pddecont.model.effects import without
 from pddecont.model.expression import ExpressionError, parse
 from pddecont.model.system import Model, check_signature
 from pddecont.steps.comparisons import check_precision
 from pddecont.steps.motions import check_basin, check_simulate, check_sweep
+from pddecont.steps.named import named_in
 from pddecont.steps.plan import Plan, as_number
-from pddecont.steps.schema import Delay, Mesh, RunBlock, Step
+from pddecont.steps.schema import Delay, Mesh, OnBranch, OnCurve, RunBlock, Step
 
 Array = NDArray[np.float64]
+NEED_MULTIPLIERS = {"BP", "TR", "FF", "FT", "PT", "TT", "GL", "GP", "GT"}
 COLUMNS = {"index", "label", "kind", "period", "stable", "admissible", "error_estimate", "n_unknowns", "n_unstable", "note"}
 
 
@@ -51,15 +54,14 @@ class Planner:
 
     def plan(self, warnings: Sequence[Problem], model_text: str, folder: Path) -> Plan:
         """Return the plan of the run, or raise RunError with all problems."""
-        left_out = LeftOut()
         off = [*self.run.effects.off, *self.overrides.without]
         try:
-            self.model, left_out = without(self.whole, off)
+            self.model = without(self.whole, off, named_in(self.run))
         except PddecontError as exc:
             place = next((i for i, name in enumerate(self.run.effects.off) if name not in self.whole.effects), None)
-            if place is None:
+            if place is None and self.overrides.without:
                 raise RunError.at("--without", 0, 0, str(exc)) from exc
-            self.complain(("effects", "off", place), str(exc))
+            self.complain(("effects", "off", *([] if place is None else [place])), str(exc))
         numeric = NumericModel(self.model)
         parameters = self.parameters(numeric)
         self.check_delays(numeric, parameters)
@@ -69,7 +71,7 @@ class Planner:
             self.check_step(i, step, dict(zip(self.model.parameters, parameters.tolist(), strict=True)))
         if self.problems:
             raise RunError(self.problems)
-        return Plan(self.run, self.model, numeric, left_out, parameters, self.run.monitors, tuple(warnings), model_text,
+        return Plan(self.run, self.model, numeric, parameters, self.run.monitors, tuple(warnings), model_text,
                     self.document.text, self.document.path, folder)  # fmt: skip
 
     def formula(self, path: Sequence[str | int], text: str | float, values: Mapping[str, float]) -> float:
@@ -88,20 +90,32 @@ class Planner:
         """Return the run's parameter values: the model's, then the file's, then the command line's."""
         values = dict(self.model.parameters)
         for name, text in self.run.set.items():
-            if name not in values:
-                self.complain(("set", name), f"'{name}' is not a parameter{suggest(name, values)}", key=True)
-            else:
+            if self.check_settable(("set", name), name, values):
                 values[name] = self.formula(("set", name), text, values)
         for name, given in self.overrides.set:
             option = f"--set {name}={given}"
             if name not in values:
                 raise RunError.at(option, 0, 0, f"'{name}' is not a parameter{suggest(name, values)} "
                                                 f"(parameters: {', '.join(values)})")  # fmt: skip
+            if name in self.model.fixed:
+                raise RunError.at(option, 0, 0, self.fixed(name))
             try:
                 values[name] = self.model.evaluate(parse(as_number(given), self.model.parameter_scope("--set")), values)
             except (ExpressionError, TypeError, ValueError) as exc:
                 raise RunError.at(option, 0, 0, str(exc)) from exc
-        return np.array(list(values.values()), dtype=float)
+        return numeric.with_fixed(np.array(list(values.values()), dtype=float))
+
+    def fixed(self, name: str) -> str:
+        """Return why a parameter cannot be given."""
+        return f"'{name}' is {self.model.left_out.reasons['parameters'][name]}; keep the effect, or leave '{name}' as it is"
+
+    def check_settable(self, path: Sequence[str | int], name: str, values: Mapping[str, float], *, key: bool = True) -> bool:
+        """Check that a name is a parameter that no effect left out has set; return whether it is."""
+        if name not in values:
+            self.complain(path, f"'{name}' is not a parameter{suggest(name, values)} (parameters: {', '.join(values)})", key=key)
+        elif name in self.model.fixed:
+            self.complain(path, self.fixed(name), key=key)
+        return name in values and name not in self.model.fixed
 
     def check_delays(self, numeric: NumericModel, parameters: Array) -> None:
         """Check that no delay is negative."""
@@ -139,9 +153,7 @@ class Planner:
         if step.name in earlier:
             self.complain((*path, "name"), f"step '{step.name}' stands already above; names of steps differ")
         for name, text in step.set.items():
-            if name not in values:
-                self.complain((*path, "set", name), f"'{name}' is not a parameter{suggest(name, values)}", key=True)
-            else:
+            if self.check_settable((*path, "set", name), name, values):
                 values[name] = self.formula((*path, "set", name), text, values)
         self.check_source((*path, step.kind, "from"), step, earlier)
         if step.simulate:
@@ -184,6 +196,17 @@ class Planner:
             except ExpressionError as exc:
                 self.complain((*path, name), str(exc), offset=exc.offset)
 
+    def check_detect(self, path: tuple[str | int, ...], step: Step) -> None:
+        """Check that the kinds of special points asked for can be found in this step."""
+        body = step.continue_
+        assert body is not None
+        known, where = (OnBranch, "one free parameter") if len(body.free) == 1 else (OnCurve, "two free parameters")
+        for k, kind in enumerate(body.detect or ()):
+            if kind not in get_args(known):
+                self.complain((*path, k), f"'{kind}' is not found with {where} (there are: {', '.join(get_args(known))})")
+            elif kind in NEED_MULTIPLIERS and not body.stability:
+                self.complain((*path, k), f"'{kind}' is seen from multipliers; add 'stability: true' to this step")
+
     def check_source(self, path: tuple[str | int, ...], step: Step, earlier: Mapping[str, Step]) -> None:
         """Check where a step starts."""
         source = step.source
@@ -218,10 +241,9 @@ class Planner:
         if body.signature is not None:
             self.check_signature((*path, "signature"), body.signature)
         self.check_users((*path, "events_along"), body.events_along)
+        self.check_detect((*path, "detect"), step)
         for k, name in enumerate(body.free):
-            if name not in values:
-                self.complain((*path, "free", k), f"'{name}' is not a parameter{suggest(name, values)}")
-            elif name not in body.range:
+            if self.check_settable((*path, "free", k), name, values, key=False) and name not in body.range:
                 self.complain((*path, "range"), f"the free parameter '{name}' has no range; add '{name}: [lowest, highest]'")
         for name, limits in body.range.items():
             if name not in body.free:

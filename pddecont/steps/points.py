@@ -46,7 +46,8 @@ def orbit_row(problem: OrbitProblem, x: Array, monitors: Sequence[Monitor], *, k
     """Return the row of points and the rows of orbits that record the orbit ``x``."""
     profiles = event_profiles(problem, x)
     points = {
-        "kind": kind.encode(), "arclength": arclength, "parameters": problem.all_parameters(x), "period": problem.period(x),
+        "kind": kind.encode(), "arclength": arclength, "parameters": problem.numeric.with_fixed(problem.all_parameters(x)),
+        "period": problem.period(x),
         "stable": -1 if stability is None or stability.lost else stability.stable,
         "n_unstable": -1 if stability is None or stability.lost else stability.n_unstable,
         "trivial_error": np.nan if stability is None else stability.trivial_error, "note": note.encode()[:32],

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.errors import ResultsError
+from pddecont.results.summary import effects_off
 from pddecont.simulate.integrate import follow
 from pddecont.simulate.kernel.tables import T
 from pddecont.simulate.snapshot import moved, restart_time, unpack
@@ -46,9 +47,9 @@ def attractor_trajectory(context: Context, step: Step, source: Source) -> tuple[
                            f"{': ' + attractor.failed if attractor.failed else ''}; a periodic orbit cannot start from it")  # fmt: skip
     if recorded.meta["model"] != plan.model.name or recorded.meta["parameters"] != list(plan.model.parameters):
         raise ResultsError(f"step '{source.step}' comes from another model, '{recorded.meta['model']}'")
-    off = json.loads(recorded.meta["settings"])["off"]
-    if list(off) != list(plan.left_out.effects):
-        here, there = (f"without {', '.join(names)}" if names else "with all effects" for names in (plan.left_out.effects, off))
+    off, off_here = effects_off(recorded), list(plan.model.left_out.effects)
+    if off != off_here:
+        here, there = (f"without {', '.join(names)}" if names else "with all effects" for names in (off_here, off))
         raise ResultsError(f"step '{source.step}' was computed {there}, this run is {here}; an orbit starts from attractors of the same "
                            "effects")  # fmt: skip
     origin = Step.model_validate(json.loads(recorded.meta["settings"])["step"])

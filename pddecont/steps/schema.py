@@ -237,6 +237,10 @@ def _range(value: Any) -> Any:
     return value
 
 
+OnBranch = Literal["LP", "BP", "PD", "TR", "GR", "VS", "UF"]
+OnCurve = Literal["CP", "R1", "R2", "R3", "R4", "FF", "FT", "PT", "TT", "GG", "GL", "GP", "GT", "VS", "UF"]
+
+
 class Continue(Strict):
     """Follow an orbit in one free parameter, or a special point in two."""
 
@@ -251,6 +255,8 @@ class Continue(Strict):
     branch: Literal["same", "switch"] = Field("same", description="switch: onto the other branch at a PD or BP point")
     signature: list[Identifier] | None = Field(None, min_length=1, description=(
         "segments that the orbit must have; at a GR point those after it"))
+    detect: list[Literal[OnBranch, OnCurve]] | None = Field(None, description=(
+        "kinds of special points that are looked for, such as [GR, LP] (default: all that there can be; []: none)"))
     events_along: dict[Identifier, Formula] = Field(default_factory=dict, description="user functions whose zeros are located")
 
 

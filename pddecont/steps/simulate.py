@@ -67,7 +67,7 @@ def schedule(plan: Plan, step: Step, p: Array) -> list[tuple[float, Array]]:
         p = p.copy()
         for name, text in values.items():
             p[plan.numeric.parameter_index(name)] = plan.number(text, p)
-        changes.append((time, p))
+        changes.append((time, plan.numeric.with_fixed(p)))
     return changes
 
 

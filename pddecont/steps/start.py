@@ -42,6 +42,10 @@ class Task:
     users: tuple[Monitor, ...]
     known: Known | None
 
+    def asks(self, kind: str) -> bool:
+        """Whether the step asks for special points of ``kind``."""
+        return self.body.detect is None or kind in self.body.detect
+
     @property
     def widths(self) -> tuple[float, ...]:
         """Widths of the free parameters' ranges."""

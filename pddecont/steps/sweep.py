@@ -78,6 +78,7 @@ def chunks_of(plan: Plan, step: Step) -> list[tuple[int, Chunk]]:
         here = p.copy()
         for name, value in zip(names, values, strict=True):
             here[plan.numeric.parameter_index(name)] = value
+        here = plan.numeric.with_fixed(here)
         return Cell(index, here, clock_of(plan, body, here), starts(plan, body, here))
 
     # The first parameter runs fastest, so that one line of cells is one motion carried along.

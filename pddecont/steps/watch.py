@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -19,21 +20,35 @@ from pddecont.steps.start import Task
 
 
 def watch_of(task: Task, state: State) -> Watch:
-    """Return the test functions and the census of the branch that goes on from ``state``."""
-    users = [TestFunction(user.KIND, _monitor(m), note=m.name) for m in task.users]
+    """Return the test functions and the census of the branch that goes on from ``state``, as far as the step asks for them.
+
+    Where neither grazings nor vanishing segments are, orbits that cross what they should not are no reason to stop either.
+    """
+    asks = task.asks
+    users = [TestFunction(user.KIND, _monitor(m), note=m.name) for m in task.users] if asks(user.KIND) else []
     if isinstance(state.problem, SpecialCurve):
-        watch = codim2.watch_curve(state.problem, task.known)
+        watch = codim2.watch_curve(state.problem, task.known, asks)
         kind = state.problem.condition.kind
         return Watch([*watch.tests, *(u for u in users if kind != user.KIND or u.note != followed(state.problem))], watch.census)
     tests = [
-        *_grazings(state),
-        TestFunction(tangency.KIND, lambda at: tangency.crossing_rate(at.problem.problem, at.x), stops=True, note="event turns tangential"),
+        *(_grazings(state) if asks(grazing.KIND) else ()),
+        *(_vanishings(state) if asks(tangency.KIND) else ()),
+        *(_collapse(task, state) if asks(period_doubling.KIND) else ()),
+        *users,
     ]
-    return Watch([*tests, *_meetings(state), *_collapse(task, state), *users], branch_census(task.known), _not_admissible)
+    watch = Watch(tests, branch_census(task.known, asks))
+    return replace(watch, objection=_not_admissible) if asks(grazing.KIND) or asks(tangency.KIND) else watch
 
 
 def _not_admissible(at: Located) -> str:
     return next(iter(objections(at.problem.problem, at.x)), "")
+
+
+def _vanishings(state: State) -> list[TestFunction]:
+    """Return the tests for events that are only touched, and for events that meet."""
+    rate = TestFunction(tangency.KIND, lambda at: tangency.crossing_rate(at.problem.problem, at.x), stops=True,
+                        note="event turns tangential")  # fmt: skip
+    return [rate, *_meetings(state)]
 
 
 def _grazings(state: State) -> list[TestFunction]:

@@ -196,7 +196,7 @@ def test_info(done):
     assert set(data["steps"][2]) >= {"name", "kind", "n_points", "special", "termination"}
     assert "branch" in call("info", folder / "quick.h5")[1]
     text = call("info", "impact_oscillator", "--without", "feedback")[1]
-    assert "delays: tau_d" in text
+    assert "tau_d: nothing left is delayed by it without effect 'feedback'" in text
     assert call("info", folder / "none.h5")[0] == 1
 
 

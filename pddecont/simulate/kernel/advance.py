@@ -158,6 +158,9 @@ def _step(c, t, stop):
     if c.count[FRESH] == 1:
         _sides(c, t)
     wanted = min(c.next_step[c.count[MODE]], c.max_step)
+    # Delays and events read the step's extension, and so may who keeps the trajectory or waits at a section: else there is none.
+    within = (c.n_delays > 0 and c.chain_n == 0) or c.n_segments > 0
+    extended = within or c.section >= 0 or c.log_steps > 0
     rejected = False
     while True:
         h = wanted if 1.01 * wanted < rest else rest
@@ -170,9 +173,9 @@ def _step(c, t, stop):
             return h, Status.TOO_SMALL
         error = stiff_step(c, t, h) if c.stiff == 1 else explicit_step(c, t, h)
         order = 4.0 if c.stiff == 1 else 8.0
-        if error <= 1.0 and c.stiff == 0:
+        if error <= 1.0 and c.stiff == 0 and extended:
             explicit_extension(c, t, h)
-            if (c.n_delays > 0 and c.chain_n == 0) or c.n_segments > 0:
+            if within:
                 error = max(error, extension_error(c, t, h))
         if error <= 1.0:
             factor = GROW if error == 0.0 else min(GROW, max(SHRINK, SAFETY * error ** (-1.0 / order)))
