@@ -11,7 +11,8 @@ from pddecont.model.document import parse_document
 from pddecont.model.system import Model
 
 ROOT = Path(__file__).parent.parent
-MODELS = sorted((ROOT / "models").glob("*.yaml"))
+# The generated chain of fifty oscillators has a hundred states: too large for checks of every function.
+MODELS = sorted(p for p in (ROOT / "models").glob("*.yaml") if not p.stem.startswith("oscillator_chain"))
 CONFIGS = sorted((ROOT / "configs").glob("*.yaml"))
 
 

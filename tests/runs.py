@@ -9,9 +9,9 @@ from pddecont.steps.run import execute
 from tests.conftest import ROOT
 
 
-def run(text, path):
+def run(text, path, *, resume=False):
     """Execute a run file's text, as if it stood in ``configs/``, and return its results."""
-    execute(load_plan(parse_document(text, str(ROOT / "configs" / "test.yaml"))), path, overwrite=True)
+    execute(load_plan(parse_document(text, str(ROOT / "configs" / "test.yaml"))), path, resume=resume, overwrite=not resume)
     return read_results(path)
 
 

@@ -106,7 +106,7 @@ def slope(x: Sequence[float] | Array, errors: Sequence[float] | Array, floor: fl
 def distances(step: Step) -> dict[str, tuple[Array, Array, float]]:
     """Return (n, Dist(n), order) of each chain whose n varies, on its finest mesh (the paper's eq. (4.1)).
 
-    The order is that of the upper half of the n, on a logarithmic scale: for small n it is not yet what it comes to.
+    The order is that of the upper half of the n on a logarithmic scale, three at least: for small n it is not yet what it comes to.
     """
     found = {}
     p = step.points
@@ -118,6 +118,6 @@ def distances(step: Step) -> dict[str, tuple[Array, Array, float]]:
         n = np.unique(p["n"][rows])
         finest = np.array([max(rows[p["n"][rows] == k], key=lambda i: (p["degree"][i], p["n_unknowns"][i])) for k in n])
         distance = p["distance"][finest]
-        upper = n >= np.sqrt(n[0] * n[-1])
+        upper = n >= min(np.sqrt(n[0] * n[-1]), n[-3])
         found[name] = (n.astype(float), distance, -slope(n[upper], distance[upper], 0.0))
     return found

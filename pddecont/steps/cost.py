@@ -22,10 +22,11 @@ class Cost:
 
 
 def measured(compute: Callable[[], Any], repeats: int) -> tuple[Any, Cost]:
-    """Return what ``compute`` returns and what it costs; a first run, which counts for the memory alone, warms it up."""
+    """Return what ``compute`` returns and what it costs; a first run, which generates code, does not count."""
+    result = compute()
     tracemalloc.start()
     try:
-        result = compute()
+        compute()
         memory = tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -185,11 +186,13 @@ def _of_orbits(context: Context, step: Step) -> tuple[list[Case], Case, Case]:
     rough = remeshed(replace(problem, delay=Direct(False)), solution.x, ROUGH)
     at = {"parameters": problem.parameters}
 
+    @cache
+    def with_states(order: int, n: int) -> NumericModel:
+        return NumericModel(with_chain_states(plan.model, order, n))
+
     def case(setting: OrbitSetting) -> Case:
-        numeric = plan.numeric
         method = delay_method(setting.delay)
-        if setting.explicit:
-            numeric = NumericModel(with_chain_states(plan.model, setting.delay.order or 2, setting.n))
+        numeric = with_states(setting.delay.order or 2, setting.n) if setting.explicit else plan.numeric
         rule = setting.rule
         how = f"{rule.intervals} intervals" if rule.intervals is not None else f"tolerance {rule.tol:g}"
         n = f" with n = {setting.n}" if setting.n else ""
