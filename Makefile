@@ -4,7 +4,7 @@ ENV := .venv
 BIN := $(ENV)/bin
 OUT := out
 
-.PHONY: setup demo test check bench tracking chain-order schema clean
+.PHONY: setup demo test check bench cost tracking chain-order schema clean
 setup: $(ENV)/ready
 
 $(ENV)/ready: pyproject.toml
@@ -29,8 +29,16 @@ check: setup
 bench: setup         ## ratios, each measured in one process
 	$(BIN)/python -m pip install --quiet -e ".[bench]"
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.run
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.continuation
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.simulator
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.effects
+
+cost: setup          ## what accuracy costs: every method, degree and mesh; a picture in out/
+	mkdir -p $(OUT)
+	OPENBLAS_NUM_THREADS=1 $(BIN)/pddecont run configs/cost_of_accuracy.yaml -o $(OUT)/cost.h5 --overwrite
+	$(BIN)/pddecont info $(OUT)/cost.h5
+	$(BIN)/pddecont plot $(OUT)/cost.h5 --step orbits -o $(OUT)/cost_of_accuracy.png
+	$(BIN)/pddecont plot $(OUT)/cost.h5 --step runs -o $(OUT)/cost_of_simulations.png
 
 tracking: setup      ## error with and without tracked breaking points: table, and a picture in out/
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.tracking $(OUT)
