@@ -9,6 +9,7 @@ from pddecont.model.codegen import NumericModel
 from pddecont.model.document import parse_document
 from pddecont.model.system import Model
 
+pytest_plugins = ["tests.reliability"]
 ROOT = Path(__file__).parent.parent
 MODELS = sorted((ROOT / "models").glob("*.yaml"))
 CONFIGS = sorted((ROOT / "configs").glob("*.yaml"))

@@ -149,10 +149,11 @@ def settle(problem: OrbitProblem, guess: Array, rule: MeshRule, settings: Newton
         curve = Curve(problem, sizes_of(problem, solution.x), rule)
         if curve.suits(solution.x):
             return problem, solution
+        solved = curve.problem
         curve, guess, _ = curve.refit(solution.x, [], solved=True)
         problem = curve.problem
-    worst = float(np.max(interval_errors(problem, solution.x)))
-    raise ConvergenceError(f"no mesh reaches the tolerance: {problem.mesh.n_intervals} intervals leave an estimated error of {worst:.1e}; "
+    worst = float(np.max(interval_errors(solved, solution.x)))
+    raise ConvergenceError(f"no mesh reaches the tolerance: {solved.mesh.n_intervals} intervals leave an estimated error of {worst:.1e}; "
                            "raise 'mesh: {tol}' or the degree")  # fmt: skip
 
 
