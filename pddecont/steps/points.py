@@ -43,7 +43,8 @@ def orbit_spec(name: str, kind: str, numeric: NumericModel, monitors: Sequence[M
 
 def orbit_row(problem: OrbitProblem, x: Array, monitors: Sequence[Monitor], *, kind: str = "", arclength: float = 0.0,
               n_iterations: int = 0, step: float = 0.0, tangent: Array | None = None, stability: Multipliers | None = None,
-              note: str = "", side: Array | None = None, widths: tuple[float, ...] = ()) -> tuple[dict[str, Any], dict[str, Array]]:  # fmt: skip
+              note: str = "", side: Array | None = None,
+              widths: tuple[float, ...] = ()) -> tuple[dict[str, Any], dict[str, Array]]:  # fmt: skip
     """Return the row of points and the rows of orbits that record the orbit ``x``; ``widths`` are those of the free parameters' ranges."""
     profiles = event_profiles(problem, x)
     points = {
