@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -75,7 +75,11 @@ class Profile:
         return float(basis.lagrange(np.array(at)) @ basis.differentiate @ self.values[j] / self.h[j])
 
     def extrema(self) -> list[Extremum]:
-        """Return all local extrema inside segments, in order of time."""
+        """Return all local extrema inside segments, in order of time; they are found once."""
+        return self._found
+
+    @cached_property
+    def _found(self) -> list[Extremum]:
         return _told_apart(list(_extrema(self)), self)
 
 
