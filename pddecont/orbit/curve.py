@@ -16,7 +16,7 @@ from pddecont.errors import ConvergenceError
 from pddecont.orbit.error import interval_errors, state_sizes
 from pddecont.orbit.jacobian import Assembler
 from pddecont.orbit.meshing import Density, MeshRule, density_of, fits, good_enough, new_mesh, on_mesh
-from pddecont.orbit.problem import OrbitProblem, Reads, read
+from pddecont.orbit.problem import INSTANT, OrbitProblem, Reads, read
 from pddecont.orbit.residual import residual
 
 Array = NDArray[np.float64]
@@ -90,7 +90,7 @@ class Curve:
     def forbids(self, x: Array) -> str:
         """Return which segment has no duration left at ``x``; empty if all have."""
         durations = x[self.problem.layout.durations]
-        if np.all(durations > 0.0):
+        if np.all(durations > INSTANT * np.sum(durations)):
             return ""
         s = int(np.argmin(durations))
         return f"segment {s + 1} ({self.problem.segments[s].name}) vanishes"
