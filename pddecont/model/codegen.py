@@ -63,16 +63,18 @@ class ArrayFunction:
         return len(self.exprs)
 
     def value(self, t: Array, x: Array, xd: Array, p: Array) -> Array:
-        """Return the expressions' values, shape (n_out, n_points)."""
+        """Return the expressions' values, shape (n_out, n_points); not finite where there is none."""
         out = np.zeros((self.n_out, np.shape(t)[0]), dtype=np.result_type(x, xd, p, t))
-        self._function("value")(t, x, xd, p, out)
+        with np.errstate(all="ignore"):
+            self._function("value")(t, x, xd, p, out)
         return out
 
     def derivatives(self, t: Array, x: Array, xd: Array, p: Array, free: tuple[int, ...] = ()) -> Derivatives:
         """Return values and all derivatives; those in parameters only for the numbers in ``free``."""
         n, out = np.shape(t)[0], self.n_out
         arrays = [np.zeros((out, *inner, n)) for inner in ((), (len(self.states),), (len(self.delayed),), (len(free),), ())]
-        self._function(free)(t, x, xd, p, *arrays)
+        with np.errstate(all="ignore"):
+            self._function(free)(t, x, xd, p, *arrays)
         return Derivatives(*arrays)
 
     @cached_property

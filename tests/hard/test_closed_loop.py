@@ -1,0 +1,48 @@
+"""A closed branch of ten thousand points.
+
+x' = 1 - x^2 - p^2 + 0.1 cos(2 pi t): the orbits near the circle x^2 + p^2 = 1 form a closed curve, which turns in p at both sides.
+"""
+
+import resource
+import time
+
+import numpy as np
+import pytest
+
+from tests.runs import labels, parameter, run_model
+
+MODEL = """
+name: loop
+states: [x]
+parameters: {p: 0.3}
+forcing: {period: 1}
+modes: {m: {x': 1 - x**2 - p**2 + 0.1*cos(2*pi*t)}}
+initial: {x: 1}
+run:
+  mesh: {degree: 8, intervals: 2}
+  monitors: {x: mean(x)}
+  steps:
+    - {name: t, simulate: {t_end: 60}}
+    - {name: o, orbit: {from: t}}
+    - name: c
+      continue:
+        {from: o, free: [p], range: {p: [-2, 2]}, direction: up, max_points: POINTS, step: {initial: 0.001, max: 0.001},
+         events_along: {home: p - 0.3}}
+"""
+
+
+@pytest.mark.slow
+def test_ten_thousand_points_return_to_their_start(tmp_path, record):
+    began, before = time.process_time(), resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    results = run_model(MODEL.replace("POINTS", "10000"), tmp_path / "a.h5")
+    seconds, grown = time.process_time() - began, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before
+    step = results.step("c")
+    assert len(step) >= 10000
+    home = [i for i in step.order if step.labels[i].startswith("UF")]
+    assert len(home) >= 2, labels(step)
+    start = np.append(step.orbit(0)["states"].ravel(), step.points["parameters"][0])
+    gaps = [np.max(np.abs(np.append(step.orbit(i)["states"].ravel(), step.points["parameters"][i]) - start)) for i in home]
+    print(seconds, grown, len(step), home, gaps, step.points["arclength"][home], parameter(step, "p").min())
+    record("10,000 points round a closed branch: back at the start", "the start", min(gaps), 1e-8)
+    assert step.points["monitors"][home[0], 0] < 0 < step.points["monitors"][home[1], 0]
+    assert grown < 200_000, f"{grown} KiB more memory"
