@@ -82,7 +82,7 @@ def doubled(problem: OrbitProblem, x: Array, rule: MeshRule) -> tuple[OrbitProbl
 
 
 def halves(problem: OrbitProblem, x: Array, metric: Metric) -> Array:
-    """Return what differs between an orbit's two halves, relative to its size: all zero on a single orbit, empty if it is no doubled one."""
+    """Return what differs between an orbit's two halves, relative to its size: zero on a single orbit, empty if it is not doubled."""
     values, durations, _, _ = problem.layout.split(x)
     sizes, period = metric.scale[problem.layout.value_index[0]], metric.scale[problem.layout.durations.start]
     names = [s.name for s in problem.segments]

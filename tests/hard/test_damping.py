@@ -1,12 +1,11 @@
 """Damping to zero."""
 
-import math
 
 import numpy as np
 import pytest
 
 from pddecont.errors import ConvergenceError
-from tests.runs import labels, multipliers, parameter, run_model
+from tests.runs import multipliers, parameter, run_model
 
 DRIVEN = """
 name: driven

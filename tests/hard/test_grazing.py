@@ -29,14 +29,17 @@ run:
   steps:
     - {name: t, simulate: {t_end: 60*pi}}
     - {name: o, orbit: {from: t}}
-    - {name: c, continue: {from: o, free: [wall], range: {wall: [0.0, 0.5]}, direction: down, step: {initial: 0.002}, stability: {multipliers: 2}}}
+    - name: c
+      continue:
+        {from: o, free: [wall], range: {wall: [0.0, 0.5]}, direction: down, step: {initial: 0.002}, stability: {multipliers: 2}}
 """
 SWING = 1 / math.hypot(1 - 2.2**2, 0.4 * 2.2)
 
 
 def test_soft_from_both_sides(tmp_path, record):
     """Free orbits meet the wall (GR) at the parameter at which impacting ones leave it (VS), in closed form."""
-    text = SOFT + ("steps:\n  - {name: t, set: {K: 0.3}, simulate: {t_end: 60*2*pi/omega}}\n  - {name: free, set: {K: 0.3}, orbit: {from: t}}\n"
+    text = SOFT + ("steps:\n  - {name: t, set: {K: 0.3}, simulate: {t_end: 60*2*pi/omega}}\n"
+                   "  - {name: free, set: {K: 0.3}, orbit: {from: t}}\n"
                    "  - {name: down, continue: {from: free, free: [K], range: {K: [0.15, 0.3]}, direction: down}}\n"
                    "  - {name: hits, orbit: {from: {step: down, point: EP1}}}\n"
                    "  - {name: up, continue: {from: hits, free: [K], range: {K: [0.15, 0.3]}, direction: up}}\n")  # fmt: skip

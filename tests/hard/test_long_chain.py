@@ -17,7 +17,8 @@ def test_grazing_through_a_thousand_stages(tmp_path, order, record):
     text = ("model: impact_oscillator\nmesh: {degree: 8, intervals: 14}\nmonitors: {top: max(x)}\n" + CHAIN.replace("ORDER", str(order))
             + "steps:\n  - {name: t, set: {K: 0.2}, delay: {method: direct}, simulate: {t_end: 60*2*pi/omega}}\n"
             "  - {name: o, set: {K: 0.2}, orbit: {from: t}}\n"
-            "  - {name: c, continue: {from: o, free: [K], range: {K: [0.17, 0.2]}, direction: down, signature_change: stop}}\n")  # fmt: skip
+            "  - {name: c, continue: {from: o, free: [K], range: {K: [0.17, 0.2]}, direction: down, "
+            "signature_change: stop}}\n")  # fmt: skip
     step = run(text, tmp_path / "a.h5").step("c")
     D = chain_transfer(0.8, 3.8, order, 1000)
     exact = brentq(lambda K: grazing_amplitude(K, D) - 1.26, 0.17, 0.2, xtol=1e-14)

@@ -4,14 +4,13 @@ import math
 import re
 
 import numpy as np
-import pytest
 
 from pddecont.delay.direct import Direct
 from pddecont.simulate.integrate import simulate
 from pddecont.simulate.simulator import Method
 from tests.conftest import numeric_from
 from tests.hard.test_commensurate import bounced
-from tests.runs import labels, parameter, run_model
+from tests.runs import parameter, run_model
 
 TWINS = """
 name: twins

@@ -10,6 +10,7 @@ from pddecont.delay.direct import Direct
 from pddecont.errors import ConvergenceError
 from pddecont.simulate.integrate import simulate
 from pddecont.simulate.simulator import Method
+from pddecont.steps.orbit import is_rotation
 from tests.conftest import numeric_from
 from tests.hard.linear import Oscillator
 from tests.runs import labels, parameter, run_model
@@ -106,8 +107,7 @@ def test_an_orbit_that_leaves_its_surfaces_tangentially(tmp_path, record):
     """Dry friction with two stops: each slip begins with v = 0 and v' = 0, on the very surface that ends it."""
     results = run_model(STICK, tmp_path / "a.h5")
     step = results.step("o")
-    assert step.orbit(0)["signature"].tobytes().decode().split() in [["forth", "hold", "back", "stick"], ["back", "stick", "forth", "hold"],
-                                                                   ["hold", "back", "stick", "forth"], ["stick", "forth", "hold", "back"]]  # fmt: skip
+    assert is_rotation(step.orbit(0)["signature"].tobytes().decode().split(), ["forth", "hold", "back", "stick"])
     assert step.points["admissible"][0] == 1
     exact = stops(0.45)
     record("dry friction with two stops", "exact pieces", np.max(np.abs(step.points["monitors"][0] - exact)), 1e-10)

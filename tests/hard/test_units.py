@@ -14,7 +14,8 @@ PLAIN = {"omega": 0.8, "a": 0.9, "zeta": 0.01, "k": 1.0, "e": 1.26, "beta": 29.0
 def model(length, time):
     """Return the impact oscillator with lengths in units of 1/length, times in units of 1/time, as text."""
     scaled = {"omega": PLAIN["omega"] / time, "a": PLAIN["a"] * length, "zeta": PLAIN["zeta"] / time, "k": 1 / time**2,
-              "e": PLAIN["e"] * length, "beta": PLAIN["beta"] / time**2, "K": PLAIN["K"] / time, "tau_d": PLAIN["tau_d"] * time}  # fmt: skip
+              "e": PLAIN["e"] * length, "beta": PLAIN["beta"] / time**2, "K": PLAIN["K"] / time,
+              "tau_d": PLAIN["tau_d"] * time}  # fmt: skip
     p = ", ".join(f"{name}: {value!r}" for name, value in scaled.items())
     atol = 1e-11 * min(length, length / time)
     return f"""
