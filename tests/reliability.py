@@ -22,8 +22,9 @@ INTRODUCTION = {
 Each case with what it is compared with, the error reached and the limit that its test asserts; what is hard and why stands in
 [hard_cases.md](hard_cases.md). An error of 0 is a refusal, with the message that is due, or an exact equality.""",
     ESTIMATES: """\
-True error over `error_estimate`, for every model that has an orbit, on meshes of several fineness and degrees, the delay read directly (tracked or not) or through
-delay lines, and along branches. The true error is measured against a solution of far higher order, itself confirmed on a second mesh.""",
+True error over `error_estimate`, for every model that has an orbit: on meshes of several fineness and degrees, the delay read directly
+(tracked or not) or through delay lines, and along branches. The true error is measured against a solution of far higher order, itself
+confirmed on a second mesh.""",
 }
 
 

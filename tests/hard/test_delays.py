@@ -36,11 +36,11 @@ def test_a_hundred_periods_later_the_orbit_is_the_same(tmp_path, record):
     """A delay longer by whole periods reads the same values: the impacting orbit cannot tell."""
     text = IMPACT + (f"steps:\n  - {{name: t, simulate: {{t_end: 60*{TURN}}}}}\n  - {{name: near, orbit: {{from: t}}}}\n"
                      f"  - {{name: far, set: {{tau_d: 3.8 + 100*2*{TURN}}}, orbit: {{from: near}}}}\n"
-                     "  - {name: branch, continue: {from: far, free: [tau_d], range: {tau_d: [1574, 1575]}}}\n")  # fmt: skip
+                     "  - {name: branch, continue: {from: far, free: [tau_d], range: {tau_d: [1574.4, 1574.8]}}}\n")  # fmt: skip
     results = run(text, tmp_path / "a.h5")
     near, far = (results.step(name).points["monitors"][0, 0] for name in ("near", "far"))
     record("impact speed, delay longer by 100 periods", "the orbit at the short delay", abs(far - near), 1e-9)
-    again = run(text.replace("3.8 + 100*2*", "3.8 + 0*").replace("[1574, 1575]", f"[{1574 - 200 * TURN}, {1575 - 200 * TURN}]"),
+    again = run(text.replace("3.8 + 100*2*", "3.8 + 0*").replace("[1574.4, 1574.8]", f"[{1574.4 - 200 * TURN}, {1574.8 - 200 * TURN}]"),
                 tmp_path / "b.h5")  # fmt: skip
     ends = [r.step("branch").points["monitors"][r.step("branch").row(f"EP{k}"), 0] for r in (results, again) for k in (1, 2)]
     record("the ends of a branch in that delay", "the branch at the short delay", max(abs(ends[0] - ends[2]), abs(ends[1] - ends[3])), 1e-9)

@@ -28,7 +28,7 @@ run:
   steps:
     - {name: t, simulate: {t_end: 10}}
     - {name: o, orbit: {from: t, stability: true}}
-    - {name: c, continue: {from: o, free: [q], range: {q: [0.5, 1.0]}, stability: true}}
+    - {name: c, continue: {from: o, free: [q], range: {q: [0.8, 1.0]}, stability: true}}
 """
 
 
