@@ -4,7 +4,7 @@ ENV := .venv
 BIN := $(ENV)/bin
 OUT := out
 
-.PHONY: setup demo test check bench cost tracking chain-order schema clean
+.PHONY: setup demo test reliability check bench cost tracking chain-order schema clean
 setup: $(ENV)/ready
 
 $(ENV)/ready: pyproject.toml
@@ -21,6 +21,11 @@ demo: setup          ## figure 4.6 of the paper, from its YAML file to a picture
 
 test: setup
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile
+
+reliability: setup   ## docs/reliability.md, from the suite itself
+	mkdir -p $(OUT)
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile --reliability $(OUT)/reliability.json
+	$(BIN)/python -m tests.reliability $(OUT)/reliability.json docs/reliability.md
 
 check: setup
 	$(BIN)/ruff check .

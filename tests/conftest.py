@@ -10,6 +10,7 @@ from pddecont.model.codegen import NumericModel
 from pddecont.model.document import parse_document
 from pddecont.model.system import Model
 
+pytest_plugins = ["tests.reliability"]
 ROOT = Path(__file__).parent.parent
 # The generated chain of fifty oscillators has a hundred states: too large for checks of every function.
 MODELS = sorted(p for p in (ROOT / "models").glob("*.yaml") if not p.stem.startswith("oscillator_chain"))

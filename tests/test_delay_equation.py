@@ -262,7 +262,8 @@ def test_the_impacting_orbit_through_every_crossing_of_breaking_points(tmp_path)
     results = run(text, tmp_path / "a.h5")
     step = results.step("c")
     assert [t.split(":")[1].strip().split(";")[0] for t in step.termination] == ["reached the end of the range"] * 2
-    assert np.all(step.points["error_estimate"] <= 1e-6)
+    # The mesh keeps what each interval adds below the tolerance; all of them together may be a little more.
+    assert np.max(step.points["error_estimate"]) <= 2e-6
     assert np.all(step.points["admissible"] == 1)
     taus = step.points["parameters"][step.order, -1]
     assert (taus[0], taus[-1]) == pytest.approx((0.01, 20))
@@ -273,7 +274,7 @@ def test_the_impacting_orbit_through_every_crossing_of_breaking_points(tmp_path)
         plain = run(again, tmp_path / "b.h5").step("o")
         fine = plain.points["monitors"][0, 0]
         coarse = step.orbit(i)["states"][np.flatnonzero(step.orbit(i)["segment"] == 0)[-1], 1]
-        assert coarse == pytest.approx(fine, abs=2e-5)
+        assert coarse == pytest.approx(fine, abs=10 * step.points["error_estimate"][i])
 
 
 def test_the_free_orbit_over_the_whole_range_of_delays(tmp_path):
@@ -303,12 +304,12 @@ def test_the_chebyshev_line_converges_fast_on_a_smooth_orbit(n, error):
 @pytest.mark.parametrize("tol", [1e-4, 1e-6, 1e-8])
 def test_the_estimate_tells_the_error(impact, tol):
     problem, solution = settle(*remeshed(*impact, MeshRule(6, tol=tol)), MeshRule(6, tol=tol))
-    from pddecont.orbit.error import error_estimate
+    from pddecont.orbit.estimate import error_estimate
 
     estimate = error_estimate(problem, solution.x)
     true = abs(speed(problem, solution.x) - IMPACT_SPEED)
     assert estimate <= tol
-    assert true < 30 * estimate
+    assert true < 2 * estimate
 
 
 @pytest.mark.parametrize("turns", [1, 2])

@@ -81,9 +81,10 @@ def doubled(problem: OrbitProblem, x: Array, rule: MeshRule) -> tuple[OrbitProbl
     return twice, guess, direction
 
 
-def halves(problem: OrbitProblem, x: Array) -> Array:
-    """Return what differs between an orbit's two halves (empty if it cannot be a doubled one): all zero on a single orbit."""
+def halves(problem: OrbitProblem, x: Array, metric: Metric) -> Array:
+    """Return what differs between an orbit's two halves, relative to its size: zero on a single orbit, empty if it is not doubled."""
     values, durations, _, _ = problem.layout.split(x)
+    sizes, period = metric.scale[problem.layout.value_index[0]], metric.scale[problem.layout.durations.start]
     names = [s.name for s in problem.segments]
     half = len(names) // 2
     if not problem.segments[0].event:
@@ -94,17 +95,17 @@ def halves(problem: OrbitProblem, x: Array) -> Array:
         at = np.sum(durations) * np.array([0.0, 0.25, 0.5, 0.75])
         interval = np.searchsorted(edges, at, side="right") - 1
         z = problem.mesh.at(values, Places(interval, (at - edges[interval]) / lengths[interval]))
-        return (z[:2] - z[2:]).ravel()
+        return ((z[:2] - z[2:]) / sizes).ravel()
     if len(names) % 2 or names[:half] != names[half:] or (problem.numeric.model.forced and problem.n_periods % 2):
         return np.zeros(0)
     starts = values[problem.mesh.first_base]
-    return np.concatenate([durations[:half] - durations[half:], (starts[:half] - starts[half:]).ravel()])
+    return np.concatenate([(durations[:half] - durations[half:]) / period, ((starts[:half] - starts[half:]) / sizes).ravel()])
 
 
 def equal_halves(problem: OrbitProblem, x: Array, metric: Metric) -> bool:
     """Whether the orbit ``x`` is a single one taken twice."""
-    difference = halves(problem, x)
-    return len(difference) > 0 and float(np.max(np.abs(difference))) < EQUAL * _size(metric, problem)
+    difference = halves(problem, x, metric)
+    return len(difference) > 0 and float(np.max(np.abs(difference))) < EQUAL
 
 
 def halved(problem: OrbitProblem, x: Array, rule: MeshRule) -> tuple[OrbitProblem, Array]:
@@ -136,10 +137,9 @@ def collapsed(a: Located, b: Located, rule: MeshRule, known: Known) -> Located |
     None if it does not: there all that differs between the halves of ``a`` differs the other way in ``b``, or no longer.
     """
     curve, x = a.problem, a.x
-    before, after = halves(curve.problem, x), halves(b.problem.problem, b.x)
+    before, after = halves(curve.problem, x, curve.metric()), halves(b.problem.problem, b.x, b.problem.metric())
     least = b if np.linalg.norm(after) < np.linalg.norm(before) else a
-    size = _size(curve.metric(), curve.problem)
-    fallen = float(np.max(np.abs(after))) < EQUAL * size
+    fallen = float(np.max(np.abs(after))) < EQUAL
     if not fallen and before @ after > -OPPOSITE * np.linalg.norm(before) * np.linalg.norm(after):
         return None
     try:
@@ -149,12 +149,9 @@ def collapsed(a: Located, b: Located, rule: MeshRule, known: Known) -> Located |
         special, solution = solve_special(single, guess, Doubling(known))
     except ConvergenceError:
         return None
-    if np.max(np.abs(special.outline(solution.x) - single.outline(guess))) > FAR * float(np.max(np.abs(before))) + EQUAL * size:
+    scale = special.metric().scale[special.outline_index()]
+    if np.max(np.abs(special.outline(solution.x) - single.outline(guess)) / scale) > FAR * float(np.max(np.abs(before))) + EQUAL:
         return None
     towards = np.zeros(len(solution.x))
     towards[special.problem.layout.free.start] = 1.0
     return Located(special.curve, solution.x, solution, tangent(special.curve, solution.x, special.metric(), towards))
-
-
-def _size(metric: Metric, problem: OrbitProblem) -> float:
-    return float(np.max(metric.scale[: problem.layout.start.start]))

@@ -133,11 +133,11 @@ def follow(state: State, bounds: Sequence[tuple[int, float, float]], watch: Watc
             index, value, fraction = crossed
             try:
                 reached = _land(state, reached, index, value, fraction, settings)
-            except ConvergenceError:
+            except ConvergenceError as exc:
                 # A fold next to the bound: come closer with smaller steps.
                 state = replace(state, step=step / 2)
                 if state.step < settings.min:
-                    return Termination(End.STEP_TOO_SMALL, "", lost)
+                    return Termination(End.STEP_TOO_SMALL, str(exc), lost)
                 continue
         metric = reached.problem.metric()
         base = reached.problem.carry(state.problem, state.x)

@@ -71,19 +71,19 @@ def newton(residual: Callable[[Array], Array], jacobian: Callable[[Array], Matri
             step = factors.solve(-rows * r)
         except ConvergenceError as exc:
             raise ConvergenceError(f"{exc} (residuals: {show(history)})", history) from exc
-        damping = 1.0
+        damping, obstacle = 1.0, ""
         while True:
             trial = x + damping * scale * step
             try:
                 r_trial = residual(trial)
                 trial_size = _norm(rows * r_trial)
-            except ConvergenceError:
-                trial_size = np.inf
+            except ConvergenceError as exc:
+                trial_size, obstacle = np.inf, f"; {exc}"
             if trial_size < size or trial_size < settings.residual_tol:
                 break
             damping *= 0.5
             if damping < settings.min_damping:
-                raise ConvergenceError(f"Newton's method cannot lower the residual further (residuals: {show(history)})", history)
+                raise ConvergenceError(f"Newton's method cannot lower the residual further (residuals: {show(history)}){obstacle}", history)
         x, r = trial, r_trial
         history.append(trial_size)
         if damping == 1.0 and _norm(step) < settings.step_tol and trial_size < settings.residual_tol:

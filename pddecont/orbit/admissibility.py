@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.orbit.extrema import Extremum, Profile, profile
-from pddecont.orbit.problem import OrbitProblem
+from pddecont.orbit.problem import INSTANT, OrbitProblem
 
 Array = NDArray[np.float64]
 RELATIVE_ZERO = 1e-9
@@ -51,7 +51,7 @@ def objections(problem: OrbitProblem, x: Array, profiles: dict[str, Profile] | N
     result = []
     durations = x[problem.layout.durations]
     for s, segment in enumerate(problem.segments):
-        if durations[s] <= 0.0:
+        if durations[s] <= INSTANT * problem.period(x):
             result.append(f"segment {s + 1} ({segment.name}) has duration {durations[s]:.3g}")
             continue
         for event, direction, terminal in watched_events(problem, s):

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from pddecont.continuation.arclength import Metric
@@ -14,9 +15,10 @@ from pddecont.continuation.linear import Matrix
 from pddecont.continuation.newton import NewtonSettings, Solution, newton
 from pddecont.errors import ConvergenceError
 from pddecont.orbit.error import interval_errors, state_sizes
+from pddecont.orbit.finite import why_not_finite
 from pddecont.orbit.jacobian import Assembler
 from pddecont.orbit.meshing import Density, MeshRule, density_of, fits, good_enough, new_mesh, on_mesh
-from pddecont.orbit.problem import OrbitProblem, Reads, read
+from pddecont.orbit.problem import INSTANT, OrbitProblem, Reads, read
 from pddecont.orbit.residual import residual
 
 Array = NDArray[np.float64]
@@ -56,12 +58,19 @@ class Curve:
         return self._last[1]
 
     def residual(self, x: Array) -> Array:
-        """Return the residual of the unknowns ``x``."""
-        return residual(self.problem, x, self._reads(x))
+        """Return the residual of the unknowns ``x``; raise ConvergenceError, naming the expression, where it is not finite."""
+        reads = self._reads(x)
+        r = residual(self.problem, x, reads)
+        if not np.all(np.isfinite(r)):
+            raise ConvergenceError(why_not_finite(self.problem, reads))
+        return r
 
     def jacobian(self, x: Array) -> Matrix:
-        """Return its derivatives."""
-        return self.assembler(x, self._reads(x))
+        """Return its derivatives; raise ConvergenceError, naming the expression, where they are not finite."""
+        matrix = self.assembler(x, self._reads(x))
+        if not np.all(np.isfinite(matrix.data if sp.issparse(matrix) else matrix)):
+            raise ConvergenceError(why_not_finite(self.problem, self._reads(x), derivatives=True))
+        return matrix
 
     @cached_property
     def _metric(self) -> Metric:
@@ -90,7 +99,7 @@ class Curve:
     def forbids(self, x: Array) -> str:
         """Return which segment has no duration left at ``x``; empty if all have."""
         durations = x[self.problem.layout.durations]
-        if np.all(durations > 0.0):
+        if np.all(durations > INSTANT * np.sum(durations)):
             return ""
         s = int(np.argmin(durations))
         return f"segment {s + 1} ({self.problem.segments[s].name}) vanishes"

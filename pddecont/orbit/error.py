@@ -1,4 +1,4 @@
-"""How far an orbit is from solving its equation between the collocation points.
+"""How far an orbit is from solving its equation between the collocation points, interval by interval.
 
 The defect d = z' - h f vanishes at the Gauss points and is nearly c * omega(sigma), omega the polynomial with those roots,
 in between. Measured at one point near each end of an interval it gives c, and the error that it leaves inside the interval
@@ -47,16 +47,11 @@ def _interval_errors(problem: OrbitProblem, x: Array) -> Array:
     return np.max(np.abs(defect) * weights[None, :, None] / scale, axis=(1, 2))
 
 
-def error_estimate(problem: OrbitProblem, x: Array) -> float:
-    """Return the largest of :func:`interval_errors`, or what rounding makes of the delay's operator if that is more.
+def rounding_error(problem: OrbitProblem, x: Array) -> float:
+    """Return what rounding errors in the base values can become in the delayed values, relative to the orbit's size.
 
     A chain of order 3 or more magnifies frequencies near its own by |sum (i w delta)^k / k!|^(-n), at order 4 by up to 2^n.
     """
-    return max(float(np.max(interval_errors(problem, x))), rounding_error(problem, x))
-
-
-def rounding_error(problem: OrbitProblem, x: Array) -> float:
-    """Return what rounding errors in the base values can become in the delayed values, relative to the orbit's size."""
     operators = problem.operators(problem.theta(x), problem.mesh.sites)
     full = [op.weights.amplification for op in operators if isinstance(op.weights, FullWeights)]
     return float(np.finfo(float).eps * max(full, default=0.0))

@@ -153,7 +153,8 @@ def transfer(old: Mesh, old_theta: Array, values: Array, new: Mesh, new_theta: A
     new_ends = np.concatenate([[0.0], np.cumsum(new_theta[:n])])
     result = np.empty((new.n_base, values.shape[1]))
     for s in range(n):
-        inside = np.flatnonzero(old.segment == s)
+        # Where two breaking points meet exactly an interval has no length, and nothing to read.
+        inside = np.flatnonzero((old.segment == s) & (lengths > 0.0))
         rows = np.arange(new.first_base[s], new.last_base[s] + 1)
         at = old_ends[s] + (times[rows] - new_ends[s]) * (old_theta[s] / new_theta[s])
         interval = inside[np.clip(np.searchsorted(edges_[inside], at, side="right") - 1, 0, len(inside) - 1)]

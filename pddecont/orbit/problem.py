@@ -18,6 +18,8 @@ from pddecont.orbit.layout import Layout
 from pddecont.orbit.mesh import Mesh, Places
 
 Array = NDArray[np.float64]
+# A segment shorter than this many periods has no duration: rounding decides on its sign.
+INSTANT = 1e-12
 
 
 def eventless(mode: str) -> Segment:

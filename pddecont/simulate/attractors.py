@@ -122,7 +122,7 @@ def settled(simulator: Simulator, values: Values, memory: Memory, clock: Clock) 
     t_end = float(memory.clock[T]) + clock.transient
     memory, status, period, number = settle(system, values, memory, simulator.work, clock.period, clock.phase, t_end, clock.max_period,
                                             states, times, hits)  # fmt: skip
-    failed = "" if status in (Status.SECTION, Status.REACHED) else simulator.complaint(memory, Status(status))
+    failed = "" if status in (Status.SECTION, Status.REACHED) else simulator.complaint(memory, Status(status), values.p)
     # Of a motion without period the later half of its returns is kept at most: the earlier ones are its way there.
     kept = min(period or min(clock.returns, max(number // 2, 1)), number, room - 1)
     if not failed and number < 2:

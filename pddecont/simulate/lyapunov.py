@@ -48,7 +48,7 @@ def lyapunov(simulator: Simulator, values: Values, attractor: Attractor, duratio
         if status == Status.REACHED and np.all(np.isfinite(logs)):
             memory, status = growth(with_tangent.system, values, memory, with_tangent.work, interval, logs)
         if status != Status.REACHED:
-            raise ConvergenceError(simulator.complaint(memory, Status(status)))
+            raise ConvergenceError(simulator.complaint(memory, Status(status), values.p))
         if np.all(np.isfinite(logs)):
             total, times = np.cumsum(logs), interval * np.arange(1, n_intervals + 1)
             slope, level = np.polyfit(times, total, 1)

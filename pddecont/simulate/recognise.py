@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from pddecont.errors import SignatureError
 from pddecont.model.codegen import NumericModel
+from pddecont.model.system import Model
 from pddecont.simulate.trajectory import Trajectory
 
 Array = NDArray[np.float64]
@@ -46,10 +47,23 @@ def recognise(numeric: NumericModel, p: Array, trajectory: Trajectory) -> Cycle:
         If the trajectory has not settled to a periodic motion, with the nearest return found and what to try.
     """
     if numeric.model.forced:
-        return _forced(trajectory, float(numeric.period.value(p)[0]))
-    if len(trajectory.events):
-        return _by_events(trajectory)
-    return _by_section(trajectory)
+        cycle = _forced(trajectory, float(numeric.period.value(p)[0]))
+    elif len(trajectory.events):
+        cycle = _by_events(trajectory)
+    else:
+        cycle = _by_section(trajectory)
+    _refuse_sticking(numeric.model, cycle)
+    return cycle
+
+
+def _refuse_sticking(model: Model, cycle: Cycle) -> None:
+    """Raise :class:`SignatureError` if the cycle changes its mode where no segment leads to that mode."""
+    for i, name in enumerate(cycle.signature):
+        here, there, t = model.segments[cycle.signature[i - 1]], model.segments[name], cycle.times[i]
+        if here.to != there.mode:
+            raise SignatureError(f"after '{here.name}' at t = {t:.10g} the motion sticks in mode '{there.mode}', which that segment does "
+                                 f"not lead to: no signature lists the events that accumulate at '{here.event}'. Start the orbit where "
+                                 "nothing sticks, or write the last event before rest as one that leads there")  # fmt: skip
 
 
 def _forced(trajectory: Trajectory, period: float) -> Cycle:
@@ -98,8 +112,9 @@ def _from_events(trajectory: Trajectory, first: int, last: int, n_periods: int) 
     lengths = np.diff(events.t[first : last + 1])
     # The trajectory may hold one more turn before, so that any segment can be the first.
     turn = min(range(count), key=lambda i: -lengths[i])
-    if first + turn - count >= 0:
-        first = first + turn - count
+    begin = first + turn - count
+    if begin >= 0 and events.segment[begin + 1 : first + 1] == events.segment[begin + 1 + count : first + 1 + count]:
+        first = begin
     arcs = tuple(int(arc) for arc in events.arc[first : first + count])
     return Cycle(events.segment[first + 1 : first + 1 + count], events.t[first : first + count + 1], arcs, n_periods,
                  trajectory.mode_of(arcs[0]), trajectory)  # fmt: skip

@@ -14,6 +14,7 @@ from pddecont.delay.chain import Chain
 from pddecont.delay.operator import DelayMethod
 from pddecont.errors import ConvergenceError
 from pddecont.model.codegen import NumericModel
+from pddecont.model.diagnosis import not_finite
 from pddecont.model.expression import TIME
 from pddecont.simulate.functions import ModelFunctions
 from pddecont.simulate.kernel.advance import begin, change, run
@@ -39,6 +40,8 @@ from pddecont.simulate.kernel.tables import (
 
 Array = NDArray[np.float64]
 STEPS_AT_ONCE = 20_000
+# A cause for a simulation's end is looked for up to 2 to this power ahead, relative to the time.
+LOOK_AHEAD = -30
 DIRECTIONS = {"rising": 1, "falling": -1, "any": 0}
 
 
@@ -206,10 +209,10 @@ class Simulator:
             if status == Status.LOG_FULL and emptied is not None:
                 emptied(nothing)
             elif status != Status.PAUSED:
-                raise ConvergenceError(self.complaint(memory, Status(status)))
+                raise ConvergenceError(self.complaint(memory, Status(status), values.p))
 
-    def complaint(self, memory: Memory, status: Status) -> str:
-        """Return in words why an integration came to a halt."""
+    def complaint(self, memory: Memory, status: Status, p: Array) -> str:
+        """Return in words why an integration at parameters ``p`` came to a halt."""
         model, t = self.numeric.model, float(memory.clock[T])
         mode = list(model.modes)[memory.count[MODE]]
         if status in (Status.ZENO, Status.SLIDING):
@@ -220,11 +223,31 @@ class Simulator:
                         f"name it in the step, 'stick: {{{event}: MODE}}'")  # fmt: skip
             return (f"event '{event}' leads, at t = {at:.12g}, to a mode whose flow leads straight back: both point at the surface (the "
                     f"motion slides along it). Write a mode for sliding and name it in the step, 'stick: {{{event}: MODE}}'")  # fmt: skip
+        cause = self._without_value(memory, p)
+        if cause:
+            return f"the simulation ends at t = {t:.10g} in mode '{mode}': {cause}"
         if status == Status.NOT_FINITE:
             return (f"the solution is no longer finite near t = {t:.10g} in mode '{mode}'; it grows without bound there, or the vector "
                     "field cannot be evaluated: check its logarithms, roots and divisions")  # fmt: skip
         return (f"no step is small enough near t = {t:.10g} in mode '{mode}': the solution grows without bound there, or the vector field "
                 "has a singularity or a jump that no event marks; a stiff model wants 'method: stiff'")  # fmt: skip
+
+    def _without_value(self, memory: Memory, p: Array) -> str:
+        """Return which part of the vector field has no finite value here or a short way ahead; empty if there is none.
+
+        Ways ahead are tried along the present slope, from rounding up, with the delayed values read last.
+        """
+        model, n, t = self.numeric.model, self.numeric.n_states, float(memory.clock[T])
+        mode = list(model.modes)[memory.count[MODE]]
+        y, xd = memory.y[:n, None], np.array(self.work.xd[: len(model.delayed)])[:, None]
+        named = [(f"{state}' of mode '{mode}'", f) for state, f in zip(model.states, model.modes[mode], strict=True)]
+        slope = self.numeric.mode(mode).value(np.array([t]), y, xd, p)
+        ahead = np.concatenate([[0.0], max(1.0, abs(t)) * 2.0 ** np.arange(-52, LOOK_AHEAD + 1)])
+        with np.errstate(all="ignore"):
+            states = y + np.where(np.isfinite(slope), slope, 0.0) * ahead
+        finite = np.all(np.isfinite(states), axis=0)
+        states, times = states[:, finite], t + ahead[finite]
+        return not_finite(self.numeric, named, times, states, np.repeat(xd, len(times), axis=1), p) if len(times) else ""
 
 
 def _integers(numbers: object) -> NDArray[np.int64]:

@@ -62,7 +62,7 @@ class _Branch:
         side = side_of(state.problem, state.x) if isinstance(state.problem, SpecialCurve) else None
         of_curve = state.problem.condition.kind if isinstance(state.problem, SpecialCurve) else point.kind
         row = orbit_row(problem, state.x, self.monitors, kind=point.kind, arclength=state.arclength, n_iterations=point.n_iterations,
-                        step=state.step, tangent=state.tangent, note=point.note, side=side,
+                        step=state.step, tangent=state.tangent, note=point.note, side=side, widths=self.task.widths,
                         stability=without_critical(known(problem, state.x), of_curve) if known else None)  # fmt: skip
         self.writer.append(*row)
         self.last = point

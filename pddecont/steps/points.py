@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pddecont.bifurcation.grazing import clearance
 from pddecont.model.codegen import NumericModel
 from pddecont.orbit.admissibility import event_profiles, objections
-from pddecont.orbit.error import error_estimate
+from pddecont.orbit.estimate import error_estimate
 from pddecont.orbit.monitors import Monitor
 from pddecont.orbit.problem import OrbitProblem, read
 from pddecont.orbit.record import to_rows
@@ -42,8 +42,9 @@ def orbit_spec(name: str, kind: str, numeric: NumericModel, monitors: Sequence[M
 
 def orbit_row(problem: OrbitProblem, x: Array, monitors: Sequence[Monitor], *, kind: str = "", arclength: float = 0.0,
               n_iterations: int = 0, step: float = 0.0, tangent: Array | None = None, stability: Multipliers | None = None,
-              note: str = "", side: Array | None = None) -> tuple[dict[str, Any], dict[str, Array]]:  # fmt: skip
-    """Return the row of points and the rows of orbits that record the orbit ``x``."""
+              note: str = "", side: Array | None = None,
+              widths: tuple[float, ...] = ()) -> tuple[dict[str, Any], dict[str, Array]]:  # fmt: skip
+    """Return the row of points and the rows of orbits that record the orbit ``x``; ``widths`` are those of the free parameters' ranges."""
     profiles = event_profiles(problem, x)
     points = {
         "kind": kind.encode(), "arclength": arclength, "parameters": problem.numeric.with_fixed(problem.all_parameters(x)),
@@ -52,7 +53,7 @@ def orbit_row(problem: OrbitProblem, x: Array, monitors: Sequence[Monitor], *, k
         "n_unstable": -1 if stability is None or stability.lost else stability.n_unstable,
         "trivial_error": np.nan if stability is None else stability.trivial_error, "note": note.encode()[:32],
         "side": np.full(2, np.nan) if side is None else side, "admissible": not objections(problem, x, profiles),
-        "error_estimate": error_estimate(problem, x),
+        "error_estimate": error_estimate(problem, x, widths),
         "monitors": np.array([m.value(problem, x) for m in monitors]), "clearance": clearance(problem, x, profiles),
         "n_iterations": n_iterations, "step": step, "n_periods": problem.n_periods, "phase": problem.phase,
         "n_unknowns": len(x), "surfaces": surfaces(problem, x),

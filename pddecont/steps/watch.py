@@ -87,7 +87,7 @@ def followed(special: SpecialCurve) -> str:
 def _collapse(task: Task, state: State) -> list[TestFunction]:
     """Return the test for a doubled orbit that falls onto the single one: what differs most between its halves changes sign."""
     rule = task.context.rule_of(task.step)
-    difference = period_doubling.halves(state.problem.problem, state.x)
+    difference = period_doubling.halves(state.problem.problem, state.x, state.problem.metric())
     if not len(difference) or not np.any(difference):
         return []
     most = int(np.argmax(np.abs(difference)))
@@ -96,7 +96,7 @@ def _collapse(task: Task, state: State) -> list[TestFunction]:
         # Near the single orbit a step may land on it: no difference is left, and no sign of it can be trusted.
         if period_doubling.equal_halves(at.problem.problem, at.x, at.problem.metric()):
             return 0.0
-        return float(period_doubling.halves(at.problem.problem, at.x)[most])
+        return float(period_doubling.halves(at.problem.problem, at.x, at.problem.metric())[most])
 
     def meeting(a: Located, b: Located) -> Located | None:
         return period_doubling.collapsed(a, b, rule, task.known or Known())

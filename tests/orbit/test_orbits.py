@@ -8,7 +8,7 @@ import pytest
 from pddecont.delay.chain import Chain
 from pddecont.orbit.admissibility import objections
 from pddecont.orbit.curve import solve_orbit
-from pddecont.orbit.error import error_estimate
+from pddecont.orbit.estimate import error_estimate
 from pddecont.orbit.guess import orbit_from_cycle
 from pddecont.orbit.mesh import Mesh, equal_cuts, segment_pieces
 from pddecont.orbit.meshing import MeshRule, remeshed

@@ -67,7 +67,8 @@ def moment(c, hit, direction):
 def starts_into(c):
     """Return the segment that ends at the very start, and the direction of its crossing; -1 if none does.
 
-    A motion that starts on a surface has not crossed it, unless it moves into it and the reset turns it round: that is an impact.
+    A motion that starts on a surface has not crossed it, unless it moves into it and the reset turns it round: that is an impact. From
+    rest on the surface it moves where its acceleration points.
     """
     t, mode = c.clock[T], c.count[MODE]
     for segment in range(c.n_segments):
@@ -75,8 +76,9 @@ def starts_into(c):
         if c.segment_mode[segment] != mode or c.after[event] >= 0:
             continue
         slope, size = slope_and_size(c, event, mode, t, c.y)
-        direction = 1 if slope > 0.0 else -1
-        if slope == 0.0 or direction * c.segment_direction[segment] < 0 or abs(event_value(c, event, t, c.y)) > size:
+        into = slope if slope != 0.0 else _curvature(c, event, mode, t, slope)
+        direction = 1 if into > 0.0 else -1
+        if into == 0.0 or direction * c.segment_direction[segment] < 0 or abs(event_value(c, event, t, c.y)) > size:
             continue
         read(c, t, c.y, c.xd, 0)
         for i in range(c.dimension):
@@ -227,14 +229,19 @@ def _rests(c, event, crossing, mode, t, resolution):
     size = max(size, resolution)
     if abs(event_value(c, event, t, c.y)) > size:
         return False
-    # How the slope itself changes along the flow, from a short way ahead.
+    curvature = _curvature(c, event, mode, t, slope)
+    return curvature * crossing > 0.0 and slope * slope <= 2.0 * abs(curvature) * size
+
+
+@inner
+def _curvature(c, event, mode, t, slope):
+    """Return how ``slope``, an event function's, changes along the flow, from a short way ahead; :func:`slope_and_size` comes first."""
     ahead = 1e-6 * max(1.0, abs(t))
     y = c.trial
     for i in range(c.dimension):
         y[i] = c.y[i] + ahead * c.slope[i]
     later, _ = slope_and_size(c, event, mode, t + ahead, y)
-    curvature = (later - slope) / ahead
-    return curvature * crossing > 0.0 and slope * slope <= 2.0 * abs(curvature) * size
+    return (later - slope) / ahead
 
 
 @inner

@@ -1,0 +1,65 @@
+"""Defective multipliers, and multipliers clustered at the unit circle."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.special import lambertw
+
+from pddecont.delay.direct import Direct
+from pddecont.orbit.curve import solve_orbit
+from pddecont.orbit.mesh import Mesh, equal_cuts, segment_pieces
+from pddecont.orbit.problem import OrbitProblem, eventless
+from pddecont.stability.multipliers import Known
+from tests.conftest import numeric_from
+from tests.runs import multipliers, run_model
+
+
+def test_the_delayed_cosine(record):
+    """x' = -(pi/2) x(t - 1): orbits of any size, so that +1 is a double multiplier with one vector; its digits are worth half."""
+    numeric = numeric_from("name: m\nstates: [x]\nparameters: {a: 1.5707963267948966}\nmodes: {m: {x': -a*x(t - 1)}}\ninitial: {x: 1}\n")
+    mesh = Mesh(10, 1, segment_pieces(1, 2, equal_cuts([16])))
+    theta = np.array([4.0, 1.0])
+    values = np.cos(math.pi / 2 * mesh.base_times(theta))[:, None]
+    problem = OrbitProblem(numeric, (eventless("m"),), mesh, Direct(), numeric.parameter_values, (), 1, values)
+    x = problem.layout.join(values, [4.0], 0.0, [])
+    found = Known(6)(problem, x).values
+    exact = np.exp(4 * lambertw(-math.pi / 2, k=[1, 2]))
+    moduli = np.sort(np.abs(found))[::-1]
+    record("delayed cosine, simple multipliers", "exp(4 W_k(-pi/2))", np.max(np.abs(moduli[2:6:2] - np.abs(exact))), 1e-9)
+    record("delayed cosine, defective double multiplier", "1, half of all digits", np.max(np.abs(found[:2] - 1)), 1e-6)
+
+
+@pytest.mark.parametrize("size", [2, 3, 4])
+def test_jordan_blocks(tmp_path, size, record):
+    """x_i' = -0.2 x_i + x_{i+1}: one eigenvector for all, and 1/size of all digits."""
+    names = [f"x{i}" for i in range(size)]
+    rates = ", ".join(f"{n}': -0.2*{n} + {following}" for n, following in zip(names, [*names[1:], "cos(2*pi*t)"], strict=True))
+    text = (f"name: jordan\nstates: [{', '.join(names)}]\nparameters: {{w: 1}}\nforcing: {{period: 1}}\nmodes: {{m: {{{rates}}}}}\nrun:\n"
+            "  mesh: {degree: 8, intervals: 6}\n  steps:\n    - {name: t, simulate: {t_end: 200}}\n"
+            "    - {name: o, orbit: {from: t, stability: true}}\n")  # fmt: skip
+    found = multipliers(run_model(text, tmp_path / "a.h5").step("o"))
+    assert len(found) == size
+    record(f"{size} equal multipliers with one vector", "exp(-0.2)", np.max(np.abs(found - math.exp(-0.2))), 100 * 1e-15 ** (1 / size))
+    record(f"their mean ({size})", "exp(-0.2)", abs(np.mean(found) - math.exp(-0.2)), 1e-12)
+
+
+def test_twelve_multipliers_within_a_thousandth_of_the_unit_circle(tmp_path, record):
+    """Six oscillators side by side, hardly damped and in part hardly driven apart, some growing: all told apart, and on the right side."""
+    frequencies, damping = [1.0, 1.0001, 1.3, 1.7, 2.1, 2.9], [1e-5, 1e-5, -1e-5, 5e-5, 1e-4, -1e-4]
+    names = [n for i in range(6) for n in (f"x{i}", f"v{i}")]
+    rates = ", ".join(f"x{i}': v{i}, v{i}': cos(t*2*pi/T) - {c!r}*v{i} - {w * w!r}*x{i}"
+                      for i, (w, c) in enumerate(zip(frequencies, damping, strict=True)))  # fmt: skip
+    period = 2.0
+    numeric = numeric_from(f"name: choir\nstates: [{', '.join(names)}]\nparameters: {{T: {period}}}\nforcing: {{period: T}}\n"
+                           f"modes: {{m: {{{rates}}}}}\n")  # fmt: skip
+    mesh = Mesh(9, 1, segment_pieces(1, 1, equal_cuts([8])))
+    problem = OrbitProblem(numeric, (eventless("m"),), mesh, Direct(), numeric.parameter_values)
+    x = solve_orbit(problem, problem.layout.join(np.zeros((mesh.n_base, 12)), [period], 0.0, [])).x
+    found = Known(12)(problem, x)
+    exact = np.array([np.exp(period * (-c / 2 + s * 1j * math.sqrt(w * w - c * c / 4)))
+                      for w, c in zip(frequencies, damping, strict=True) for s in (1, -1)])  # fmt: skip
+    assert np.max(np.abs(np.abs(exact) - 1)) < 1e-3
+    nearest = np.min(np.abs(found.values[:, None] - exact), axis=0)
+    record("12 multipliers within 1e-3 of the unit circle", "closed form", np.max(nearest), 1e-10)
+    assert found.n_unstable == 4

@@ -1,0 +1,144 @@
+"""What the suite reaches, as a table: tests hand in rows, and ``make reliability`` prints them as docs/reliability.md.
+
+Run as a module it turns the rows of a run of the suite into the page: ``python -m tests.reliability ROWS.json PAGE.md``.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections import defaultdict
+from collections.abc import Iterable
+from pathlib import Path
+
+import pytest
+
+KEY = "reliability"
+TALLIES = "tallies"
+CASES = "Hard cases"
+ESTIMATES = "Error estimates"
+INTRODUCTION = {
+    CASES: """\
+Each case with what it is compared with, the error reached and the limit that its test asserts; what is hard and why stands in
+[hard_cases.md](hard_cases.md). An error of 0 is a refusal, with the message that is due, or an exact equality.""",
+    ESTIMATES: """\
+True error over `error_estimate`, for every model that has an orbit: on meshes of several fineness and degrees, the delay read directly
+(tracked or not) or through delay lines, and along branches. The true error is measured against a solution of far higher order, itself
+confirmed on a second mesh.""",
+}
+
+
+def pytest_addoption(parser):
+    parser.addoption("--reliability", metavar="FILE", help="write what the tests record to FILE, as JSON")
+
+
+def pytest_configure(config):
+    if config.getoption("--reliability") and not hasattr(config, "workerinput"):
+        config.pluginmanager.register(Collector(Path(config.getoption("--reliability"))))
+
+
+class Collector:
+    """Gathers the rows of all tests in the process that reports come to, and writes them at the end."""
+
+    def __init__(self, path):
+        self.path, self.rows = path, []
+
+    def pytest_runtest_logreport(self, report):
+        if report.when == "teardown":
+            self.rows += [json.loads(row) for key, row in report.user_properties if key == KEY]
+
+    def pytest_sessionfinish(self):
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        self.path.write_text(json.dumps(self.rows, indent=1))
+
+
+def keep(request, **row):
+    """Let a row travel with the test's report."""
+    request.node.user_properties.append((KEY, json.dumps(row)))
+
+
+@pytest.fixture
+def record(request):
+    """Assert that an error is within its limit and keep the row: ``record(case, reference, error, limit)``."""
+    section = request.module.__doc__.splitlines()[0].rstrip(".")
+
+    def row(case, reference, error, limit):
+        keep(request, section=CASES, family=section, case=case, reference=reference, error=float(error), limit=float(limit))
+        assert error <= limit, f"{case}: error {error:.3g} against {reference}, limit {limit:.3g}"
+
+    return row
+
+
+@pytest.fixture
+def compare(request):
+    """Keep true errors and estimates of a model's orbits: ``compare(model, errors, estimates)``."""
+
+    def row(model, errors, estimates):
+        keep(request, section=ESTIMATES, model=model, errors=[*map(float, errors)], estimates=[*map(float, estimates)])
+
+    return row
+
+
+@pytest.fixture
+def tally(request):
+    """Count an outcome in a section of the page: ``tally(section, what, outcome)``, the outcome a word, or a number to add up."""
+
+    def row(section, what, outcome):
+        keep(request, section=TALLIES, title=section, what=what, outcome=outcome)
+
+    return row
+
+
+def page(rows):
+    """Return the page that the rows make."""
+    parts = ["# Reliability", "Made by `make reliability` from what the tests record."]
+    parts += [*_cases([r for r in rows if r["section"] == CASES]), *_estimates([r for r in rows if r["section"] == ESTIMATES])]
+    parts += _tallies([r for r in rows if r["section"] == TALLIES])
+    return "\n\n".join(parts) + "\n"
+
+
+def _table(head: Iterable[str], lines: Iterable[Iterable[str]]) -> str:
+    head = list(head)
+    return "\n".join("| " + " | ".join(cells) + " |" for cells in [head, ["---"] * len(head), *lines])
+
+
+def _cases(rows):
+    if not rows:
+        return
+    yield f"## {CASES}"
+    yield INTRODUCTION[CASES]
+    families = defaultdict(list)
+    for row in rows:
+        families[row["family"]].append(row)
+    for family, members in sorted(families.items()):
+        yield f"### {family}"
+        yield _table(["case", "reference", "error", "limit"],
+                     ([r["case"], r["reference"], f"{r['error']:.1e}", f"{r['limit']:.0e}"] for r in members))  # fmt: skip
+
+
+def _estimates(rows):
+    if not rows:
+        return
+    ratios = defaultdict(list)
+    for row in rows:
+        ratios[row["model"]] += [e / s for e, s in zip(row["errors"], row["estimates"], strict=True)]
+    ratios["all"] = [r for members in list(ratios.values()) for r in members]
+    yield f"## {ESTIMATES}"
+    yield INTRODUCTION[ESTIMATES]
+    yield _table(["model", "orbits", "within a factor of 10", "within a factor of 2", "smallest", "largest"],
+                 ([name, str(len(r)), *(f"{100 * sum(1 / f <= q <= f for q in r) / len(r):.1f} %" for f in (10, 2)), f"{min(r):.2g}",
+                   f"{max(r):.2g}"] for name, r in ratios.items()))  # fmt: skip
+
+
+def _tallies(rows):
+    sections: dict[str, dict[tuple[str, str], float]] = defaultdict(lambda: defaultdict(int))
+    for row in rows:
+        number = isinstance(row["outcome"], (int, float))
+        sections[row["title"]][row["what"], "" if number else row["outcome"]] += row["outcome"] if number else 1
+    for title, counts in sorted(sections.items()):
+        yield f"## {title}"
+        yield _table(["what", "outcome", "number"], ([what, outcome, f"{number:g}"] for (what, outcome), number in counts.items()))
+
+
+if __name__ == "__main__":
+    Path(sys.argv[2]).write_text(page(json.loads(Path(sys.argv[1]).read_text())))

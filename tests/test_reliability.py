@@ -1,0 +1,26 @@
+"""The page that the suite's own rows make."""
+
+from tests.conftest import ROOT
+from tests.reliability import CASES, ESTIMATES, TALLIES, page
+
+
+def test_rows_become_tables():
+    rows = [
+        {"section": CASES, "family": "Walls", "case": "stiff", "reference": "closed form", "error": 2e-11, "limit": 1e-10},
+        {"section": ESTIMATES, "model": "relay", "errors": [1e-6, 3e-5], "estimates": [1e-6, 1e-6]},
+        {"section": ESTIMATES, "model": "wright", "errors": [1e-6, 2e-6], "estimates": [1e-6, 1e-6]},
+        {"section": TALLIES, "title": "Faults", "what": "killed", "outcome": "resumed"},
+        {"section": TALLIES, "title": "Faults", "what": "killed", "outcome": "resumed"},
+        {"section": TALLIES, "title": "Inputs", "what": "refused", "outcome": 20},
+        {"section": TALLIES, "title": "Inputs", "what": "refused", "outcome": 22},
+    ]
+    text = page(rows)
+    for line in ("## Hard cases", "### Walls", "| stiff | closed form | 2.0e-11 | 1e-10 |", "| relay | 2 | 50.0 % | 50.0 % | 1 | 30 |",
+                 "| all | 4 | 75.0 % | 75.0 % | 1 | 30 |", "| killed | resumed | 2 |", "| refused |  | 42 |"):  # fmt: skip
+        assert line in text.splitlines()
+
+
+def test_every_family_is_documented():
+    page = (ROOT / "docs" / "hard_cases.md").read_text()
+    for path in (ROOT / "tests" / "hard").glob("test_*.py"):
+        assert f"`tests/hard/{path.name}`" in page, path.name
