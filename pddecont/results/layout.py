@@ -10,7 +10,7 @@
     /steps/<name>/orbits/<column>_end              ... and where each point's rows end
     /steps/<name>/special_points/{label, index}    written when the step is done
 
-Rows beyond ``finished`` are room for points to come and hold nothing; a step that is done has none.
+Rows beyond ``finished`` are room for points to come and hold nothing; a step that is closed has none.
 """
 
 from __future__ import annotations
@@ -23,6 +23,8 @@ from typing import Any
 FORMAT_VERSION = 1
 TEXT_BYTES = 1000
 N_TERMINATIONS = 4
+# The kind of step that has special points.
+BRANCH = "continue"
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,8 @@ from pddecont.results.layout import FORMAT_VERSION
 class Step:
     """One step of a results file.
 
-    ``points`` holds arrays with one row a point; ``orbit(i)`` the rows of point ``i``.
+    ``points`` holds arrays with one row a point; ``orbit(i)`` the rows of point ``i``. ``done``: all of it was computed;
+    ``sealed``: its arrays have no spare room, and a branch has its table of special points.
     """
 
     name: str
@@ -31,6 +32,7 @@ class Step:
     orbits: Mapping[str, NDArray[Any]]
     termination: tuple[str, ...]
     done: bool
+    sealed: bool = True
 
     def __len__(self) -> int:
         return len(next(iter(self.points.values()))) if self.points else 0

@@ -3,6 +3,9 @@
 The file's structure only ever changes by writing a new file beside it and renaming that onto the old one, which is atomic.
 Between such changes every array has room for rows to come at a fixed place in the file, and a new point is written there
 directly, its count last: no metadata of HDF5 is touched while a computation runs.
+
+HDF5 arranges a file in memory; plain system calls put it on the disk. The library itself must not meet a full disk: after a
+failed write it can neither close the file nor let the process end.
 """
 
 from __future__ import annotations
@@ -17,15 +20,21 @@ import h5py
 import numpy as np
 
 from pddecont.errors import ResultsError
-from pddecont.results.layout import FORMAT_VERSION, N_TERMINATIONS, TEXT_BYTES, Column, StepSpec
+from pddecont.results.layout import BRANCH, FORMAT_VERSION, N_TERMINATIONS, TEXT_BYTES, Column, StepSpec
+from pddecont.results.lock import check_unlocked
+from pddecont.results.reader import read_results
 
 ROOM = 64
+# Bytes by which a file grows in memory.
+BLOCK = 1 << 20
 
 
 def create(path: Path, model_text: str, run_text: str, source: str, versions: str, *, overwrite: bool = False) -> None:
     """Make a new results file; refuse to touch an existing one unless ``overwrite``."""
-    if path.exists() and not overwrite:
-        raise ResultsError(f"{path} exists already; give --resume to go on with it, --overwrite to replace it, or another -o")
+    if path.exists():
+        if not overwrite:
+            raise ResultsError(f"{path} exists already; give --resume to go on with it, --overwrite to replace it, or another -o")
+        check_unlocked(path)
 
     def fill(_: h5py.File | None, new: h5py.File) -> None:
         new.attrs["format_version"] = FORMAT_VERSION
@@ -40,17 +49,35 @@ def create(path: Path, model_text: str, run_text: str, source: str, versions: st
 
 def _rewrite(path: Path, change: Callable[[h5py.File | None, h5py.File], None], *, fresh: bool = False) -> None:
     """Write ``path`` anew through ``change(old, new)`` and put it in place of the old file at once."""
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
+    temporary = path.with_name(f".{path.name}.part")
     try:
         with contextlib.ExitStack() as stack:
             old = None if fresh else stack.enter_context(h5py.File(path, "r"))
-            new = stack.enter_context(h5py.File(temporary, "w"))
+            new = stack.enter_context(h5py.File(temporary, "w", driver="core", backing_store=False, block_size=BLOCK))
             change(old, new)
+            new.flush()
+            image = new.id.get_file_image()
+        temporary.unlink(missing_ok=True)
+        with open(temporary, "xb", buffering=0) as stream:
+            _write_all(stream.fileno(), image, 0)
         os.replace(temporary, path)
     except OSError as exc:
-        raise ResultsError(f"{path} cannot be written: {exc.strerror or exc}; check the folder and the space on the disk") from exc
-    finally:
-        temporary.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):
+            temporary.unlink(missing_ok=True)
+        raise _cannot_write(path, exc) from exc
+
+
+def _write_all(descriptor: int, data: bytes, offset: int) -> None:
+    """Write all of ``data`` at ``offset``; the system may take it in pieces."""
+    view = memoryview(data)
+    while view:
+        done = os.pwrite(descriptor, view, offset)
+        view, offset = view[done:], offset + done
+
+
+def _cannot_write(path: Path, exc: OSError) -> ResultsError:
+    return ResultsError(f"{path} cannot be written: {exc.strerror or exc}; what was finished is kept. Check the folder and the space on "
+                        "the disk, then go on with --resume")  # fmt: skip
 
 
 class StepWriter:
@@ -67,7 +94,7 @@ class StepWriter:
         self.capacity = dict.fromkeys((*spec.points, *spec.orbits), capacity)
         self._descriptor = -1
         self._offsets: dict[str, int] = {}
-        self._arrange(keep=True)
+        self._arrange()
 
     def __enter__(self) -> StepWriter:
         return self
@@ -78,6 +105,7 @@ class StepWriter:
     def append(self, points: Mapping[str, Any], orbits: Mapping[str, np.ndarray] | None = None) -> None:
         """Write one point; it counts as finished only when all of it is written."""
         orbits = orbits or {}
+        self._check_place()
         self._make_room({**dict.fromkeys(self.spec.points, self.n + 1), **{k: self.used[k] + len(v) for k, v in orbits.items()}})
         for name, rows in orbits.items():
             self._write(f"orbits/{name}", self.spec.orbits[name], self.used[name], rows)
@@ -95,42 +123,35 @@ class StepWriter:
     def close(self) -> None:
         """Take the spare room out of the file."""
         if self._descriptor >= 0:
-            self.capacity = {**dict.fromkeys(self.spec.points, self.n), **self.used}
-            self._arrange(keep=True)
             os.close(self._descriptor)
             self._descriptor = -1
+            seal(self.path, self.spec.name)
 
-    def special(self, labels: Sequence[str], indices: Sequence[int]) -> None:
-        """Write the table of special points; the step must be closed."""
-
-        def change(old: h5py.File | None, new: h5py.File) -> None:
-            assert old is not None
-            _copy(old, new)
-            group = new[f"steps/{self.spec.name}"].require_group("special_points")
-            group["label"] = np.array([label.encode() for label in labels], dtype="S8")
-            group["index"] = np.array(indices, dtype="i8")
-
-        _rewrite(self.path, change)
+    def _check_place(self) -> None:
+        """Check that the file still stands where it was opened: what is written to a file that has no name is lost."""
+        try:
+            here = os.path.samestat(os.stat(self.path), os.fstat(self._descriptor))
+        except OSError:
+            here = False
+        if not here:
+            raise ResultsError(f"{self.path} was removed, moved or replaced while this run wrote to it; nothing more can be kept there")
 
     def _make_room(self, wanted: Mapping[str, int]) -> None:
         short = {name: max(n, 2 * self.capacity[name]) for name, n in wanted.items() if n > self.capacity[name]}
         if short:
             self.capacity |= short
-            self._arrange(keep=True)
+            self._arrange()
 
-    def _arrange(self, *, keep: bool) -> None:
+    def _arrange(self) -> None:
         """Rewrite the file with the present capacities and note where each array lies in it."""
         spec, group = self.spec, f"steps/{self.spec.name}"
 
         def change(old: h5py.File | None, new: h5py.File) -> None:
             assert old is not None
-            _copy(old, new, leave_out=spec.name)
-            target = new.create_group(group)
+            target = _copy(old, new, anew=spec.name)
             target.attrs["kind"] = spec.kind
             target.attrs["meta"] = spec.meta_text()
-            had = old.get(group) if keep else None
-            if had is not None and "finished" not in had:
-                had = None
+            had = old.get(group)
             _array(target, had, "finished", Column("i8"), 1, 1)
             if self.n:
                 target["finished"][0] = self.n
@@ -158,13 +179,10 @@ class StepWriter:
         if not data.nbytes:
             return
         row_bytes = data.nbytes // len(data)
-        view, offset = memoryview(data.tobytes()), self._offsets[name] + first * row_bytes
         try:
-            while view:
-                done = os.pwrite(self._descriptor, view, offset)
-                view, offset = view[done:], offset + done
+            _write_all(self._descriptor, data.tobytes(), self._offsets[name] + first * row_bytes)
         except OSError as exc:
-            raise ResultsError(f"{self.path} cannot be written: {exc.strerror}; finished points are kept") from exc
+            raise _cannot_write(self.path, exc) from exc
 
 
 def _array(target: h5py.Group, had: h5py.Group | None, name: str, column: Column, capacity: int, used: int) -> None:
@@ -172,6 +190,7 @@ def _array(target: h5py.Group, had: h5py.Group | None, name: str, column: Column
     plist = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
     plist.set_layout(h5py.h5d.CONTIGUOUS)
     plist.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
+    plist.set_obj_track_times(False)
     space = h5py.h5s.create_simple((capacity, *column.shape))
     parent, _, leaf = name.rpartition("/")
     group = target.require_group(parent) if parent else target
@@ -181,15 +200,41 @@ def _array(target: h5py.Group, had: h5py.Group | None, name: str, column: Column
         dataset[:used] = had[name][:used]
 
 
-def _copy(old: h5py.File, new: h5py.File, leave_out: str | None = None) -> None:
+def _copy(old: h5py.File, new: h5py.File, anew: str | None = None) -> h5py.Group:
+    """Take everything over but the step ``anew``, for which there is an empty group in its place; return that (or all steps')."""
     for key, value in old.attrs.items():
         new.attrs[key] = value
     for key in ("model", "run"):
         old.copy(key, new)
     steps = new.create_group("steps", track_order=True)
     for name in old["steps"]:
-        if name != leave_out:
+        if name == anew:
+            steps.create_group(name)
+        else:
             old.copy(f"steps/{name}", steps, name=name)
+    return steps if anew is None else steps.require_group(anew)
+
+
+def seal(path: Path, name: str) -> None:
+    """Take the spare room out of a step's arrays; where the step is a branch that is done, write its table of special points."""
+    step = read_results(path).step(name)
+
+    def change(old: h5py.File | None, new: h5py.File) -> None:
+        assert old is not None
+        had, target = old[f"steps/{name}"], _copy(old, new, anew=name)
+        for key, value in had.attrs.items():
+            target.attrs[key] = value
+        lengths = {"finished": 1, "termination": N_TERMINATIONS} | {f"points/{key}": len(rows) for key, rows in step.points.items()}
+        lengths |= {f"orbits/{key}": len(rows) for key, rows in step.orbits.items()}
+        for key, n in lengths.items():
+            _array(target, had, key, Column(had[key].dtype.str, had[key].shape[1:]), n, n)
+        if step.done and step.kind == BRANCH:
+            special = [(label, i) for i, label in enumerate(step.labels) if label]
+            group = target.create_group("special_points")
+            group["label"] = np.array([label.encode() for label, _ in special], dtype="S8")
+            group["index"] = np.array([i for _, i in special], dtype="i8")
+
+    _rewrite(path, change)
 
 
 def drop_steps(path: Path, names: Sequence[str]) -> None:
@@ -197,9 +242,9 @@ def drop_steps(path: Path, names: Sequence[str]) -> None:
 
     def change(old: h5py.File | None, new: h5py.File) -> None:
         assert old is not None
-        _copy(old, new)
+        steps = _copy(old, new)
         for name in names:
-            if name in new["steps"]:
-                del new["steps"][name]
+            if name in steps:
+                del steps[name]
 
     _rewrite(path, change)

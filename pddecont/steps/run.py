@@ -9,9 +9,10 @@ from pathlib import Path
 
 import pddecont
 from pddecont.errors import ResultsError, RunError, suggest
+from pddecont.results.lock import writing
 from pddecont.results.reader import Step as RecordedStep
 from pddecont.results.reader import read_results
-from pddecont.results.writer import create, drop_steps
+from pddecont.results.writer import create, drop_steps, seal
 from pddecont.simulate.workers import Workers
 from pddecont.steps.context import Context, Reporter, Silent, settings_text
 from pddecont.steps.continuation import run_continue
@@ -35,17 +36,26 @@ def execute(plan: Plan, path: Path, reporter: Reporter | None = None, *, resume:
         If a step fails; what was computed before it stays in the file.
     """
     steps = chosen_steps(plan, only, until)
+    if path.is_symlink():
+        path = path.resolve()
+    with writing(path):
+        _execute(plan, path, steps, reporter or Silent(), Workers(workers, scheduler), resume=resume, overwrite=overwrite)
+
+
+def _execute(plan: Plan, path: Path, steps: list[Step], reporter: Reporter, workers: Workers, *, resume: bool, overwrite: bool) -> None:
     if path.exists() and resume:
         check_same(plan, path)
     else:
         create(path, plan.model_text, plan.run_text, plan.source, json.dumps(versions()), overwrite=overwrite)
-    context = Context(plan, path, reporter or Silent(), Workers(workers, scheduler))
+    context = Context(plan, path, reporter, workers)
     for step in steps:
         recorded = read_results(path).steps.get(step.name)
         if recorded is not None and recorded.meta.get("settings") != settings_text(plan, step):
             raise ResultsError(f"step '{step.name}' of {path} was computed with other settings; give --overwrite or another -o")
         context.reporter.step(step.name, step.kind)
         if recorded is not None and recorded.done:
+            if not recorded.sealed:
+                seal(path, step.name)
             context.reporter.done("done already")
         elif step.continue_:
             run_continue(context, step, recorded)
