@@ -14,7 +14,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.errors import ResultsError, suggest
-from pddecont.results.layout import FORMAT_VERSION
+from pddecont.results.checks import (
+    ARRAYS,
+    COLUMNS,
+    NAME,
+    attribute,
+    check_columns,
+    check_contents,
+    check_meta,
+    child,
+    rows,
+    text,
+)
+from pddecont.results.layout import BRANCH, FORMAT_VERSION, N_TERMINATIONS
+
+
+class Fields(dict[str, Any]):
+    """What a step holds by name; a name that is missing is the file's fault."""
+
+    def __init__(self, step: str, values: Mapping[str, Any]):
+        super().__init__(values)
+        self.step = step
+
+    def __missing__(self, name: str) -> Any:
+        raise ResultsError(f"step '{self.step}' has no '{name}'; the file is damaged, or was not made by this program")
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,11 +62,11 @@ class Step:
 
     def orbit(self, i: int) -> dict[str, NDArray[Any]]:
         """Return the rows that belong to point ``i``."""
-        result = {}
-        for name, rows in self.orbits.items():
+        result = Fields(self.name, {})
+        for name, values in self.orbits.items():
             if not name.endswith("_end"):
                 ends = self.orbits[f"{name}_end"]
-                result[name] = rows[ends[i - 1] if i else 0 : ends[i]]
+                result[name] = values[ends[i - 1] if i else 0 : ends[i]]
         return result
 
     @cached_property
@@ -99,27 +122,54 @@ def read_results(path: str | Path) -> Results:
         raise ResultsError(f"{path} does not exist; make it with 'pddecont run'")
     try:
         with h5py.File(path, "r") as file:
-            version = file.attrs.get("format_version")
-            if version is None:
-                raise ResultsError(f"{path} is an HDF5 file but not a results file of pddecont")
-            if int(version) > FORMAT_VERSION:
-                raise ResultsError(f"{path} has format version {version}, newer than {FORMAT_VERSION}; install a newer pddecont")
-            steps = {name: _read_step(name, file["steps"][name]) for name in file["steps"]}
-            return Results(path, json.loads(file.attrs["versions"]), str(file.attrs["source"]), file["model"].asstr()[()],
-                           file["run"].asstr()[()], steps)  # fmt: skip
-    except (OSError, KeyError, ValueError, TypeError, AttributeError) as exc:
-        raise ResultsError(f"{path} cannot be read as a results file: {exc}") from exc
+            return _read(path, file)
+    except BlockingIOError as exc:
+        raise ResultsError(f"{path} is locked by another program that writes to it; close it there") from exc
+    except ResultsError as exc:
+        raise ResultsError(f"{path}: {exc}") from exc
+    except (OSError, KeyError, ValueError, TypeError, AttributeError, OverflowError, RuntimeError, MemoryError) as exc:
+        # h5py raises all of these for files that are damaged in one place or another.
+        reason = "it is shorter than it says" if "truncated file" in str(exc) else " ".join(str(exc).split())[:200]
+        raise ResultsError(f"{path} cannot be read as a results file: {reason}; the file is damaged or of another kind") from exc
 
 
-def _read_step(name: str, group: h5py.Group) -> Step:
-    n = int(group["finished"][0])
-    points = {key: item[:n] for key, item in group["points"].items()}
-    orbits = {}
-    for key, item in group.get("orbits", {}).items():
+def _read(path: Path, file: h5py.File) -> Results:
+    version = file.attrs.get("format_version")
+    if version is None:
+        raise ResultsError("this is an HDF5 file but not a results file of pddecont")
+    if int(version) > FORMAT_VERSION:
+        raise ResultsError(f"its format version is {int(version)}, newer than {FORMAT_VERSION}; install a newer pddecont")
+    versions = json.loads(attribute(file, "versions"))
+    if not isinstance(versions, dict) or not all(isinstance(v, str) for v in versions.values()):
+        raise ResultsError("'versions' is not a mapping of names to versions")
+    group, room = child(file, "steps", h5py.Group), [path.stat().st_size]
+    steps = {}
+    for name in group:
+        if not NAME.match(name):
+            raise ResultsError("a step's name is not a name")
+        try:
+            steps[name] = _read_step(name, child(group, name, h5py.Group), room)
+        except ResultsError as exc:
+            raise ResultsError(f"step '{name}': {exc}; the file is damaged or of another kind") from exc
+    return Results(path, versions, attribute(file, "source"), text(file, "model"), text(file, "run"), steps)
+
+
+def _read_step(name: str, group: h5py.Group, room: list[int]) -> Step:
+    kind, meta = attribute(group, "kind"), json.loads(attribute(group, "meta"))
+    check_meta(kind, meta)
+    n = int(rows(group, "finished", room, 1)[0])
+    points = {key: rows(child(group, "points", h5py.Group), key, room, n) for key in child(group, "points", h5py.Group)}
+    check_columns(meta, points, COLUMNS)
+    orbits: dict[str, NDArray[Any]] = {}
+    arrays = child(group, "orbits", h5py.Group) if "orbits" in group else {}
+    for key in arrays:
         if key.endswith("_end"):
-            orbits[key] = item[:n]
-            total = int(orbits[key][-1]) if n else 0
-            orbits[key[:-4]] = group["orbits"][key[:-4]][:total]
-    texts = tuple(text.decode(errors="replace") for text in group["termination"][:] if text)
-    meta = json.loads(group.attrs["meta"])
-    return Step(name, str(group.attrs["kind"]), meta, points, orbits, texts, len(texts) >= meta.get("directions", 1))
+            orbits[key] = rows(arrays, key, room, n)
+            orbits[key[:-4]] = rows(arrays, key[:-4], room, int(orbits[key][-1]) if n else 0)
+    check_columns(meta, orbits, ARRAYS)
+    check_contents(kind, meta, points, orbits)
+    texts = tuple(line.decode(errors="replace") for line in rows(group, "termination", room, N_TERMINATIONS) if line)
+    done = len(texts) >= meta.get("directions", 1)
+    full = all(len(group["points"][key]) == n for key in points) and all(len(arrays[key]) == len(orbits[key]) for key in orbits)
+    sealed = full and (kind != BRANCH or "special_points" in group)
+    return Step(name, kind, Fields(name, meta), Fields(name, points), Fields(name, orbits), texts, done, sealed)

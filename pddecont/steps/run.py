@@ -46,7 +46,8 @@ def _execute(plan: Plan, path: Path, steps: list[Step], reporter: Reporter, work
     if path.exists() and resume:
         check_same(plan, path)
     else:
-        create(path, plan.model_text, plan.run_text, plan.source, json.dumps(versions()), overwrite=overwrite)
+        source = plan.source.encode(errors="backslashreplace").decode()
+        create(path, plan.model_text, plan.run_text, source, json.dumps(versions()), overwrite=overwrite)
     context = Context(plan, path, reporter, workers)
     for step in steps:
         recorded = read_results(path).steps.get(step.name)
