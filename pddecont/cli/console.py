@@ -34,15 +34,13 @@ def guarded(work: Callable[[], Any], received: Received) -> None:
             stream.reconfigure(errors="backslashreplace")
     try:
         code = _outcome(work)
-    except (KeyboardInterrupt, click.Abort):
-        received.tell()
-        code = received.code
-    except Exception:
+    except click.Abort as exc:
+        raise KeyboardInterrupt from exc
+    except Exception as exc:
         # A library that is interrupted while it is loaded, or in a call back, may make another error of it.
-        if not received.number:
-            raise
-        received.tell()
-        code = received.code
+        if received.number:
+            raise KeyboardInterrupt from exc
+        raise
     sys.exit(code)
 
 

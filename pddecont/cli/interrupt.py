@@ -64,6 +64,12 @@ def ending_on_signals() -> Iterator[Received]:
     threading.Thread(target=_watch, args=(ends, received), daemon=True).start()
     try:
         yield received
+    except KeyboardInterrupt:
+        if received.number:
+            # Everything is closed; Python itself would wait for workers, and may end by a signal of its own instead of with a code.
+            _end(received.number, received)
+        received.tell()
+        sys.exit(received.code)
     finally:
         # After a signal the watch goes on until the process has ended, while the interpreter waits for workers too.
         if not received.number:
