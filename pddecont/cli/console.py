@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
 import json
 import math
@@ -47,6 +48,7 @@ def guarded(work: Callable[[], Any], received: Received) -> None:
 def _outcome(work: Callable[[], Any]) -> int:
     try:
         result = work()
+        sys.stdout.flush()
     except click.exceptions.Exit as exc:
         return exc.exit_code
     except click.ClickException as exc:
@@ -65,6 +67,12 @@ def _outcome(work: Callable[[], Any]) -> int:
         return Exit.NOT_CONVERGED
     except PddecontError as exc:
         say(f"pddecont: {exc}")
+        return Exit.WRONG_INPUT
+    except OSError as exc:
+        # What works with files names them; what is left is where our output goes.
+        say(f"pddecont: {exc.filename or 'standard output'} cannot be written: {exc.strerror}")
+        with contextlib.suppress(OSError):
+            sys.stdout.close()
         return Exit.WRONG_INPUT
     except MemoryError:
         say("pddecont: there is not enough memory for what the file asks; what was finished is kept")

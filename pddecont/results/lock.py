@@ -29,11 +29,18 @@ def writing(path: Path) -> Iterator[None]:
     except OSError as exc:
         raise ResultsError(f"{path} cannot be written: {exc.strerror}; check the folder") from exc
     try:
+        # What a killed run was about to put in the file's place.
+        part_of(path).unlink(missing_ok=True)
         yield
     finally:
         # Removed while it is held, so that no one can hold a lock on a file that has lost its name and believe to be alone.
         lock.unlink(missing_ok=True)
         os.close(descriptor)
+
+
+def part_of(path: Path) -> Path:
+    """Return where a results file is written anew before it takes the old one's place."""
+    return path.with_name(f".{path.name}.part")
 
 
 def _take(lock: Path) -> int:

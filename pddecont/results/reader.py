@@ -158,7 +158,8 @@ def _read_step(name: str, group: h5py.Group, room: list[int]) -> Step:
     kind, meta = attribute(group, "kind"), json.loads(attribute(group, "meta"))
     check_meta(kind, meta)
     n = int(rows(group, "finished", room, 1)[0])
-    points = {key: rows(child(group, "points", h5py.Group), key, room, n) for key in child(group, "points", h5py.Group)}
+    columns = child(group, "points", h5py.Group)
+    points = {key: rows(columns, key, room, n) for key in columns}
     check_columns(meta, points, COLUMNS)
     orbits: dict[str, NDArray[Any]] = {}
     arrays = child(group, "orbits", h5py.Group) if "orbits" in group else {}
@@ -170,6 +171,6 @@ def _read_step(name: str, group: h5py.Group, room: list[int]) -> Step:
     check_contents(kind, meta, points, orbits)
     texts = tuple(line.decode(errors="replace") for line in rows(group, "termination", room, N_TERMINATIONS) if line)
     done = len(texts) >= meta.get("directions", 1)
-    full = all(len(group["points"][key]) == n for key in points) and all(len(arrays[key]) == len(orbits[key]) for key in orbits)
+    full = all(len(columns[key]) == n for key in points) and all(len(arrays[key]) == len(orbits[key]) for key in orbits)
     sealed = full and (kind != BRANCH or "special_points" in group)
     return Step(name, kind, Fields(name, meta), Fields(name, points), Fields(name, orbits), texts, done, sealed)

@@ -21,7 +21,7 @@ import numpy as np
 
 from pddecont.errors import ResultsError
 from pddecont.results.layout import BRANCH, FORMAT_VERSION, N_TERMINATIONS, TEXT_BYTES, Column, StepSpec
-from pddecont.results.lock import check_unlocked
+from pddecont.results.lock import check_unlocked, part_of
 from pddecont.results.reader import read_results
 
 ROOM = 64
@@ -49,7 +49,7 @@ def create(path: Path, model_text: str, run_text: str, source: str, versions: st
 
 def _rewrite(path: Path, change: Callable[[h5py.File | None, h5py.File], None], *, fresh: bool = False) -> None:
     """Write ``path`` anew through ``change(old, new)`` and put it in place of the old file at once."""
-    temporary = path.with_name(f".{path.name}.part")
+    temporary = part_of(path)
     try:
         with contextlib.ExitStack() as stack:
             old = None if fresh else stack.enter_context(h5py.File(path, "r"))
@@ -88,7 +88,7 @@ class StepWriter:
 
     def __init__(self, path: Path, spec: StepSpec, *, capacity: int = ROOM, kept: int = 0, kept_rows: Mapping[str, int] | None = None):
         self.path, self.spec = path, spec
-        self.n = kept
+        self.n, self._room = kept, capacity
         self.used = dict.fromkeys(spec.orbits, 0) | dict(kept_rows or {})
         capacity = max(capacity, kept, *self.used.values()) if self.used else max(capacity, kept)
         self.capacity = dict.fromkeys((*spec.points, *spec.orbits), capacity)
@@ -106,7 +106,7 @@ class StepWriter:
         """Write one point; it counts as finished only when all of it is written."""
         orbits = orbits or {}
         self._check_place()
-        self._make_room({**dict.fromkeys(self.spec.points, self.n + 1), **{k: self.used[k] + len(v) for k, v in orbits.items()}})
+        self._make_room({**dict.fromkeys(self.spec.points, (self.n, 1)), **{k: (self.used[k], len(v)) for k, v in orbits.items()}})
         for name, rows in orbits.items():
             self._write(f"orbits/{name}", self.spec.orbits[name], self.used[name], rows)
             self.used[name] += len(rows)
@@ -136,8 +136,10 @@ class StepWriter:
         if not here:
             raise ResultsError(f"{self.path} was removed, moved or replaced while this run wrote to it; nothing more can be kept there")
 
-    def _make_room(self, wanted: Mapping[str, int]) -> None:
-        short = {name: max(n, 2 * self.capacity[name]) for name, n in wanted.items() if n > self.capacity[name]}
+    def _make_room(self, wanted: Mapping[str, tuple[int, int]]) -> None:
+        """Make room for more rows in each array (rows used, rows to come) where there is none, and for as many points as at first."""
+        short = {name: max(2 * self.capacity[name], used + n * self._room) for name, (used, n) in wanted.items()
+                 if used + n > self.capacity[name]}  # fmt: skip
         if short:
             self.capacity |= short
             self._arrange()
@@ -218,6 +220,8 @@ def _copy(old: h5py.File, new: h5py.File, anew: str | None = None) -> h5py.Group
 def seal(path: Path, name: str) -> None:
     """Take the spare room out of a step's arrays; where the step is a branch that is done, write its table of special points."""
     step = read_results(path).step(name)
+    if step.sealed:
+        return
 
     def change(old: h5py.File | None, new: h5py.File) -> None:
         assert old is not None

@@ -55,8 +55,7 @@ def _execute(plan: Plan, path: Path, steps: list[Step], reporter: Reporter, work
             raise ResultsError(f"step '{step.name}' of {path} was computed with other settings; give --overwrite or another -o")
         context.reporter.step(step.name, step.kind)
         if recorded is not None and recorded.done:
-            if not recorded.sealed:
-                seal(path, step.name)
+            seal(path, step.name)
             context.reporter.done("done already")
         elif step.continue_:
             run_continue(context, step, recorded)

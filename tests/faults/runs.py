@@ -18,25 +18,24 @@ events: {hit: x - wall}
 resets: {bounce: {v: -r*v}}
 segments: {flight: {mode: free, event: hit, direction: rising, reset: bounce, to: free}}
 run:
-  mesh: {degree: 3, intervals: 8}
+  mesh: {degree: 3, intervals: 6}
   monitors: {top: max(x), speed: "at(flight, v)"}
   steps:
 """
 START = """\
-    - {name: transient, simulate: {t_end: 40*pi, record: {from: 36*pi}}}
+    - {name: transient, simulate: {t_end: 40*pi, record: {from: 36*pi}, rtol: 1.0e-6, atol: 1.0e-8}}
     - {name: orbit, orbit: {from: transient}}
 """
 LOOSE = "rtol: 1.0e-5, atol: 1.0e-7"
 KINDS = {
     "simulate": f"    - {{name: last, simulate: {{t_end: 60*pi, {LOOSE}}}}}\n",
     "orbit": START.replace("name: orbit", "name: last"),
-    "continue": START + "    - {name: last, continue: {from: orbit, free: [wall], range: {wall: [0.17, 0.23]}, "
-                        "step: {initial: 0.1, max: 0.2}}}\n",
-    "curve": START.replace("orbit: {from: transient}", "orbit: {from: transient}")
-             + "    - {name: first, continue: {from: orbit, free: [wall], range: {wall: [0.17, 0.25]}, direction: up, step: {initial: 0.1, "
-               "max: 0.2}, events_along: {u: wall - 0.22}}}\n"
-             + "    - {name: last, continue: {from: {step: first, point: UF1}, free: [wall, r], range: {wall: [0.1, 0.3], r: [0.78, "
-               "0.82]}, events_along: {u: wall - 0.22}, step: {initial: 0.1, max: 0.2}}}\n",
+    "continue": START + "    - {name: last, continue: {from: orbit, free: [wall], range: {wall: [0.18, 0.22]}, "
+                        "step: {initial: 0.3, max: 0.3}}}\n",
+    "curve": START + "    - {name: first, continue: {from: orbit, free: [wall], range: {wall: [0.17, 0.25]}, direction: up, "
+                     "step: {initial: 0.1, max: 0.2}, events_along: {u: wall - 0.22}}}\n"
+                     "    - {name: last, continue: {from: {step: first, point: UF1}, free: [wall, r], range: {wall: [0.1, 0.3], "
+                     "r: [0.79, 0.81]}, events_along: {u: wall - 0.22}, step: {initial: 0.2, max: 0.4}}}\n",
     "sweep": f"    - {{name: last, sweep: {{over: {{wall: [0.15, 0.3, 24]}}, transient: 40*pi, max_period: 4, {LOOSE}}}}}\n",
     "basin": f"    - {{name: last, basin: {{over: {{x: [-1, 0.1, 3], v: [-1, 1, 8]}}, transient: 40*pi, max_period: 4, {LOOSE}}}}}\n",
 }  # fmt: skip
