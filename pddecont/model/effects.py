@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import sympy
 
 from pddecont.errors import PddecontError, suggest
+from pddecont.model.expression import ExpressionError, substituted
 from pddecont.model.system import IDENTITY, Model, delayed_symbol, symbol
 
 
@@ -42,7 +43,10 @@ def without(model: Model, off: Iterable[str]) -> tuple[Model, LeftOut]:
     kept_events |= {e.after for e in model.events.values() if e.after and e.name in kept_events}
 
     def cut(expr: sympy.Expr) -> sympy.Expr:
-        return sympy.sympify(expr).subs(values)
+        try:
+            return substituted(sympy.sympify(expr), values)
+        except ExpressionError as exc:
+            raise PddecontError(f"without {', '.join(names)} the model is not what a model can be: {exc}") from exc
 
     modes = {k: tuple(map(cut, v)) for k, v in model.modes.items() if k in reachable}
     events = {k: replace(e, function=None if e.function is None else cut(e.function), delay=None if e.delay is None else cut(e.delay))

@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 from pddecont.model.codegen import NumericModel
 from pddecont.simulate.kernel.tables import (
     FIRST,
+    LAST_EVENT,
+    MODE,
     N_BREAKING,
     N_COEFFICIENTS,
     N_PENDING,
@@ -41,13 +43,21 @@ def pack(memory: Memory) -> Array:
 
 
 def unpack(system: System, values: Values, row: Array) -> Memory:
-    """Return the state of an integration from :func:`pack`; with a tangent in ``system`` the tangent is zero."""
+    """Return the state of an integration from :func:`pack`; with a tangent in ``system`` the tangent is zero.
+
+    Raises
+    ------
+    ValueError
+        If the row is not the state of an integration of this system: machine code would read and write anywhere with it.
+    """
     memory = new_memory(system, values)
     left = np.array(row)
 
     def take(shape: tuple[int, ...]) -> Array:
         nonlocal left
         size = int(np.prod(shape))
+        if size > len(left):
+            raise ValueError("the recorded state of the integration is too short")
         part, left = left[:size], left[size:]
         return part.reshape(shape)
 
@@ -56,6 +66,7 @@ def unpack(system: System, values: Values, row: Array) -> Memory:
     memory.y[: system.n_full] = take((system.n_full,))
     for target in (memory.constant, memory.reading, memory.accumulation, memory.hits, memory.side, memory.next_step):
         target[:] = take(target.shape)
+    _check_counts(system, memory, len(row))
     first, used, kept = int(memory.count[FIRST]), int(memory.count[USED]), len(system.kept)
     n_pending, n_breaking = int(memory.count[N_PENDING]), int(memory.count[N_BREAKING])
     # An empty memory grows without its ring having to be moved.
@@ -70,9 +81,21 @@ def unpack(system: System, values: Values, row: Array) -> Memory:
     memory.past_coefficients[ring, :, :kept] = take((used, N_COEFFICIENTS, kept))
     memory.pending_time[:n_pending], memory.pending_event[:n_pending] = take((n_pending,)), take((n_pending,))
     memory.breaking_time[:n_breaking], memory.breaking_level[:n_breaking] = take((n_breaking,)), take((n_breaking,))
+    if len(left) or np.any((memory.pending_event < 0) | (memory.pending_event >= max(1, len(system.after)))):
+        raise ValueError("the recorded state of the integration is not one of this model")
     memory.count[READY] = 0
     memory.clock[SHIFT] = 0.0
     return memory
+
+
+def _check_counts(system: System, memory: Memory, length: int) -> None:
+    """Check all numbers that count or name something: how much of each there is, the mode, events, steps read last."""
+    count = memory.count
+    sizes = count[[FIRST, USED, N_PENDING, N_BREAKING]]
+    if np.any(sizes < 0) or np.any(sizes[1:] > length) or sizes[0] > 2**52 or not 0 <= count[MODE] < system.n_modes:
+        raise ValueError("the recorded state of the integration is not one of this model")
+    if not -1 <= count[LAST_EVENT] <= len(system.after) or np.any(memory.reading < -1) or np.any(memory.reading > sizes[0] + sizes[1]):
+        raise ValueError("the recorded state of the integration is not one of this model")
 
 
 def restart_time(numeric: NumericModel, before: Array, after: Array, t: float) -> float:

@@ -74,9 +74,6 @@ class Planner:
         except ExpressionError as exc:
             self.complain(path, str(exc), offset=exc.offset)
             return 1.0
-        except (TypeError, ValueError):
-            self.complain(path, "is not a real number at these parameters")
-            return 1.0
         return value
 
     def parameters(self, numeric: NumericModel) -> Array:
@@ -94,7 +91,7 @@ class Planner:
                                                 f"(parameters: {', '.join(values)})")  # fmt: skip
             try:
                 values[name] = self.model.evaluate(parse(as_number(given), self.model.parameter_scope("--set")), values)
-            except (ExpressionError, TypeError, ValueError) as exc:
+            except ExpressionError as exc:
                 raise RunError.at(option, 0, 0, str(exc)) from exc
         return np.array(list(values.values()), dtype=float)
 
