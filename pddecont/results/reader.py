@@ -26,6 +26,7 @@ from pddecont.results.checks import (
     rows,
     text,
 )
+from pddecont.results.heaps import check_heaps
 from pddecont.results.layout import BRANCH, FORMAT_VERSION, N_TERMINATIONS
 
 
@@ -121,6 +122,7 @@ def read_results(path: str | Path) -> Results:
     if not path.is_file():
         raise ResultsError(f"{path} does not exist; make it with 'pddecont run'")
     try:
+        check_heaps(path)
         with h5py.File(path, "r") as file:
             return _read(path, file)
     except BlockingIOError as exc:

@@ -99,8 +99,10 @@ class StepWriter:
     def __enter__(self) -> StepWriter:
         return self
 
-    def __exit__(self, *_: object) -> None:
-        self.close()
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        # What went wrong is what a person should hear of, not that the file cannot be closed for the same reason.
+        with contextlib.suppress(*([] if kind is None else [ResultsError])):
+            self.close()
 
     def append(self, points: Mapping[str, Any], orbits: Mapping[str, np.ndarray] | None = None) -> None:
         """Write one point; it counts as finished only when all of it is written."""

@@ -181,7 +181,7 @@ def check_sweep(planner: Checker, path: Path, step: Step, values: Mapping[str, f
     scattered = body.random.number if body.random else 0
     motions = math.prod(int(n) for _, _, n in body.over.values()) * (scattered + len(body.initial))
     if motions > MAX_MOTIONS:
-        planner.complain((*path, "over"), f"{motions} motions in one step; at most {MAX_MOTIONS}: give parts of the grid steps of their own")
+        planner.complain((*path, "over"), f"{motions} motions in one step; at most {MAX_MOTIONS}: make it several steps")
     for i, initial in enumerate(body.initial):
         check_initial(planner, (*path, "initial", i), initial, values)
         histories = initial.history, body.initial[0].history
