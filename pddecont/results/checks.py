@@ -6,6 +6,7 @@ or external data, no filters, no room that is promised and not there. What is re
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping
 from typing import Any
@@ -55,35 +56,44 @@ def child(group: h5py.Group, name: str, kind: type) -> Any:
 
 def rows(group: h5py.Group, name: str, room: list[int], n: int | None = None) -> NDArray[Any]:
     """Return the first ``n`` rows of a dataset (or all); ``room`` holds the bytes that may still be read and is lessened."""
-    item = child(group, name, h5py.Dataset)
-    plist = item.id.get_create_plist()
-    if plist.get_layout() != h5py.h5d.CONTIGUOUS or plist.get_external_count() or plist.get_nfilters() or item.is_virtual:
-        raise ResultsError(f"'{name}' is not stored as this program stores arrays")
-    if item.ndim < 1 or item.dtype.kind not in "fiuS" or item.dtype.itemsize * item.size != item.id.get_storage_size():
-        raise ResultsError(f"'{name}' is not an array of numbers or text that is wholly there")
+    item = _plain(group, name)
+    if item.ndim < 1:
+        raise ResultsError(f"'{name}' is not an array")
     n = item.shape[0] if n is None else n
     if not 0 <= n <= item.shape[0]:
         raise ResultsError(f"'{name}' has {item.shape[0]} rows; {n} are counted")
-    room[0] -= n * item.dtype.itemsize * int(np.prod(item.shape[1:], dtype=object))
-    if room[0] < 0:
-        raise ResultsError(f"'{name}' claims more than the file holds")
+    _take(name, room, n * item.dtype.itemsize * math.prod(item.shape[1:]))
     return item[:n]
 
 
-def text(group: h5py.Group, name: str) -> str:
-    """Return a text that is stored as a dataset of its own."""
+def _plain(group: h5py.Group, name: str) -> h5py.Dataset:
+    """Return a dataset of numbers or texts of fixed length that is wholly there; its type and place are looked at before its contents."""
     item = child(group, name, h5py.Dataset)
-    if item.shape != () or h5py.check_string_dtype(item.dtype) is None or item.is_virtual or item.external:
+    kind, plist = item.id.get_type(), item.id.get_create_plist()
+    if kind.get_class() not in (h5py.h5t.INTEGER, h5py.h5t.FLOAT, h5py.h5t.STRING) or kind.detect_class(h5py.h5t.VLEN):
+        raise ResultsError(f"'{name}' is not an array of numbers or text")
+    if isinstance(kind, h5py.h5t.TypeStringID) and kind.is_variable_str():
+        raise ResultsError(f"'{name}' is a text of variable length; only those of fixed length are read")
+    if plist.get_layout() != h5py.h5d.CONTIGUOUS or plist.get_external_count() or plist.get_nfilters():
+        raise ResultsError(f"'{name}' is not stored as this program stores arrays")
+    if item.dtype.kind not in "fiuS" or item.dtype.itemsize * math.prod(item.shape) != item.id.get_storage_size():
+        raise ResultsError(f"'{name}' is not an array of numbers or text that is wholly there")
+    return item
+
+
+def _take(name: str, room: list[int], size: int) -> None:
+    room[0] -= size
+    if room[0] < 0:
+        raise ResultsError(f"'{name}' claims more than the file holds")
+
+
+def text(group: h5py.Group, name: str, room: list[int]) -> str:
+    """Return a text that is stored as a dataset of its own."""
+    item = _plain(group, name)
+    if item.shape != () or item.dtype.kind != "S":
         raise ResultsError(f"'{name}' is not a text")
-    return str(item.asstr()[()])
-
-
-def attribute(item: Any, name: str) -> str:
-    """Return a text that is stored as an attribute."""
-    value = item.attrs.get(name)
-    if not isinstance(value, str):
-        raise ResultsError(f"the attribute '{name}' is not a text")
-    return value
+    _take(name, room, item.dtype.itemsize)
+    return item[()].decode()
 
 
 def check_meta(kind: str, meta: Any) -> None:

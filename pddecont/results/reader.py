@@ -18,7 +18,6 @@ from pddecont.results.checks import (
     ARRAYS,
     COLUMNS,
     NAME,
-    attribute,
     check_columns,
     check_contents,
     check_meta,
@@ -26,7 +25,6 @@ from pddecont.results.checks import (
     rows,
     text,
 )
-from pddecont.results.heaps import check_heaps
 from pddecont.results.layout import BRANCH, FORMAT_VERSION, N_TERMINATIONS
 
 
@@ -122,7 +120,6 @@ def read_results(path: str | Path) -> Results:
     if not path.is_file():
         raise ResultsError(f"{path} does not exist; make it with 'pddecont run'")
     try:
-        check_heaps(path)
         with h5py.File(path, "r") as file:
             return _read(path, file)
     except BlockingIOError as exc:
@@ -136,15 +133,16 @@ def read_results(path: str | Path) -> Results:
 
 
 def _read(path: Path, file: h5py.File) -> Results:
-    version = file.attrs.get("format_version")
-    if version is None:
-        raise ResultsError("this is an HDF5 file but not a results file of pddecont")
-    if int(version) > FORMAT_VERSION:
-        raise ResultsError(f"its format version is {int(version)}, newer than {FORMAT_VERSION}; install a newer pddecont")
-    versions = json.loads(attribute(file, "versions"))
+    version = _format_version(file)
+    if version > FORMAT_VERSION:
+        raise ResultsError(f"its format version is {version}, newer than {FORMAT_VERSION}; install a newer pddecont")
+    if version < FORMAT_VERSION:
+        raise ResultsError(f"its format version is {version}, older than {FORMAT_VERSION}; compute it again")
+    room = [path.stat().st_size]
+    versions = json.loads(text(file, "versions", room))
     if not isinstance(versions, dict) or not all(isinstance(v, str) for v in versions.values()):
         raise ResultsError("'versions' is not a mapping of names to versions")
-    group, room = child(file, "steps", h5py.Group), [path.stat().st_size]
+    group = child(file, "steps", h5py.Group)
     steps = {}
     for name in group:
         if not NAME.match(name):
@@ -153,11 +151,21 @@ def _read(path: Path, file: h5py.File) -> Results:
             steps[name] = _read_step(name, child(group, name, h5py.Group), room)
         except ResultsError as exc:
             raise ResultsError(f"step '{name}': {exc}; the file is damaged or of another kind") from exc
-    return Results(path, versions, attribute(file, "source"), text(file, "model"), text(file, "run"), steps)
+    return Results(path, versions, text(file, "source", room), text(file, "model", room), text(file, "run", room), steps)
+
+
+def _format_version(file: h5py.File) -> int:
+    """Return the format's version; its type is looked at before it is read."""
+    if "format_version" not in file.attrs:
+        raise ResultsError("this is an HDF5 file but not a results file of pddecont")
+    item = h5py.h5a.open(file.id, b"format_version")
+    if item.get_type().get_class() != h5py.h5t.INTEGER or item.shape != ():
+        raise ResultsError("its format version is not a number")
+    return int(file.attrs["format_version"])
 
 
 def _read_step(name: str, group: h5py.Group, room: list[int]) -> Step:
-    kind, meta = attribute(group, "kind"), json.loads(attribute(group, "meta"))
+    kind, meta = text(group, "kind", room), json.loads(text(group, "meta", room))
     check_meta(kind, meta)
     n = int(rows(group, "finished", room, 1)[0])
     columns = child(group, "points", h5py.Group)

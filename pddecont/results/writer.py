@@ -38,10 +38,8 @@ def create(path: Path, model_text: str, run_text: str, source: str, versions: st
 
     def fill(_: h5py.File | None, new: h5py.File) -> None:
         new.attrs["format_version"] = FORMAT_VERSION
-        new.attrs["versions"] = versions
-        new.attrs["source"] = source
-        new["model"] = model_text
-        new["run"] = run_text
+        for name, text in (("versions", versions), ("source", source), ("model", model_text), ("run", run_text)):
+            _write_text(new, name, text)
         new.create_group("steps", track_order=True)
 
     _rewrite(path, fill, fresh=True)
@@ -153,8 +151,8 @@ class StepWriter:
         def change(old: h5py.File | None, new: h5py.File) -> None:
             assert old is not None
             target = _copy(old, new, anew=spec.name)
-            target.attrs["kind"] = spec.kind
-            target.attrs["meta"] = spec.meta_text()
+            _write_text(target, "kind", spec.kind)
+            _write_text(target, "meta", spec.meta_text())
             had = old.get(group)
             _array(target, had, "finished", Column("i8"), 1, 1)
             if self.n:
@@ -189,6 +187,12 @@ class StepWriter:
             raise _cannot_write(self.path, exc) from exc
 
 
+def _write_text(target: h5py.Group, name: str, text: str) -> None:
+    """Write a text as an array of its own; its length is fixed, as heaps of texts of any length are where damage ends a reader."""
+    data = text.encode()
+    target.create_dataset(name, data=data or b" ", dtype=h5py.string_dtype("utf-8", max(1, len(data))))
+
+
 def _array(target: h5py.Group, had: h5py.Group | None, name: str, column: Column, capacity: int, used: int) -> None:
     """Make one array with room for ``capacity`` rows at a fixed place in the file and take over the rows it had."""
     plist = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
@@ -206,9 +210,8 @@ def _array(target: h5py.Group, had: h5py.Group | None, name: str, column: Column
 
 def _copy(old: h5py.File, new: h5py.File, anew: str | None = None) -> h5py.Group:
     """Take everything over but the step ``anew``, for which there is an empty group in its place; return that (or all steps')."""
-    for key, value in old.attrs.items():
-        new.attrs[key] = value
-    for key in ("model", "run"):
+    new.attrs["format_version"] = FORMAT_VERSION
+    for key in ("versions", "source", "model", "run"):
         old.copy(key, new)
     steps = new.create_group("steps", track_order=True)
     for name in old["steps"]:
@@ -228,8 +231,8 @@ def seal(path: Path, name: str) -> None:
     def change(old: h5py.File | None, new: h5py.File) -> None:
         assert old is not None
         had, target = old[f"steps/{name}"], _copy(old, new, anew=name)
-        for key, value in had.attrs.items():
-            target.attrs[key] = value
+        for key in ("kind", "meta"):
+            old.copy(had[key], target)
         lengths = {"finished": 1, "termination": N_TERMINATIONS} | {f"points/{key}": len(rows) for key, rows in step.points.items()}
         lengths |= {f"orbits/{key}": len(rows) for key, rows in step.orbits.items()}
         for key, n in lengths.items():

@@ -112,7 +112,7 @@ def test_a_truncated_file_is_refused_whole(whole, tmp_path, tally):
 def test_files_of_a_newer_version_and_of_another_model_are_left_alone(whole, tmp_path, tally):
     newer = shutil.copy(whole / "quick.h5", tmp_path / "newer.h5")
     with h5py.File(newer, "r+") as file:
-        file.attrs["format_version"] = 2
+        file.attrs["format_version"] = 3
     (tmp_path / "other.yaml").write_text(text_of("continue").replace("c: 0.1", "c: 0.2"))
     other = shutil.copy(whole / "quick.h5", tmp_path / "other.h5")
     for path, model, words in ((newer, whole / "quick.yaml", "install a newer pddecont"),
