@@ -8,7 +8,7 @@ values come with the points on the last axis, so ``x`` has shape (n_states, n_po
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from typing import Any
@@ -18,6 +18,8 @@ import sympy
 from numpy.typing import NDArray
 from sympy.printing.numpy import NumPyPrinter
 
+from pddecont.errors import PddecontError
+from pddecont.model.evaluation import FUNCTIONS
 from pddecont.model.expression import TIME
 from pddecont.model.system import Model
 
@@ -138,12 +140,22 @@ def source(groups: Mapping[str, Sequence[Any]], names: Mapping[sympy.Symbol, str
                 targets += [(f"{name}[{i}, {j}]", e) for j, e in enumerate(entry) if e != 0]
             elif entry != 0:
                 targets.append((f"{name}[{i}]", entry))
+    check_codable(e for _, e in targets)
     printer = _Printer(names)
     shared, exprs = sympy.cse([e for _, e in targets], symbols=sympy.numbered_symbols("c"), order="canonical")
     lines = [f"def generated({ARGUMENTS}, {', '.join(groups)}):"]
     lines += [f"    {s.name} = {printer.doprint(e)}" for s, e in shared]
     lines += [f"    {target} = {printer.doprint(e)}" for (target, _), e in zip(targets, exprs, strict=True)]
     return "\n".join([*lines, "    return"])
+
+
+def check_codable(exprs: Iterable[sympy.Expr]) -> None:
+    """Raise PddecontError if an expression, or a derivative, is something that there is no code for."""
+    for e in exprs:
+        strange = e.atoms(sympy.nan.func, sympy.zoo.func, sympy.oo.func) or {f for f in e.atoms(sympy.Function) if f.func not in FUNCTIONS}
+        if strange:
+            raise PddecontError(f"the model, or its derivative, holds {sorted(map(str, strange))[0]}, which is not a smooth function: write one "
+                                "mode for each side of the corner")  # fmt: skip
 
 
 def compile_source(text: str, namespace: Mapping[str, Any]) -> Callable[..., None]:

@@ -118,6 +118,8 @@ def finite(expr: sympy.Expr) -> sympy.Expr:
 
 def power(a: sympy.Expr, b: sympy.Expr) -> sympy.Expr:
     """Return a power; that of two numbers in doubles, so that 9**9**9 cannot fill the memory with digits."""
+    if a == 0 and not b.is_number:
+        raise ExpressionError("a power of 0 whose exponent varies is not smooth")
     if not (a.is_number and b.is_number):
         return a**b
     result = raised(value(a), value(b))
