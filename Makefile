@@ -4,7 +4,7 @@ ENV := .venv
 BIN := $(ENV)/bin
 OUT := out
 
-.PHONY: setup demo test check bench tracking chain-order schema clean
+.PHONY: setup demo test reliability check bench tracking chain-order schema clean
 setup: $(ENV)/ready
 
 $(ENV)/ready: pyproject.toml
@@ -21,6 +21,9 @@ demo: setup          ## figure 4.6 of the paper, from its YAML file to a picture
 
 test: setup
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile
+
+reliability: setup   ## what CI does of faults and hostile input in part, whole: 200 kills of each kind of run
+	PDDECONT_KILLS=200 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 tests/faults tests/hostile tests/batch
 
 check: setup
 	$(BIN)/ruff check .

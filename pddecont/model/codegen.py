@@ -154,8 +154,8 @@ def check_codable(exprs: Iterable[sympy.Expr]) -> None:
     for e in exprs:
         strange = e.atoms(sympy.nan.func, sympy.zoo.func, sympy.oo.func) or {f for f in e.atoms(sympy.Function) if f.func not in FUNCTIONS}
         if strange:
-            raise PddecontError(f"the model, or its derivative, holds {sorted(map(str, strange))[0]}, which is not a smooth function: write one "
-                                "mode for each side of the corner")  # fmt: skip
+            raise PddecontError(f"the model, or its derivative, holds {min(map(str, strange))}, which is not a smooth function: write "
+                                "one mode for each side of the corner")  # fmt: skip
 
 
 def compile_source(text: str, namespace: Mapping[str, Any]) -> Callable[..., None]:

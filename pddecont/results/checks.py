@@ -107,7 +107,7 @@ def check_meta(kind: str, meta: Any) -> None:
         if not isinstance(names, list) or not all(isinstance(x, str) and NAME.match(x) for x in names) or len(set(names)) < len(names):
             raise ResultsError(f"'{key}' is not a list of different names")
     for key in ("model", "settings", "mesh_settings", "curve"):
-        if not isinstance(meta.get(key) or "", str):
+        if not isinstance(meta.get(key), str | None):
             raise ResultsError(f"'{key}' is not a text")
     for key in ("x", "y", "changes", "delayed"):
         wanted = str if key == "delayed" else int | float
@@ -120,7 +120,7 @@ def check_meta(kind: str, meta: Any) -> None:
 
 
 def check_columns(meta: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]], known: Mapping[str, Any]) -> None:
-    """Check the kinds and shapes of all arrays that have a meaning."""
+    """Check the kinds of numbers and the shapes of all arrays that have a meaning."""
     for name, values in arrays.items():
         if name not in known:
             continue
@@ -140,6 +140,10 @@ def check_contents(kind: str, meta: Mapping[str, Any], points: Mapping[str, NDAr
             raise ResultsError(f"the arrays {', '.join(names)} are not equally long")
     if "kind" in points and not all(LABEL.match(k) for k in np.unique(points["kind"])):
         raise ResultsError("a label is not made of capital letters and digits")
+    if "surfaces" in points:
+        shape = (len(meta.get("events", [])), len(meta.get("states", [])) + 1)
+        if points["surfaces"].dtype.kind != "f" or points["surfaces"].shape[1:] != shape:
+            raise ResultsError(f"'surfaces' does not hold rows of shape {shape}")
     if np.any(orbits.get("signature", np.empty(0, np.uint8)) > 127):
         raise ResultsError("a signature is not text")
     for name, listed in (("mode", "modes"), ("event_segment", "segments")):
@@ -147,6 +151,8 @@ def check_contents(kind: str, meta: Mapping[str, Any], points: Mapping[str, NDAr
             _within(name, orbits[name], 0, len(meta[listed]))
     if kind == "simulate" and len(next(iter(points.values()), [])) > 1:
         raise ResultsError("a simulation has one row")
+    if kind in ("sweep", "basin") and points.get("period", np.empty(0, int)).dtype.kind != "i":
+        raise ResultsError("'period' does not count returns")
     if kind == "sweep":
         _within("direction", points.get("direction", np.zeros(0, int)), -1, 2)
     if kind == "basin" and {"line", "label"} <= {*points, *orbits}:

@@ -13,6 +13,7 @@ import resource
 import signal
 import sys
 import tempfile
+import traceback
 from pathlib import Path
 
 from pddecont.errors import PddecontError
@@ -30,7 +31,7 @@ def changed(data, seed):
     structure = [i for i, byte in enumerate(data) if byte] or [0]
     for _ in range(rng.choice((1, 1, 2, 4, 16))):
         at = rng.choice((rng.randrange(len(data)), rng.choice(structure), rng.randrange(min(len(data), 4096))))
-        way = rng.randrange(6)
+        at, way = min(at, len(data) - 1), rng.randrange(6)
         if way < 3:
             data[at] = rng.choice((0, 1, 0x7F, 0x80, 0xFF, rng.randrange(256), data[at] ^ (1 << rng.randrange(8))))
         elif way == 3:
@@ -71,12 +72,16 @@ def main(file, number, seed):
                 child = os.fork()
                 if not child:
                     resource.setrlimit(resource.RLIMIT_AS, (3 << 30, 3 << 30))
-                    with outcome.open("a", buffering=1) as stream:
-                        for s in batch:
-                            signal.alarm(20)
-                            path.write_bytes(changed(data, s))
-                            stream.write(f"{'read' if look(path) else 'refused'}\n")
-                    os._exit(0)
+                    try:
+                        with outcome.open("a", buffering=1) as stream:
+                            for s in batch:
+                                signal.alarm(20)
+                                path.write_bytes(changed(data, s))
+                                stream.write(f"{'read' if look(path) else 'refused'}\n")
+                    except BaseException:
+                        traceback.print_exc()
+                    finally:
+                        os._exit(0)
                 status = os.waitpid(child, 0)[1]
                 lines = outcome.read_text().split()
                 for line in lines:

@@ -204,7 +204,8 @@ def test_bombs_are_refused_in_bounded_time_and_memory(what, tmp_path, tally):
 
 @pytest.mark.parametrize("command", ["check", "info", "run"])
 def test_files_that_are_no_text_get_a_message(command, tmp_path, tally):
-    for content in (b"\x89HDF\r\n\x1a\n", b"\xff\xfe", b"name: \xc3", b"\0", b"a: \0", b"\x1b[2J", b"\xef\xbb\xbf", b"\r\r", bytes(range(256))):
+    contents = (b"\x89HDF\r\n\x1a\n", b"\xff\xfe", b"name: \xc3", b"\0", b"a: \0", b"\x1b[2J", b"\xef\xbb\xbf", b"\r\r", bytes(range(256)))
+    for content in contents:
         (tmp_path / "m.yaml").write_bytes(content)
         code, out, err = call(command, tmp_path / "m.yaml")
         assert (code, out) == (1, "")
