@@ -24,7 +24,7 @@ test: setup
 
 reliability: setup   ## docs/reliability.md, from the suite itself
 	mkdir -p $(OUT)
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile --reliability $(OUT)/reliability.json
+	PDDECONT_KILLS=200 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile --reliability $(OUT)/reliability.json
 	$(BIN)/python -m tests.reliability $(OUT)/reliability.json docs/reliability.md
 
 check: setup

@@ -6,6 +6,12 @@ import difflib
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
+# A file may be wrong in a thousand places, or hold a name as long as a book.
+MAX_PROBLEMS = 100
+MAX_MESSAGE = 1000
+MAX_NAME = 60
+MAX_KNOWN = 500
+
 
 @dataclass(frozen=True, order=True)
 class Problem:
@@ -18,7 +24,7 @@ class Problem:
 
     def __str__(self) -> str:
         place = f"{self.path}:{self.line}:{self.column}" if self.line else self.path
-        return f"{place}: {self.message}"
+        return f"{place}: {shortened(self.message)}"
 
 
 class PddecontError(Exception):
@@ -29,7 +35,11 @@ class InputError(PddecontError):
     """A text file is wrong; ``problems`` holds everything found in it, in the file's order."""
 
     def __init__(self, problems: Sequence[Problem]):
-        self.problems = tuple(sorted(problems))
+        found = sorted(problems)
+        if len(found) > MAX_PROBLEMS:
+            left = len(found) - MAX_PROBLEMS
+            found = [*found[:MAX_PROBLEMS], Problem(found[-1].path, 0, 0, f"and {left} more problems, which are not listed")]
+        self.problems = tuple(found)
         super().__init__("\n".join(map(str, self.problems)))
 
     @classmethod
@@ -64,5 +74,15 @@ class ResultsError(PddecontError):
 
 def suggest(name: str, known: Collection[str]) -> str:
     """Return "; did you mean 'x'?" for the known name closest to ``name``, or an empty text."""
-    close = difflib.get_close_matches(name, list(known), n=1)
+    if len(name) > MAX_NAME or len(known) > MAX_KNOWN:
+        return ""
+    close = difflib.get_close_matches(name, [k for k in known if len(k) <= MAX_NAME], n=1)
     return f"; did you mean '{close[0]}'?" if close else ""
+
+
+def shortened(message: str) -> str:
+    """Return a message with its middle left out where it is too long to be read."""
+    if len(message) <= MAX_MESSAGE:
+        return message
+    half = MAX_MESSAGE // 2
+    return f"{message[:half]} ... {message[-half:]}"

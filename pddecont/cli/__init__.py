@@ -9,6 +9,7 @@ from typing import Any
 import click
 
 import pddecont
+from pddecont.cli.interrupt import ending_on_signals
 
 # The matrices here are too small to share among threads; a user's own setting stands.
 if "OMP_NUM_THREADS" not in os.environ:
@@ -58,6 +59,7 @@ def group() -> None:
 
 def main(args: list[str] | None = None) -> Any:
     """Run the command line."""
-    from pddecont.cli.console import guarded
+    with ending_on_signals() as received:
+        from pddecont.cli.console import guarded
 
-    return guarded(lambda: group.main(args=args, prog_name="pddecont", standalone_mode=False))
+        return guarded(lambda: group.main(args=args, prog_name="pddecont", standalone_mode=False), received)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 import json
 import math
 import sys
@@ -11,6 +13,7 @@ from typing import Any
 
 import click
 
+from pddecont.cli.interrupt import Received
 from pddecont.errors import ConvergenceError, InputError, PddecontError, SignatureError
 
 
@@ -24,41 +27,67 @@ class Exit(IntEnum):
     INTERRUPTED = 130
 
 
-def guarded(work: Callable[[], Any]) -> None:
+def guarded(work: Callable[[], Any], received: Received) -> None:
     """Do ``work`` and exit with the code that its outcome calls for."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            # Names of files and models may hold letters that the terminal has not.
+            stream.reconfigure(errors="backslashreplace")
+    try:
+        code = _outcome(work)
+    except click.Abort as exc:
+        raise KeyboardInterrupt from exc
+    except Exception as exc:
+        # A library that is interrupted while it is loaded, or in a call back, may make another error of it.
+        if received.number:
+            raise KeyboardInterrupt from exc
+        raise
+    sys.exit(code)
+
+
+def _outcome(work: Callable[[], Any]) -> int:
     try:
         result = work()
+        sys.stdout.flush()
     except click.exceptions.Exit as exc:
-        sys.exit(exc.exit_code)
-    except click.Abort:
-        say("interrupted; what was computed before is kept")
-        sys.exit(Exit.INTERRUPTED)
+        return exc.exit_code
     except click.ClickException as exc:
         exc.show()
-        sys.exit(Exit.WRONG_USAGE)
-    except KeyboardInterrupt:
-        say("interrupted; what was computed before is kept, and --resume goes on from there")
-        sys.exit(Exit.INTERRUPTED)
+        return Exit.WRONG_USAGE
     except BrokenPipeError:
         # The reader of our output has gone; there is nobody left to tell.
         sys.stderr.close()
-        sys.exit(Exit.DONE)
+        return Exit.DONE
     except InputError as exc:
         for problem in exc.problems:
             say(str(problem))
-        sys.exit(Exit.WRONG_INPUT)
+        return Exit.WRONG_INPUT
     except (ConvergenceError, SignatureError) as exc:
         say(f"pddecont: {exc}")
-        sys.exit(Exit.NOT_CONVERGED)
+        return Exit.NOT_CONVERGED
     except PddecontError as exc:
         say(f"pddecont: {exc}")
-        sys.exit(Exit.WRONG_INPUT)
-    sys.exit(result if isinstance(result, int) else Exit.DONE)
+        return Exit.WRONG_INPUT
+    except OSError as exc:
+        # What works with files names them; what is left is where our output goes.
+        say(f"pddecont: {exc.filename or 'standard output'} cannot be written: {exc.strerror}")
+        with contextlib.suppress(OSError):
+            sys.stdout.close()
+        return Exit.WRONG_INPUT
+    except MemoryError:
+        say("pddecont: there is not enough memory for what the file asks; what was finished is kept")
+        return Exit.NOT_CONVERGED
+    return result if isinstance(result, int) else Exit.DONE
 
 
 def say(text: str) -> None:
     """Write a line to standard error."""
-    click.echo(text, err=True)
+    click.echo(printable(text), err=True)
+
+
+def printable(text: str) -> str:
+    """Return ``text`` with what could move a terminal's cursor or change its colours written out."""
+    return "".join(c if c.isprintable() or c == "\n" else repr(c)[1:-1] for c in text)
 
 
 def plain(value: Any) -> Any:

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from pddecont.cli.console import print_json
+from pddecont.cli.console import print_json, printable
 
 
 @click.command("info")
@@ -20,7 +20,7 @@ def command(file: str, without: tuple[str, ...], as_json: bool) -> None:
     if as_json:
         print_json(data)
     else:
-        click.echo("\n".join(_lines(data)))
+        click.echo(printable("\n".join(_lines(data))))
 
 
 def _is_hdf5(file: str) -> bool:

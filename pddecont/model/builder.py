@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
@@ -9,7 +10,8 @@ import sympy
 
 from pddecont.errors import ModelError, Problem, suggest
 from pddecont.model.document import Document, KeyPath, parse_document, read_text
-from pddecont.model.expression import TIME, ExpressionError, Scope, parse
+from pddecont.model.evaluation import size, value
+from pddecont.model.expression import MAX_SIZE, TIME, ExpressionError, Scope, parse, substituted
 from pddecont.model.schema import DelayedEvent, ModelFile
 from pddecont.model.system import IDENTITY, Effect, Event, Model, Segment, delayed_symbol, symbol
 from pddecont.model.validation import validate
@@ -121,10 +123,8 @@ class _Builder:
 
     def value_of(self, expr: sympy.Expr) -> float | None:
         """Return an expression's value at the parameters' values; None if it is no real number."""
-        try:
-            return float(expr.evalf(17, subs=self.numbers))
-        except (TypeError, ValueError):
-            return None
+        result = value(expr, self.numbers)
+        return result if math.isfinite(result) else None
 
     def delayed_value(self, state: str, delay: sympy.Expr) -> sympy.Expr:
         """Return the symbol for ``state(t - delay)`` and note the delay."""
@@ -159,12 +159,21 @@ class _Builder:
                     self.complain(("definitions", name), f"'{name}' is defined by itself: {' -> '.join((*above, name))}", key=True)
                 return sympy.Integer(0)
             if name not in done:
-                inner = [n for n in texts if symbol(n) in raw[name].free_symbols]
-                done_here = raw[name].subs({symbol(n): expand(n, (*above, name)) for n in inner})
-                done[name] = done_here
+                inner = {symbol(n): expand(n, (*above, name)) for n in texts if symbol(n) in raw[name].free_symbols}
+                done[name] = self.put_in(("definitions", name), raw[name], inner)
             return done[name]
 
         return {name: expand(name, ()) for name in texts}
+
+    def put_in(self, path: KeyPath, expr: sympy.Expr, values: Mapping[sympy.Symbol, sympy.Expr]) -> sympy.Expr:
+        """Return a definition with others put in; note a problem and return 0 where it grows too large or is not finite."""
+        try:
+            if size(expr, {s: size(e) for s, e in values.items()}) > MAX_SIZE:
+                raise ExpressionError(f"more than {MAX_SIZE} terms with the definitions put in")
+            return substituted(expr, values)
+        except ExpressionError as exc:
+            self.complain(path, str(exc))
+            return sympy.Integer(0)
 
     def mode(self, name: str, body: Mapping[str, str | float]) -> tuple[sympy.Expr, ...]:
         """Return the vector field of a mode, one expression a state."""
@@ -207,14 +216,14 @@ class _Builder:
         """Check that segments name what there is, and that all there is is named."""
         file = self.file
         for name, segment in segments.items():
-            for key, value, known, what in (
+            for key, given, known, what in (
                 ("mode", segment.mode, file.modes, "runs in mode"), ("event", segment.event, file.events, "ends at event"),
                 ("reset", segment.reset, resets, "applies reset"), ("to", segment.to, file.modes, "leads to mode"),
             ):  # fmt: skip
-                if value not in known:
+                if given not in known:
                     kind = what.split()[-1]
-                    self.complain(("segments", name, key), f"segment '{name}' {what} '{value}', which is not defined "
-                                                           f"({kind}s: {', '.join(known) or 'none'}){suggest(value, known)}")  # fmt: skip
+                    self.complain(("segments", name, key), f"segment '{name}' {what} '{given}', which is not defined "
+                                                           f"({kind}s: {', '.join(known) or 'none'}){suggest(given, known)}")  # fmt: skip
         used = {s.event for s in segments.values()} | {e.after for e in file.events.values() if isinstance(e, DelayedEvent)}
         for name in file.events:
             if name not in used:

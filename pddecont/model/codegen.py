@@ -18,6 +18,8 @@ import sympy
 from numpy.typing import NDArray
 from sympy.printing.numpy import NumPyPrinter
 
+from pddecont.errors import PddecontError
+from pddecont.model.evaluation import FUNCTIONS
 from pddecont.model.expression import TIME
 from pddecont.model.system import Model
 
@@ -171,12 +173,22 @@ class _Printer(NumPyPrinter):
 def source(groups: Mapping[str, Sequence[sympy.Expr]], names: Mapping[sympy.Symbol, str]) -> str:
     """Return the text of a function that fills one output array a group; entries that are zero are left alone."""
     targets = [(f"{name}[{i}]", entry) for name, entries in groups.items() for i, entry in enumerate(entries) if entry != 0]
+    check_codable(e for _, e in targets)
     printer = _Printer(names)
     shared, exprs = sympy.cse([e for _, e in targets], symbols=sympy.numbered_symbols("c"), order="canonical")
     lines = [f"def generated({ARGUMENTS}, {', '.join(groups)}):"]
     lines += [f"    {s.name} = {printer.doprint(e)}" for s, e in shared]
     lines += [f"    {target} = {printer.doprint(e)}" for (target, _), e in zip(targets, exprs, strict=True)]
     return "\n".join([*lines, "    return"])
+
+
+def check_codable(exprs: Iterable[sympy.Expr]) -> None:
+    """Raise PddecontError if an expression, or a derivative, is something that there is no code for."""
+    for e in exprs:
+        strange = e.atoms(sympy.nan.func, sympy.zoo.func, sympy.oo.func) or {f for f in e.atoms(sympy.Function) if f.func not in FUNCTIONS}
+        if strange:
+            raise PddecontError(f"the model, or its derivative, holds {min(map(str, strange))}, which is not a smooth function: write "
+                                "one mode for each side of the corner")  # fmt: skip
 
 
 def compile_source(text: str, namespace: Mapping[str, Any]) -> Callable[..., None]:

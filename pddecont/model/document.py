@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import re
+import unicodedata
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -19,9 +20,15 @@ from pddecont.errors import InputError, Problem
 MAX_BYTES = 1_000_000
 MAX_DEPTH = 40
 MAX_NODES = 50_000
+TOO_MUCH = (f"more than {MAX_NODES} values or {MAX_DEPTH} levels, counting each use of an anchor; write the values out or make the file "
+            "smaller")  # fmt: skip
 AMBIGUOUS_KEYS = {"yes", "no", "on", "off", "true", "false"}
 
-_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$")
+# Longer ones are text: what is tried in vain on a million digits takes hours.
+MAX_DIGITS = 400
+MAX_KEY = 200
+
+_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\Z", re.ASCII)
 
 KeyPath = tuple[str | int, ...]
 
@@ -59,9 +66,15 @@ class Document:
 def read_text(path: str | Path, error: type[InputError] = InputError) -> str:
     """Return the file's text, or raise ``error`` that says why it cannot be read."""
     try:
-        raw = Path(path).read_bytes()
+        with Path(path).open("rb") as stream:
+            raw = stream.read(4 * MAX_BYTES)
     except OSError as exc:
         raise error.at(str(path), 0, 0, f"cannot be read: {exc.strerror}; check the path") from exc
+    return decoded(raw, path, error)
+
+
+def decoded(raw: bytes, path: str | Path, error: type[InputError] = InputError) -> str:
+    """Return UTF-8 text, or raise ``error`` that says where it is none."""
     try:
         return raw.decode("utf-8")
     except UnicodeDecodeError as exc:
@@ -73,16 +86,17 @@ def parse_document(text: str, path: str, error: type[InputError] = InputError) -
     if len(text) > MAX_BYTES:
         raise error.at(path, 0, 0, f"holds {len(text)} characters; at most {MAX_BYTES} are read")
     try:
-        root = yaml.compose(text, Loader=yaml.SafeLoader)
+        root = yaml.compose(text, Loader=_Loader)
     except yaml.MarkedYAMLError as exc:
         mark = exc.problem_mark or exc.context_mark
         line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
-        what = " ".join(str(part) for part in (exc.context, exc.problem) if part)
-        raise error.at(path, line, column, f"not valid YAML: {what}") from exc
+        what = " ".join(str(part) for part in (exc.context, exc.problem) if part)[:300]
+        raise error.at(path, line, column, what if what == TOO_MUCH else f"not valid YAML: {what}") from exc
     except yaml.YAMLError as exc:
-        raise error.at(path, 1, 1, f"not valid YAML: {' '.join(str(exc).split())}") from exc
-    except RecursionError as exc:
-        raise error.at(path, 1, 1, f"nested deeper than {MAX_DEPTH} levels; write it flatter") from exc
+        raise error.at(path, 1, 1, f"not valid YAML: {' '.join(str(exc).split())[:300]}") from exc
+    except ValueError as exc:
+        # An escape such as "\\Uffffffff" that names no character.
+        raise error.at(path, 1, 1, f"not valid YAML: {str(exc)[:100]}") from exc
     if root is None:
         raise error.at(path, 1, 1, "the file is empty; expected a mapping such as 'name: my_model'")
     builder = _Builder(path)
@@ -100,6 +114,26 @@ def kind_of(value: Any) -> str:
     return names.get(type(value), "a number")
 
 
+def _readable(text: str) -> bool:
+    """Whether a text has nothing in it that would do something to a terminal, or that cannot be written."""
+    return text.isprintable() or not any(unicodedata.category(c) in ("Cc", "Cs") and c not in "\n\t" for c in text)
+
+
+class _Loader(yaml.SafeLoader):
+    """Stops at once where a file has too many values or levels, before it has built them."""
+
+    nodes = 0
+    levels = 0
+
+    def compose_node(self, parent: Any, index: Any) -> Any:
+        """Return the next node, and count it."""
+        self.nodes += 1
+        self.levels += 1
+        if self.nodes > 2 * MAX_NODES or self.levels > MAX_DEPTH:
+            raise yaml.MarkedYAMLError(problem=TOO_MUCH, problem_mark=self.peek_event().start_mark)
+        node = super().compose_node(parent, index)
+        self.levels -= 1
+        return node
 
 
 class _Builder:
@@ -121,8 +155,7 @@ class _Builder:
         self.visited += 1
         if self.visited > MAX_NODES or len(path) > MAX_DEPTH:
             if self.visited < 2 * MAX_NODES:
-                self.complain(node, f"more than {MAX_NODES} values or {MAX_DEPTH} levels, counting each use of an anchor; "
-                                    "write the values out or make the file smaller")
+                self.complain(node, TOO_MUCH)
                 self.visited = 2 * MAX_NODES
             return None
         quoted = isinstance(node, yaml.ScalarNode) and node.style in ("'", '"')
@@ -144,6 +177,9 @@ class _Builder:
                 self.complain(key_node, "a key must be a plain name")
                 continue
             key = key_node.value
+            if len(key) > MAX_KEY or not _readable(key):
+                self.complain(key_node, f"a key is a name of at most {MAX_KEY} characters, without control characters")
+                continue
             here = (*path, key)
             mark = Mark(key_node.start_mark.line + 1, key_node.start_mark.column + 1)
             if key in data:
@@ -163,6 +199,9 @@ class _Builder:
     def scalar(self, node: yaml.ScalarNode) -> Any:
         """Return a number, a truth value, nothing or text."""
         text = node.value
+        if not _readable(text):
+            self.complain(node, "text with control characters, or with half a character, is not supported; remove them")
+            return None
         if node.style is not None or node.tag == "!":
             return text
         if not node.tag.startswith("tag:yaml.org,2002:"):
@@ -172,7 +211,7 @@ class _Builder:
             return text == "true"
         if text in ("", "~", "null"):
             return None
-        if _NUMBER.match(text):
+        if len(text) <= MAX_DIGITS and _NUMBER.match(text):
             if text.lstrip("+-").isdigit() and len(text) < 16:
                 return int(text)
             number = float(text)

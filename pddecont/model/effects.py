@@ -8,7 +8,7 @@ from dataclasses import replace
 import sympy
 
 from pddecont.errors import PddecontError, suggest
-from pddecont.model.expression import ExpressionError
+from pddecont.model.expression import ExpressionError, substituted
 from pddecont.model.left_out import LeftOut
 from pddecont.model.reduction import KINDS, Cut, Named, Reasons, check_finite, reduced
 from pddecont.model.system import Model, symbol
@@ -30,8 +30,8 @@ def without(model: Model, off: Iterable[str], named: Named | None = None) -> Mod
     if not names:
         return model
     fixed = fixed_values(model, names)
-    left = _cut(model, names, named)
     try:
+        left = _cut(model, names, named)
         check_finite(left.model)
     except ExpressionError as exc:
         raise PddecontError(f"{_effects(names)} cannot be left out: a formula of model '{model.name}' then divides by zero") from exc
@@ -63,7 +63,7 @@ def fixed_values(model: Model, off: Iterable[str]) -> dict[str, sympy.Expr]:
             values[name], by[name] = value, effect
     symbols = {symbol(name): value for name, value in values.items()}
     for _ in values:
-        values = {name: value.subs(symbols) for name, value in values.items()}
+        values = {name: substituted(value, symbols) for name, value in values.items()}
     for name, value in values.items():
         if value.free_symbols & set(symbols):
             raise PddecontError(f"effect '{by[name]}' cannot be left out: it sets '{name}' to {value}, which other effects set in a circle")

@@ -10,16 +10,25 @@ import ast
 import keyword
 import math
 import re
-from collections.abc import Callable, Collection, Mapping
+import warnings
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import sympy
 
 from pddecont.errors import suggest
+from pddecont.model.evaluation import FUNCTIONS as REAL_FUNCTIONS
+from pddecont.model.evaluation import applied, depth, derivative_size, raised, size, value
 
 MAX_LENGTH = 20_000
 MAX_NODES = 5_000
 MAX_DEPTH = 100
+# Terms of an expression with its definitions put in, and of its derivative, when they are written out.
+MAX_SIZE = 20_000
+MAX_DERIVATIVE = 400_000
+# Whole numbers up to here are kept exact; larger ones and fractions of larger ones become doubles.
+EXACT = 2**53
 
 FUNCTIONS: dict[str, tuple[Callable[..., sympy.Expr], int]] = {
     "sin": (sympy.sin, 1), "cos": (sympy.cos, 1), "tan": (sympy.tan, 1),
@@ -28,7 +37,7 @@ FUNCTIONS: dict[str, tuple[Callable[..., sympy.Expr], int]] = {
     "exp": (sympy.exp, 1), "log": (sympy.log, 1), "sqrt": (sympy.sqrt, 1),
 }  # fmt: skip
 NONSMOOTH = {"abs", "sign", "sgn", "heaviside", "Heaviside", "min", "max", "Min", "Max", "Abs", "floor", "ceil", "mod"}
-IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*$")
+IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*\Z")
 TIME = sympy.Symbol("t", real=True)
 PI_NAME = "pi"
 
@@ -77,23 +86,84 @@ def parse(text: str | float | int, scope: Scope) -> sympy.Expr:
         return _number(text)
     if len(text) > MAX_LENGTH:
         raise ExpressionError(f"the expression has {len(text)} characters; at most {MAX_LENGTH} are read")
+    if any(not c.isprintable() and c not in "\n\t" for c in text) and text.isascii():
+        offset = next(i for i, c in enumerate(text) if not c.isprintable() and c not in "\n\t")
+        raise ExpressionError(f"character {text[offset]!r} is not allowed", offset)
     if not text.isascii():
         offset = next(i for i, c in enumerate(text) if not c.isascii())
         raise ExpressionError(f"character '{text[offset]}' is not allowed; write names in plain letters", offset)
     tree = _syntax_tree(text)
-    return finite(build(tree, scope))
+    return build(tree, scope)
 
 
 def build(node: ast.expr, scope: Scope) -> sympy.Expr:
     """Return the sympy expression of a syntax node (used by built-in functions for their arguments)."""
-    return _Translator(scope).visit(node, 0)
+    return finite(_Translator(scope).visit(node, 0))
 
 
 def finite(expr: sympy.Expr) -> sympy.Expr:
-    """Return ``expr``, or raise if it holds an infinity or an undefined number."""
+    """Return ``expr`` with moderate numbers and the functions that there are code for, or raise if it is not finite and real."""
     if expr.has(sympy.zoo, sympy.nan, sympy.oo, -sympy.oo):
         raise ExpressionError("the expression is not finite (a division by zero, or a number too large)")
+    large = {n: _moderate(n) for n in expr.atoms(sympy.Rational) if _moderate(n) is not n}
+    expr = expr.xreplace(large) if large else expr
+    expr = expr.replace(sympy.cot, lambda a: 1 / sympy.tan(a))
+    if expr.has(sympy.I) or any(f.func not in REAL_FUNCTIONS for f in expr.atoms(sympy.Function)):
+        raise ExpressionError("the expression is not a real number wherever its parts are")
+    if size(expr) > MAX_SIZE or depth(expr) > MAX_DEPTH:
+        raise ExpressionError(f"the expression has more than {MAX_SIZE} terms or {MAX_DEPTH} levels with its definitions put in")
+    if derivative_size(expr) > MAX_DERIVATIVE:
+        raise ExpressionError(f"the expression's derivative has more than {MAX_DERIVATIVE} terms; make products of fewer factors")
     return expr
+
+
+def power(a: sympy.Expr, b: sympy.Expr) -> sympy.Expr:
+    """Return a power; that of two numbers in doubles, so that 9**9**9 cannot fill the memory with digits."""
+    if a == 0 and not b.is_number:
+        raise ExpressionError("a power of 0 whose exponent varies is not smooth")
+    if not (a.is_number and b.is_number):
+        return a**b
+    result = raised(value(a), value(b))
+    if not math.isfinite(result):
+        raise ExpressionError("this power is not a finite real number")
+    if a.is_Integer and b.is_Integer and abs(result) < EXACT:
+        return a**b  # small whole numbers stay exact
+    return _number(result)
+
+
+def call(function: Any, args: Sequence[sympy.Expr]) -> sympy.Expr:
+    """Return a function of expressions; that of numbers only if it is a finite real number."""
+    if all(a.is_number for a in args):
+        numbers = [value(a) for a in args]
+        result = raised(numbers[0], 0.5) if function is sympy.sqrt else applied(function, numbers)
+        if not math.isfinite(result):
+            raise ExpressionError("this is not a finite real number")
+    return function(*args)
+
+
+def substituted(expr: sympy.Expr, values: Mapping[sympy.Symbol, sympy.Expr]) -> sympy.Expr:
+    """Return ``expr`` with expressions in the place of symbols; raise :class:`ExpressionError` where it is no longer finite."""
+    known: dict[sympy.Basic, sympy.Basic] = dict(values)
+
+    def put(e: sympy.Basic) -> sympy.Basic:
+        if e not in known:
+            args = [put(a) for a in e.args]
+            if all(a is b for a, b in zip(args, e.args, strict=True)):
+                known[e] = e
+            elif e.is_Pow:
+                known[e] = power(*args)
+            else:
+                known[e] = call(e.func, args) if e.func in REAL_FUNCTIONS else e.func(*args)
+        return known[e]
+
+    return finite(put(expr))
+
+
+def _moderate(number: sympy.Rational) -> sympy.Expr:
+    """Return a number that a double can hold as one."""
+    if max(abs(number.p), number.q) <= EXACT:
+        return number
+    return _number(value(number))
 
 
 def _syntax_tree(text: str) -> ast.expr:
@@ -103,8 +173,10 @@ def _syntax_tree(text: str) -> ast.expr:
     if not stripped:
         raise ExpressionError("the expression is empty; expected a number or a formula")
     try:
-        # Parentheses let an expression span lines; they move columns by one.
-        tree = ast.parse(f"({stripped}\n)", mode="eval").body
+        # Parentheses let an expression span lines; they move columns by one. Python's advice on style is not for models.
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            tree = ast.parse(f"({stripped}\n)", mode="eval").body
     except SyntaxError as exc:
         offset = max(0, min((exc.offset or 2) - 2, len(stripped) - 1)) if (exc.lineno or 1) == 1 else len(stripped)
         reason = exc.msg if exc.msg.isascii() else "invalid syntax"
@@ -123,22 +195,22 @@ def _unmask(name: str) -> str:
     return _UNMASK.get(name, name)
 
 
-def _number(value: float) -> sympy.Expr:
-    if isinstance(value, int) and abs(value) < 2**53:
-        return sympy.Integer(value)
+def _number(number: float) -> sympy.Expr:
+    if isinstance(number, int) and abs(number) < EXACT:
+        return sympy.Integer(number)
     try:
-        value = float(value)
+        number = float(number)
     except OverflowError:
-        value = math.inf
-    if not math.isfinite(value):
+        number = math.inf
+    if not math.isfinite(number):
         raise ExpressionError("the number is too large for double precision")
-    return sympy.Float(value, 17)
+    return sympy.Float(number, 17)
 
 
 class _Translator:
     def __init__(self, scope: Scope):
         self.scope = scope
-        self.count = 0
+        self.count = self.size = 0
 
     def visit(self, node: ast.expr, depth: int) -> sympy.Expr:
         """Return the expression of a syntax node."""
@@ -169,7 +241,11 @@ class _Translator:
         """Return what a name stands for."""
         name = _unmask(node.id)
         if name in self.scope.symbols:
-            return self.scope.symbols[name]
+            found = self.scope.symbols[name]
+            self.size += size(found)
+            if self.size > MAX_SIZE:
+                raise ExpressionError(f"more than {MAX_SIZE} terms with the definitions put in", node.col_offset)
+            return found
         if name == "t":
             if not self.scope.time:
                 raise ExpressionError(f"'t' is not allowed in {self.scope.place}", node.col_offset)
@@ -189,33 +265,30 @@ class _Translator:
             raise ExpressionError("'^' is not a power here; write **", node.col_offset)
         a, b = self.visit(node.left, depth + 1), self.visit(node.right, depth + 1)
         if isinstance(node.op, ast.Add):
-            return a + b
+            return self.moderate(a + b, node)
         if isinstance(node.op, ast.Sub):
-            return a - b
+            return self.moderate(a - b, node)
         if isinstance(node.op, ast.Mult):
-            return a * b
+            return self.moderate(a * b, node)
         if isinstance(node.op, ast.Div):
             if b == 0:
                 raise ExpressionError("division by zero", node.right.col_offset)
-            return a / b
+            return self.moderate(a / b, node)
         if isinstance(node.op, ast.Pow):
-            return self.power(a, b, node)
+            return self.placed(lambda: power(a, b), node)
         raise ExpressionError("only + - * / and ** are allowed between terms", node.col_offset)
 
-    def power(self, a: sympy.Expr, b: sympy.Expr, node: ast.BinOp) -> sympy.Expr:
-        """Return a power, its size bounded."""
-        if a.is_number and b.is_number:
-            # In doubles, so that 9**9**9 cannot fill the memory with digits; small whole numbers stay exact.
-            if a.is_Integer and b.is_Integer and abs(b) <= 64 and abs(a) <= 64 and (a != 0 or b >= 0):
-                return a**b
-            try:
-                value = float(a) ** float(b)
-            except (OverflowError, ZeroDivisionError, TypeError, ValueError):
-                value = math.inf
-            if isinstance(value, complex) or not math.isfinite(value):
-                raise ExpressionError("this power is not a finite real number", node.col_offset)
-            return _number(value)
-        return a**b
+    def moderate(self, expr: sympy.Expr, node: ast.expr) -> sympy.Expr:
+        """Return ``expr``, a fraction of large numbers as a double."""
+        return self.placed(lambda: _moderate(expr), node) if isinstance(expr, sympy.Rational) else expr
+
+    @staticmethod
+    def placed(make: Callable[[], sympy.Expr], node: ast.expr) -> sympy.Expr:
+        """Return what ``make`` makes; its error is placed at ``node``."""
+        try:
+            return make()
+        except ExpressionError as exc:
+            raise ExpressionError(str(exc), node.col_offset) from exc
 
     def call(self, node: ast.Call, depth: int) -> sympy.Expr:
         """Return a function's value, or a delayed value."""
@@ -232,7 +305,8 @@ class _Translator:
             function, n_args = FUNCTIONS[name]
             if len(node.args) != n_args:
                 raise ExpressionError(f"{name} takes {n_args} argument(s), found {len(node.args)}", node.col_offset)
-            return function(*(self.visit(arg, depth + 1) for arg in node.args))
+            args = [self.visit(arg, depth + 1) for arg in node.args]
+            return self.placed(lambda: call(function, args), node)
         if name in NONSMOOTH:
             raise ExpressionError(f"'{name}' is not smooth: write one mode for each side of its corner and an event "
                                   "function that is zero there", node.col_offset)  # fmt: skip

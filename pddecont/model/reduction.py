@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 import sympy
 
 from pddecont.model.dependence import unread_states
-from pddecont.model.expression import TIME, ExpressionError, finite
+from pddecont.model.expression import TIME, ExpressionError, finite, substituted
 from pddecont.model.system import IDENTITY, Model, Segment, delayed_symbol, symbol
 
 KINDS = ("states", "modes", "events", "resets", "segments", "delayed", "delays", "forcing", "definitions")
@@ -54,7 +54,7 @@ def _values(cut: Cut, fixed: Mapping[str, sympy.Expr]) -> Cut:
     """Put in the values of parameters; a delay of zero is none, and equal delays are one."""
     model = cut.model
     values: dict[sympy.Symbol, sympy.Expr] = {symbol(name): value for name, value in fixed.items()}
-    taus = [sympy.sympify(d).subs(values) for d in model.delays]
+    taus = [substituted(sympy.sympify(d), values) for d in model.delays]
     delays = tuple(dict.fromkeys(d for d in taus if d != 0))
     delayed = tuple(dict.fromkeys((i, delays.index(taus[k])) for i, k in model.delayed if taus[k] != 0))
     for (i, k), old in zip(model.delayed, model.delayed_symbols, strict=True):
@@ -62,7 +62,7 @@ def _values(cut: Cut, fixed: Mapping[str, sympy.Expr]) -> Cut:
         values[old] = symbol(state) if taus[k] == 0 else delayed_symbol(state, taus[k])
 
     def put_in(expr: sympy.Expr) -> sympy.Expr:
-        return sympy.sympify(expr).subs(values)
+        return substituted(sympy.sympify(expr), values)
 
     def in_all(bodies: Mapping[str, tuple[sympy.Expr, ...]]) -> dict[str, tuple[sympy.Expr, ...]]:
         return {name: tuple(map(put_in, body)) for name, body in bodies.items()}
@@ -156,7 +156,7 @@ def _delays(cut: Cut) -> Cut:
     kept = sorted({k for _, k in pairs})
     left = replace(model, delays=tuple(model.delays[k] for k in kept), delayed=tuple((i, kept.index(k)) for i, k in pairs))
     values = {symbol(name): value for name, value in model.fixed.items()}
-    now = [sympy.sympify(delay).subs(values) for delay in full.delays]
+    now = [substituted(sympy.sympify(delay), values) for delay in full.delays]
     for (i, k), d in zip(full.delayed, full.delayed_symbols, strict=True):
         if delayed_symbol(full.states[i], now[k]) not in left.delayed_symbols:
             cut.reasons["delayed"][d.name] = "its delay is 0" if now[k] == 0 else "nothing left reads it"

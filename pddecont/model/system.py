@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -10,7 +11,8 @@ from typing import Any
 import sympy
 
 from pddecont.errors import SignatureError, suggest
-from pddecont.model.expression import ExpressionError, Scope
+from pddecont.model.evaluation import value
+from pddecont.model.expression import TIME, ExpressionError, Scope
 from pddecont.model.left_out import LeftOut
 
 IDENTITY = "identity"
@@ -135,10 +137,13 @@ class Model:
         """Return the scope of an expression for the history before the start: parameters and t."""
         return Scope(self.parameter_values, place="the initial history")
 
-    def evaluate(self, expr: sympy.Expr, values: Mapping[str, float] | None = None) -> float:
-        """Return the number that an expression in the parameters stands for."""
-        numbers = {symbol(k): v for k, v in {**self.parameters, **(values or {})}.items()}
-        return float(expr.evalf(17, subs=numbers))
+    def evaluate(self, expr: sympy.Expr, values: Mapping[str, float] | None = None, time: float | None = None) -> float:
+        """Return the number that an expression in the parameters (and t) stands for; raise :class:`ExpressionError` if it has none."""
+        numbers = {symbol(k): float(v) for k, v in {**self.parameters, **(values or {})}.items()}
+        result = value(expr, numbers if time is None else {**numbers, TIME: time})
+        if not math.isfinite(result):
+            raise ExpressionError("is not a finite real number at these parameters")
+        return result
 
 
 def symbol(name: str) -> sympy.Symbol:

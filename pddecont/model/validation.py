@@ -13,6 +13,8 @@ from pddecont.errors import Problem, suggest
 from pddecont.model.document import Document, KeyPath, kind_of
 from pddecont.model.expression import FUNCTIONS, IDENTIFIER, PI_NAME
 
+# Findings that are worked out with all that belongs to a message.
+MAX_FOUND = 1000
 RESERVED = {"t", PI_NAME, "mode", *FUNCTIONS}
 
 
@@ -61,7 +63,7 @@ def validate(document: Document, cls: type[BaseModel], base: KeyPath = ()) -> tu
         return cls.model_validate(data), []
     except ValidationError as exc:
         found = {}
-        for error in exc.errors(include_url=False):
+        for error in exc.errors(include_url=False)[:MAX_FOUND]:
             problem = _problem(document, cls, base, error)
             found[(problem.line, problem.column)] = problem
         return None, list(found.values())

@@ -7,7 +7,7 @@ import sympy
 
 from pddecont.model.diagnosis import not_finite
 from pddecont.orbit.problem import OrbitProblem, Reads
-from pddecont.orbit.residual import end_point, mode_sites
+from pddecont.orbit.residual import mode_sites
 
 
 def why_not_finite(problem: OrbitProblem, sites: Reads, *, derivatives: bool = False) -> str:
@@ -29,5 +29,6 @@ def why_not_finite(problem: OrbitProblem, sites: Reads, *, derivatives: bool = F
                  for n in named(f"{state} of reset '{segment.reset}'", g)]  # fmt: skip
         function = model.events[segment.event].function if segment.event else None
         after += named(f"event '{segment.event}'", function) if function is not None else []
-        text = text or not_finite(numeric, after, *end_point(problem, sites, s))
+        end = problem.mesh.n_collocation + np.array([s])
+        text = text or not_finite(numeric, after, sites.t[end], sites.x[:, end], sites.xd[:, end], sites.p)
     return text or "the orbit's equations have no finite values here"

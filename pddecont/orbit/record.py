@@ -12,6 +12,8 @@ from pddecont.orbit.mesh import Mesh, Piece
 from pddecont.orbit.problem import OrbitProblem
 
 Array = NDArray[np.float64]
+# The highest degree that a run file may ask for.
+MAX_DEGREE = 20
 
 
 def to_rows(problem: OrbitProblem, x: Array, tangent: Array | None = None) -> dict[str, Array]:
@@ -53,9 +55,13 @@ def mesh_to_row(mesh: Mesh) -> Array:
 def mesh_from_row(row: Array) -> Mesh:
     """Return the mesh that :func:`mesh_to_row` wrote."""
     degree, n_segments, n_theta, n_pieces = (int(v) for v in row[:4])
+    if not (1 <= degree <= MAX_DEGREE and 1 <= n_segments <= len(row) and 1 <= n_theta <= len(row) and 1 <= n_pieces <= len(row)):
+        raise ValueError("the row is not that of a mesh")
     at, pieces = 4, []
     for _ in range(n_pieces):
         segment, n_cuts = int(row[at]), int(row[at + 1])
+        if not (0 <= segment < n_segments and n_cuts >= 0 and at + 2 + 2 * n_theta + n_cuts <= len(row)):
+            raise ValueError("the row is not that of a mesh")
         at += 2
         start, end = row[at : at + n_theta], row[at + n_theta : at + 2 * n_theta]
         at += 2 * n_theta

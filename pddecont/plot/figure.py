@@ -37,12 +37,14 @@ def draw(results: Results, view: View, path: Path) -> None:
         raise ResultsError(f"{path}: pictures are {', '.join(SUFFIXES)}; found '{path.suffix or 'no suffix'}'")
     import matplotlib
 
-    with matplotlib.rc_context(dict(RC)):
-        figure = picture(results, view)
+    with matplotlib.rc_context(dict(RC)), np.errstate(all="ignore"):
         try:
-            figure.savefig(path)
+            picture(results, view).savefig(path)
         except OSError as exc:
             raise ResultsError(f"{path} cannot be written: {exc.strerror}") from exc
+        except (ValueError, OverflowError, np.linalg.LinAlgError) as exc:
+            # Axes cannot be laid out for numbers that are not finite, or too large to be subtracted.
+            raise ResultsError(f"what {results.path} holds cannot be drawn so: {' '.join(str(exc).split())[:200]}") from exc
 
 
 def picture(results: Results, view: View) -> Any:

@@ -1,8 +1,9 @@
 """What a results file looks like inside (design section 5.5).
 
-    format_version, versions, source               root attributes
+    format_version                                 root attribute
+    /versions, /source                             what made the file (JSON), and from which file
     /model, /run                                   the texts as they were read
-    /steps/<name>                                  attributes kind, meta (JSON)
+    /steps/<name>/kind, /steps/<name>/meta         kind of step; names and settings (JSON)
     /steps/<name>/finished                         number of finished rows
     /steps/<name>/termination                      one text a direction
     /steps/<name>/points/<column>                  one row a point
@@ -10,7 +11,7 @@
     /steps/<name>/orbits/<column>_end              ... and where each point's rows end
     /steps/<name>/special_points/{label, index}    written when the step is done
 
-Rows beyond ``finished`` are room for points to come and hold nothing; a step that is done has none.
+Rows beyond ``finished`` are room for points to come and hold nothing; a step that is closed has none.
 """
 
 from __future__ import annotations
@@ -20,9 +21,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
 TEXT_BYTES = 1000
 N_TERMINATIONS = 4
+# The kind of step that has special points.
+BRANCH = "continue"
 
 
 @dataclass(frozen=True)

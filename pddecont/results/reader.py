@@ -14,14 +14,37 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.errors import ResultsError, suggest
-from pddecont.results.layout import FORMAT_VERSION
+from pddecont.results.checks import (
+    ARRAYS,
+    COLUMNS,
+    NAME,
+    check_columns,
+    check_contents,
+    check_meta,
+    child,
+    rows,
+    text,
+)
+from pddecont.results.layout import BRANCH, FORMAT_VERSION, N_TERMINATIONS
+
+
+class Fields(dict[str, Any]):
+    """What a step holds by name; a name that is missing is the file's fault."""
+
+    def __init__(self, step: str, values: Mapping[str, Any]):
+        super().__init__(values)
+        self.step = step
+
+    def __missing__(self, name: str) -> Any:
+        raise ResultsError(f"step '{self.step}' has no '{name}'; the file is damaged, or was not made by this program")
 
 
 @dataclass(frozen=True, eq=False)
 class Step:
     """One step of a results file.
 
-    ``points`` holds arrays with one row a point; ``orbit(i)`` the rows of point ``i``.
+    ``points`` holds arrays with one row a point; ``orbit(i)`` the rows of point ``i``. ``done``: all of it was computed;
+    ``sealed``: its arrays have no spare room, and a branch has its table of special points.
     """
 
     name: str
@@ -31,17 +54,18 @@ class Step:
     orbits: Mapping[str, NDArray[Any]]
     termination: tuple[str, ...]
     done: bool
+    sealed: bool = True
 
     def __len__(self) -> int:
         return len(next(iter(self.points.values()))) if self.points else 0
 
     def orbit(self, i: int) -> dict[str, NDArray[Any]]:
         """Return the rows that belong to point ``i``."""
-        result = {}
-        for name, rows in self.orbits.items():
+        result = Fields(self.name, {})
+        for name, values in self.orbits.items():
             if not name.endswith("_end"):
                 ends = self.orbits[f"{name}_end"]
-                result[name] = rows[ends[i - 1] if i else 0 : ends[i]]
+                result[name] = values[ends[i - 1] if i else 0 : ends[i]]
         return result
 
     @cached_property
@@ -104,27 +128,68 @@ def read_results(path: str | Path, only: str | None = None) -> Results:
         raise ResultsError(f"{path} does not exist; make it with 'pddecont run'")
     try:
         with h5py.File(path, "r") as file:
-            version = file.attrs.get("format_version")
-            if version is None:
-                raise ResultsError(f"{path} is an HDF5 file but not a results file of pddecont")
-            if int(version) > FORMAT_VERSION:
-                raise ResultsError(f"{path} has format version {version}, newer than {FORMAT_VERSION}; install a newer pddecont")
-            steps = {name: _read_step(name, file["steps"][name]) for name in file["steps"] if only in (None, name)}
-            return Results(path, json.loads(file.attrs["versions"]), str(file.attrs["source"]), file["model"].asstr()[()],
-                           file["run"].asstr()[()], tuple(file["steps"]), steps)  # fmt: skip
-    except (OSError, KeyError, ValueError, TypeError, AttributeError) as exc:
-        raise ResultsError(f"{path} cannot be read as a results file: {exc}") from exc
+            return _read(path, file, only)
+    except BlockingIOError as exc:
+        raise ResultsError(f"{path} is locked by another program that writes to it; close it there") from exc
+    except ResultsError as exc:
+        raise ResultsError(f"{path}: {exc}") from exc
+    except (OSError, KeyError, ValueError, TypeError, AttributeError, OverflowError, RuntimeError, MemoryError) as exc:
+        # h5py raises all of these for files that are damaged in one place or another.
+        reason = "it is shorter than it says" if "truncated file" in str(exc) else " ".join(str(exc).split())[:200]
+        raise ResultsError(f"{path} cannot be read as a results file: {reason}; the file is damaged or of another kind") from exc
 
 
-def _read_step(name: str, group: h5py.Group) -> Step:
-    n = int(group["finished"][0])
-    points = {key: item[:n] for key, item in group["points"].items()}
-    orbits = {}
-    for key, item in group.get("orbits", {}).items():
+def _read(path: Path, file: h5py.File, only: str | None) -> Results:
+    version = _format_version(file)
+    if version > FORMAT_VERSION:
+        raise ResultsError(f"its format version is {version}, newer than {FORMAT_VERSION}; install a newer pddecont")
+    if version < FORMAT_VERSION:
+        raise ResultsError(f"its format version is {version}, older than {FORMAT_VERSION}; compute it again")
+    room = [path.stat().st_size]
+    versions = json.loads(text(file, "versions", room))
+    if not isinstance(versions, dict) or not all(isinstance(v, str) for v in versions.values()):
+        raise ResultsError("'versions' is not a mapping of names to versions")
+    group = child(file, "steps", h5py.Group)
+    steps = {}
+    for name in group:
+        if not NAME.match(name):
+            raise ResultsError("a step's name is not a name")
+        if only not in (None, name):
+            continue
+        try:
+            steps[name] = _read_step(name, child(group, name, h5py.Group), room)
+        except ResultsError as exc:
+            raise ResultsError(f"step '{name}': {exc}; the file is damaged or of another kind") from exc
+    return Results(path, versions, text(file, "source", room), text(file, "model", room), text(file, "run", room), tuple(group), steps)
+
+
+def _format_version(file: h5py.File) -> int:
+    """Return the format's version; its type is looked at before it is read."""
+    if "format_version" not in file.attrs:
+        raise ResultsError("this is an HDF5 file but not a results file of pddecont")
+    item = h5py.h5a.open(file.id, b"format_version")
+    if item.get_type().get_class() != h5py.h5t.INTEGER or item.shape != ():
+        raise ResultsError("its format version is not a number")
+    return int(file.attrs["format_version"])
+
+
+def _read_step(name: str, group: h5py.Group, room: list[int]) -> Step:
+    kind, meta = text(group, "kind", room), json.loads(text(group, "meta", room))
+    check_meta(kind, meta)
+    n = int(rows(group, "finished", room, 1)[0])
+    columns = child(group, "points", h5py.Group)
+    points = {key: rows(columns, key, room, n) for key in columns}
+    check_columns(meta, points, COLUMNS)
+    orbits: dict[str, NDArray[Any]] = {}
+    arrays = child(group, "orbits", h5py.Group) if "orbits" in group else {}
+    for key in arrays:
         if key.endswith("_end"):
-            orbits[key] = item[:n]
-            total = int(orbits[key][-1]) if n else 0
-            orbits[key[:-4]] = group["orbits"][key[:-4]][:total]
-    texts = tuple(text.decode(errors="replace") for text in group["termination"][:] if text)
-    meta = json.loads(group.attrs["meta"])
-    return Step(name, str(group.attrs["kind"]), meta, points, orbits, texts, len(texts) >= meta.get("directions", 1))
+            orbits[key] = rows(arrays, key, room, n)
+            orbits[key[:-4]] = rows(arrays, key[:-4], room, int(orbits[key][-1]) if n else 0)
+    check_columns(meta, orbits, ARRAYS)
+    check_contents(kind, meta, points, orbits)
+    texts = tuple(line.decode(errors="replace") for line in rows(group, "termination", room, N_TERMINATIONS) if line)
+    done = len(texts) >= meta.get("directions", 1)
+    full = all(len(columns[key]) == n for key in points) and all(len(arrays[key]) == len(orbits[key]) for key in orbits)
+    sealed = full and (kind != BRANCH or "special_points" in group)
+    return Step(name, kind, Fields(name, meta), Fields(name, points), Fields(name, orbits), texts, done, sealed)

@@ -3,6 +3,9 @@
 The file's structure only ever changes by writing a new file beside it and renaming that onto the old one, which is atomic.
 Between such changes every array has room for rows to come at a fixed place in the file, and a new point is written there
 directly, its count last: no metadata of HDF5 is touched while a computation runs.
+
+HDF5 arranges a file in memory; plain system calls put it on the disk. The library itself must not meet a full disk: after a
+failed write it can neither close the file nor let the process end.
 """
 
 from __future__ import annotations
@@ -17,22 +20,26 @@ import h5py
 import numpy as np
 
 from pddecont.errors import ResultsError
-from pddecont.results.layout import FORMAT_VERSION, N_TERMINATIONS, TEXT_BYTES, Column, StepSpec
+from pddecont.results.layout import BRANCH, FORMAT_VERSION, N_TERMINATIONS, TEXT_BYTES, Column, StepSpec
+from pddecont.results.lock import check_unlocked, part_of
+from pddecont.results.reader import read_results
 
 ROOM = 64
+# Bytes by which a file grows in memory.
+BLOCK = 1 << 20
 
 
 def create(path: Path, model_text: str, run_text: str, source: str, versions: str, *, overwrite: bool = False) -> None:
     """Make a new results file; refuse to touch an existing one unless ``overwrite``."""
-    if path.exists() and not overwrite:
-        raise ResultsError(f"{path} exists already; give --resume to go on with it, --overwrite to replace it, or another -o")
+    if path.exists():
+        if not overwrite:
+            raise ResultsError(f"{path} exists already; give --resume to go on with it, --overwrite to replace it, or another -o")
+        check_unlocked(path)
 
     def fill(_: h5py.File | None, new: h5py.File) -> None:
         new.attrs["format_version"] = FORMAT_VERSION
-        new.attrs["versions"] = versions
-        new.attrs["source"] = source
-        new["model"] = model_text
-        new["run"] = run_text
+        for name, text in (("versions", versions), ("source", source), ("model", model_text), ("run", run_text)):
+            _write_text(new, name, text)
         new.create_group("steps", track_order=True)
 
     _rewrite(path, fill, fresh=True)
@@ -40,17 +47,35 @@ def create(path: Path, model_text: str, run_text: str, source: str, versions: st
 
 def _rewrite(path: Path, change: Callable[[h5py.File | None, h5py.File], None], *, fresh: bool = False) -> None:
     """Write ``path`` anew through ``change(old, new)`` and put it in place of the old file at once."""
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
+    temporary = part_of(path)
     try:
         with contextlib.ExitStack() as stack:
             old = None if fresh else stack.enter_context(h5py.File(path, "r"))
-            new = stack.enter_context(h5py.File(temporary, "w"))
+            new = stack.enter_context(h5py.File(temporary, "w", driver="core", backing_store=False, block_size=BLOCK))
             change(old, new)
+            new.flush()
+            image = new.id.get_file_image()
+        temporary.unlink(missing_ok=True)
+        with open(temporary, "xb", buffering=0) as stream:
+            _write_all(stream.fileno(), image, 0)
         os.replace(temporary, path)
     except OSError as exc:
-        raise ResultsError(f"{path} cannot be written: {exc.strerror or exc}; check the folder and the space on the disk") from exc
-    finally:
-        temporary.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):
+            temporary.unlink(missing_ok=True)
+        raise _cannot_write(path, exc) from exc
+
+
+def _write_all(descriptor: int, data: bytes, offset: int) -> None:
+    """Write all of ``data`` at ``offset``; the system may take it in pieces."""
+    view = memoryview(data)
+    while view:
+        done = os.pwrite(descriptor, view, offset)
+        view, offset = view[done:], offset + done
+
+
+def _cannot_write(path: Path, exc: OSError) -> ResultsError:
+    return ResultsError(f"{path} cannot be written: {exc.strerror or exc}; what was finished is kept. Check the folder and the space on "
+                        "the disk, then go on with --resume")  # fmt: skip
 
 
 class StepWriter:
@@ -61,25 +86,27 @@ class StepWriter:
 
     def __init__(self, path: Path, spec: StepSpec, *, capacity: int = ROOM, kept: int = 0, kept_rows: Mapping[str, int] | None = None):
         self.path, self.spec = path, spec
-        self.n = kept
+        self.n, self._room = kept, capacity
         self.used = dict.fromkeys(spec.orbits, 0) | dict(kept_rows or {})
         capacity = max(capacity, kept, *self.used.values()) if self.used else max(capacity, kept)
-        self.room = capacity
         self.capacity = dict.fromkeys((*spec.points, *spec.orbits), capacity)
         self._descriptor = -1
         self._offsets: dict[str, int] = {}
-        self._arrange(keep=True)
+        self._arrange()
 
     def __enter__(self) -> StepWriter:
         return self
 
-    def __exit__(self, *_: object) -> None:
-        self.close()
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        # What went wrong is what a person should hear of, not that the file cannot be closed for the same reason.
+        with contextlib.suppress(*([] if kind is None else [ResultsError])):
+            self.close()
 
     def append(self, points: Mapping[str, Any], orbits: Mapping[str, np.ndarray] | None = None) -> None:
         """Write one point; it counts as finished only when all of it is written."""
         orbits = orbits or {}
-        self._make_room({**dict.fromkeys(self.spec.points, self.n + 1), **{k: self.used[k] + len(v) for k, v in orbits.items()}})
+        self._check_place()
+        self._make_room({**dict.fromkeys(self.spec.points, (self.n, 1)), **{k: (self.used[k], len(v)) for k, v in orbits.items()}})
         for name, rows in orbits.items():
             self._write(f"orbits/{name}", self.spec.orbits[name], self.used[name], rows)
             self.used[name] += len(rows)
@@ -96,45 +123,37 @@ class StepWriter:
     def close(self) -> None:
         """Take the spare room out of the file."""
         if self._descriptor >= 0:
-            self.capacity = {**dict.fromkeys(self.spec.points, self.n), **self.used}
-            self._arrange(keep=True)
             os.close(self._descriptor)
             self._descriptor = -1
+            seal(self.path, self.spec.name)
 
-    def special(self, labels: Sequence[str], indices: Sequence[int]) -> None:
-        """Write the table of special points; the step must be closed."""
+    def _check_place(self) -> None:
+        """Check that the file still stands where it was opened: what is written to a file that has no name is lost."""
+        try:
+            here = os.path.samestat(os.stat(self.path), os.fstat(self._descriptor))
+        except OSError:
+            here = False
+        if not here:
+            raise ResultsError(f"{self.path} was removed, moved or replaced while this run wrote to it; nothing more can be kept there")
 
-        def change(old: h5py.File | None, new: h5py.File) -> None:
-            assert old is not None
-            _copy(old, new)
-            group = new[f"steps/{self.spec.name}"].require_group("special_points")
-            group["label"] = np.array([label.encode() for label in labels], dtype="S8")
-            group["index"] = np.array(indices, dtype="i8")
+    def _make_room(self, wanted: Mapping[str, tuple[int, int]]) -> None:
+        """Make room for more rows in each array (rows used, rows to come) where there is none, and for as many points as at first."""
+        short = {name: max(2 * self.capacity[name], used + n * self._room) for name, (used, n) in wanted.items()
+                 if used + n > self.capacity[name]}  # fmt: skip
+        if short:
+            self.capacity |= short
+            self._arrange()
 
-        _rewrite(self.path, change)
-
-    def _make_room(self, wanted: Mapping[str, int]) -> None:
-        if all(n <= self.capacity[name] for name, n in wanted.items()):
-            return
-        # All arrays grow together, for twice as many points as there are, each as long as those so far.
-        points = 2 * self.n + self.room
-        for name, n in wanted.items():
-            self.capacity[name] = max(self.capacity[name], -(-n * points // (self.n + 1)))
-        self._arrange(keep=True)
-
-    def _arrange(self, *, keep: bool) -> None:
+    def _arrange(self) -> None:
         """Rewrite the file with the present capacities and note where each array lies in it."""
         spec, group = self.spec, f"steps/{self.spec.name}"
 
         def change(old: h5py.File | None, new: h5py.File) -> None:
             assert old is not None
-            _copy(old, new, leave_out=spec.name)
-            target = new.create_group(group)
-            target.attrs["kind"] = spec.kind
-            target.attrs["meta"] = spec.meta_text()
-            had = old.get(group) if keep else None
-            if had is not None and "finished" not in had:
-                had = None
+            target = _copy(old, new, anew=spec.name)
+            _write_text(target, "kind", spec.kind)
+            _write_text(target, "meta", spec.meta_text())
+            had = old.get(group)
             _array(target, had, "finished", Column("i8"), 1, 1)
             if self.n:
                 target["finished"][0] = self.n
@@ -162,13 +181,16 @@ class StepWriter:
         if not data.nbytes:
             return
         row_bytes = data.nbytes // len(data)
-        view, offset = memoryview(data.tobytes()), self._offsets[name] + first * row_bytes
         try:
-            while view:
-                done = os.pwrite(self._descriptor, view, offset)
-                view, offset = view[done:], offset + done
+            _write_all(self._descriptor, data.tobytes(), self._offsets[name] + first * row_bytes)
         except OSError as exc:
-            raise ResultsError(f"{self.path} cannot be written: {exc.strerror}; finished points are kept") from exc
+            raise _cannot_write(self.path, exc) from exc
+
+
+def _write_text(target: h5py.Group, name: str, text: str) -> None:
+    """Write a text as an array of its own; its length is fixed, as heaps of texts of any length are where damage ends a reader."""
+    data = text.encode()
+    target.create_dataset(name, data=data or b" ", dtype=h5py.string_dtype("utf-8", max(1, len(data))))
 
 
 def _array(target: h5py.Group, had: h5py.Group | None, name: str, column: Column, capacity: int, used: int) -> None:
@@ -176,6 +198,7 @@ def _array(target: h5py.Group, had: h5py.Group | None, name: str, column: Column
     plist = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
     plist.set_layout(h5py.h5d.CONTIGUOUS)
     plist.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
+    plist.set_obj_track_times(False)
     space = h5py.h5s.create_simple((capacity, *column.shape))
     parent, _, leaf = name.rpartition("/")
     group = target.require_group(parent) if parent else target
@@ -185,15 +208,42 @@ def _array(target: h5py.Group, had: h5py.Group | None, name: str, column: Column
         dataset[:used] = had[name][:used]
 
 
-def _copy(old: h5py.File, new: h5py.File, leave_out: str | None = None) -> None:
-    for key, value in old.attrs.items():
-        new.attrs[key] = value
-    for key in ("model", "run"):
+def _copy(old: h5py.File, new: h5py.File, anew: str | None = None) -> h5py.Group:
+    """Take everything over but the step ``anew``, for which there is an empty group in its place; return that (or all steps')."""
+    new.attrs["format_version"] = FORMAT_VERSION
+    for key in ("versions", "source", "model", "run"):
         old.copy(key, new)
     steps = new.create_group("steps", track_order=True)
     for name in old["steps"]:
-        if name != leave_out:
+        if name == anew:
+            steps.create_group(name)
+        else:
             old.copy(f"steps/{name}", steps, name=name)
+    return steps if anew is None else steps.require_group(anew)
+
+
+def seal(path: Path, name: str) -> None:
+    """Take the spare room out of a step's arrays; where the step is a branch that is done, write its table of special points."""
+    step = read_results(path).step(name)
+    if step.sealed:
+        return
+
+    def change(old: h5py.File | None, new: h5py.File) -> None:
+        assert old is not None
+        had, target = old[f"steps/{name}"], _copy(old, new, anew=name)
+        for key in ("kind", "meta"):
+            old.copy(had[key], target)
+        lengths = {"finished": 1, "termination": N_TERMINATIONS} | {f"points/{key}": len(rows) for key, rows in step.points.items()}
+        lengths |= {f"orbits/{key}": len(rows) for key, rows in step.orbits.items()}
+        for key, n in lengths.items():
+            _array(target, had, key, Column(had[key].dtype.str, had[key].shape[1:]), n, n)
+        if step.done and step.kind == BRANCH:
+            special = [(label, i) for i, label in enumerate(step.labels) if label]
+            group = target.create_group("special_points")
+            group["label"] = np.array([label.encode() for label, _ in special], dtype="S8")
+            group["index"] = np.array([i for _, i in special], dtype="i8")
+
+    _rewrite(path, change)
 
 
 def drop_steps(path: Path, names: Sequence[str]) -> None:
@@ -201,9 +251,9 @@ def drop_steps(path: Path, names: Sequence[str]) -> None:
 
     def change(old: h5py.File | None, new: h5py.File) -> None:
         assert old is not None
-        _copy(old, new)
+        steps = _copy(old, new)
         for name in names:
-            if name in new["steps"]:
-                del new["steps"][name]
+            if name in steps:
+                del steps[name]
 
     _rewrite(path, change)

@@ -8,6 +8,8 @@ from pathlib import Path
 from pddecont.errors import RunError, suggest
 
 SUFFIX = ".yaml"
+# Letters of a name that a message repeats.
+MAX_SHOWN = 100
 
 
 def folders() -> list[Path]:
@@ -30,10 +32,13 @@ def find(name: str, base: Path | None = None) -> Path:
         If there is no such file, with the nearest name.
     """
     path = Path(name) if base is None else base / name
-    if path.is_file():
-        return path
-    if path.is_dir():
-        raise RunError.at(name, 0, 0, "is a folder; expected a YAML file")
+    try:
+        if path.is_file():
+            return path
+        if path.is_dir():
+            raise RunError.at(name, 0, 0, "is a folder; expected a YAML file")
+    except (OSError, ValueError) as exc:
+        raise RunError.at(name[:MAX_SHOWN], 0, 0, f"cannot be the name of a file: {getattr(exc, 'strerror', exc)}") from exc
     shipped = {file.stem: file for folder in reversed(folders()) for file in folder.glob(f"*{SUFFIX}")}
     if name.removesuffix(SUFFIX) in shipped:
         return shipped[name.removesuffix(SUFFIX)]

@@ -15,7 +15,7 @@ import numba
 import sympy
 from sympy.printing.pycode import PythonCodePrinter
 
-from pddecont.model.codegen import symbol_names
+from pddecont.model.codegen import check_codable, symbol_names
 from pddecont.model.expression import TIME
 from pddecont.model.system import Model
 from pddecont.simulate.kernel import cache_folder
@@ -109,6 +109,7 @@ class _Printer(PythonCodePrinter):
 
 def function_text(cases: Sequence[Sequence[sympy.Expr]], names: dict[sympy.Symbol, str]) -> str:
     """Return the source of a function that writes the expressions of case ``which`` to ``out``; zeros are left alone."""
+    check_codable(sympy.sympify(e) for exprs in cases for e in exprs)
     printer = _Printer(names)
     lines = []
     for which, exprs in enumerate(cases):

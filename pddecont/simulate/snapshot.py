@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 from pddecont.model.codegen import NumericModel
 from pddecont.simulate.kernel.tables import (
     FIRST,
+    LAST_EVENT,
+    MODE,
     N_BREAKING,
     N_COEFFICIENTS,
     N_PENDING,
@@ -41,21 +43,31 @@ def pack(memory: Memory) -> Array:
 
 
 def unpack(system: System, values: Values, row: Array) -> Memory:
-    """Return the state of an integration from :func:`pack`; with a tangent in ``system`` the tangent is zero."""
+    """Return the state of an integration from :func:`pack`; with a tangent in ``system`` the tangent is zero.
+
+    Raises
+    ------
+    ValueError
+        If the row is not the state of an integration of this system: machine code would read and write anywhere with it.
+    """
     memory = new_memory(system, values)
     left = np.array(row)
 
     def take(shape: tuple[int, ...]) -> Array:
         nonlocal left
         size = int(np.prod(shape))
+        if size > len(left):
+            raise ValueError("the recorded state of the integration is too short")
         part, left = left[:size], left[size:]
         return part.reshape(shape)
 
     memory.clock[:] = take(memory.clock.shape)
-    memory.count[:] = take(memory.count.shape)
+    memory.count[:] = _whole(take(memory.count.shape))
     memory.y[: system.n_full] = take((system.n_full,))
     for target in (memory.constant, memory.reading, memory.accumulation, memory.hits, memory.side, memory.next_step):
-        target[:] = take(target.shape)
+        part = take(target.shape)
+        target[:] = part if target.dtype.kind == "f" else _whole(part)
+    _check_counts(system, memory, len(row))
     first, used, kept = int(memory.count[FIRST]), int(memory.count[USED]), len(system.kept)
     n_pending, n_breaking = int(memory.count[N_PENDING]), int(memory.count[N_BREAKING])
     # An empty memory grows without its ring having to be moved.
@@ -64,15 +76,35 @@ def unpack(system: System, values: Values, row: Array) -> Memory:
         memory = enlarged(memory)
     memory.count[USED] = used
     ring = np.arange(first, first + used) % len(memory.past_time)
-    for target in (memory.past_time, memory.past_length, memory.past_end, memory.past_arc):
+    for target in (memory.past_time, memory.past_length, memory.past_end):
         target[ring] = take((used,))
+    memory.past_arc[ring] = _whole(take((used,)))
     memory.past_value[ring, :kept] = take((used, kept))
     memory.past_coefficients[ring, :, :kept] = take((used, N_COEFFICIENTS, kept))
-    memory.pending_time[:n_pending], memory.pending_event[:n_pending] = take((n_pending,)), take((n_pending,))
-    memory.breaking_time[:n_breaking], memory.breaking_level[:n_breaking] = take((n_breaking,)), take((n_breaking,))
+    memory.pending_time[:n_pending], memory.pending_event[:n_pending] = take((n_pending,)), _whole(take((n_pending,)))
+    memory.breaking_time[:n_breaking], memory.breaking_level[:n_breaking] = take((n_breaking,)), _whole(take((n_breaking,)))
+    if len(left) or np.any((memory.pending_event < 0) | (memory.pending_event >= max(1, len(system.after)))):
+        raise ValueError("the recorded state of the integration is not one of this model")
     memory.count[READY] = 0
     memory.clock[SHIFT] = 0.0
     return memory
+
+
+def _whole(part: Array) -> Array:
+    """Return numbers that count or name something, or raise if they cannot."""
+    if not np.all(np.abs(part) < 2.0**53):
+        raise ValueError("the recorded state of the integration is not one of this model")
+    return part
+
+
+def _check_counts(system: System, memory: Memory, length: int) -> None:
+    """Check all numbers that count or name something: how much of each there is, the mode, events, steps read last."""
+    count = memory.count
+    sizes = count[[FIRST, USED, N_PENDING, N_BREAKING]]
+    if np.any(sizes < 0) or np.any(sizes[1:] > length) or not 0 <= count[MODE] < system.n_modes:
+        raise ValueError("the recorded state of the integration is not one of this model")
+    if not -1 <= count[LAST_EVENT] <= len(system.after):
+        raise ValueError("the recorded state of the integration is not one of this model")
 
 
 def restart_time(numeric: NumericModel, before: Array, after: Array, t: float) -> float:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from pddecont.delay.chebyshev import Chebyshev
 from pddecont.delay.direct import Direct
 from pddecont.delay.operator import DelayMethod
-from pddecont.errors import ConvergenceError
+from pddecont.errors import ConvergenceError, ResultsError
 from pddecont.orbit.curve import settle
 from pddecont.orbit.error import state_sizes
 from pddecont.orbit.meshing import MeshRule, remeshed, transfer
@@ -62,8 +62,11 @@ def resolved(context: Context, step: Step, recorded_choice: str | None) -> Step:
         assert step.source is not None
         recorded_choice = context.source(step.source)[1].meta.get("choice")
     if recorded_choice is not None:
-        chosen = json.loads(recorded_choice)
-        delay, mesh = Delay.model_validate(chosen["delay"]), Mesh.model_validate(chosen["mesh"])
+        try:
+            chosen = json.loads(recorded_choice)
+            delay, mesh = Delay.model_validate(chosen["delay"]), Mesh.model_validate(chosen["mesh"])
+        except (ValueError, KeyError, TypeError) as exc:
+            raise ResultsError(f"the method and mesh recorded for step '{step.name}' cannot be read; the file is damaged") from exc
     elif step.kind == "continue":
         delay, mesh = Delay.model_validate({"method": "direct"}), Mesh.model_validate({"tol": max(TIGHTER * accuracy, LEAST)})
     else:

@@ -125,6 +125,18 @@ def orbit_at(context: Context, step: Step, source: Source) -> tuple[OrbitProblem
                            f"{', '.join(recorded.meta['states'])}")  # fmt: skip
     at_row = dict(zip(names, recorded.points["parameters"][row], strict=True))
     old_p = np.array([at_row[name] for name in plan.model.parameters])
+    try:
+        problem, x, old = _as_recorded(plan, step, recorded, row, old_p)
+    except (ValueError, IndexError, ZeroDivisionError, OverflowError) as exc:
+        raise ResultsError(f"point {row} of step '{source.step}' is not an orbit of this model: {exc}; the file is damaged or was made by "
+                           "a changed model") from exc  # fmt: skip
+    if recorded.meta["mesh_settings"] == mesh_settings(plan, step) and fits(problem, x):
+        return problem, x
+    return moved_to(problem, x, old.theta(x), new_mesh(problem, problem.theta(x), context.rule_of(step)))
+
+
+def _as_recorded(plan: Plan, step: Step, recorded: RecordedStep, row: int, old_p: Array) -> tuple[OrbitProblem, Array, OrbitProblem]:
+    """Return the problem at the step's parameters, the unknowns as they are recorded, and the problem that they solve."""
     rows = recorded.orbit(row)
     old = OrbitProblem(
         plan.numeric, segments_of(plan, rows["signature"].tobytes().decode()), mesh_from_row(rows["mesh"]),
@@ -133,10 +145,9 @@ def orbit_at(context: Context, step: Step, source: Source) -> tuple[OrbitProblem
     x = from_rows(old, rows)
     durations = old.layout.split(x)[1]
     old = with_reference(replace(old, timers=timers_of(plan.numeric, old.segments, old_p, durations)), x)
-    problem = replace(old, parameters=plan.step_parameters(step, old_p))
-    if recorded.meta["mesh_settings"] == mesh_settings(plan, step) and fits(problem, x):
-        return problem, x
-    return moved_to(problem, x, old.theta(x), new_mesh(problem, problem.theta(x), context.rule_of(step)))
+    if not np.all(np.isfinite(x)) or not np.all(durations > 0.0):
+        raise ValueError("its unknowns are not finite")
+    return replace(old, parameters=plan.step_parameters(step, old_p)), x, old
 
 
 def known_multipliers(choice: bool | Stability) -> Known | None:

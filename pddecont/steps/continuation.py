@@ -140,12 +140,10 @@ def run_continue(context: Context, step: Step, recorded: RecordedStep | None = N
                 writer.terminate(text, i)
             terminations.append(text)
     done = context.recorded(step.name)
-    special = [(label, i) for i, label in enumerate(done.labels) if label]
-    writer.special([label for label, _ in special], [i for _, i in special])
     errors = done.points["trivial_error"]
     poor = np.any(errors > TRIVIAL_ERROR)
     doubt = f"; WARNING: the trivial multiplier is off by up to {np.nanmax(errors):.1e}: refine 'mesh'" if poor else ""
-    context.reporter.done(f"{len(done)} points; special: {', '.join(sorted(label for label, _ in special)) or 'none'}; "
+    context.reporter.done(f"{len(done)} points; special: {', '.join(sorted(label for label in done.labels if label)) or 'none'}; "
                           + "; ".join(terminations) + doubt)  # fmt: skip
 
 

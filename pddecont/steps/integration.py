@@ -9,7 +9,8 @@ import numpy as np
 import sympy
 from numpy.typing import NDArray
 
-from pddecont.model.expression import TIME, parse
+from pddecont.errors import RunError
+from pddecont.model.expression import ExpressionError, parse
 from pddecont.simulate.attractors import Clock
 from pddecont.simulate.simulator import Method
 from pddecont.simulate.simulator import Section as Returns
@@ -31,8 +32,11 @@ def start_of(plan: Plan, initial: Initial, p: Array) -> Start:
     """Return where a motion starts; states that are not given are those of the model's history at t = 0."""
     names = dict(zip(plan.model.parameters, p, strict=True))
     given = initial.states
-    states = [plan.number(given[s], p) if s in given else plan.model.evaluate(e.subs({TIME: 0}), names)
-              for s, e in zip(plan.model.states, history_of(plan, initial) or plan.model.history, strict=True)]  # fmt: skip
+    try:
+        states = [plan.number(given[s], p) if s in given else plan.model.evaluate(e, names, 0.0)
+                  for s, e in zip(plan.model.states, history_of(plan, initial) or plan.model.history, strict=True)]  # fmt: skip
+    except ExpressionError as exc:
+        raise RunError.at(plan.source, 0, 0, f"the history at t = 0 {exc}") from exc
     return Start(np.array(states), initial.mode or plan.model.initial_mode, initial.history == "constant")
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from pddecont.errors import ModelError, PddecontError, RunError
 from pddecont.model.builder import parse_model
-from pddecont.model.document import Document, KeyPath, parse_document, read_text
+from pddecont.model.document import MAX_BYTES, Document, KeyPath, decoded, parse_document, read_text
 from pddecont.model.validation import validate
 from pddecont.shipped.find import find
 from pddecont.steps.plan import Plan
@@ -18,7 +18,9 @@ from pddecont.steps.schema import RunBlock, RunFile
 def load_document(path: str) -> Document:
     """Return the YAML document at ``path`` (``-``: standard input; or the name of a shipped model or run)."""
     if path == "-":
-        return parse_document(sys.stdin.read(), "<stdin>", RunError)
+        stream = getattr(sys.stdin, "buffer", None)
+        text = sys.stdin.read(MAX_BYTES + 1) if stream is None else decoded(stream.read(4 * MAX_BYTES), "<stdin>", RunError)
+        return parse_document(text, "<stdin>", RunError)
     found = find(path)
     return parse_document(read_text(found, RunError), str(found), RunError)
 

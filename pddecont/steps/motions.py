@@ -14,6 +14,8 @@ from pddecont.steps.plan import as_number
 from pddecont.steps.schema import Basin, Initial, Integration, RunBlock, Step, Sweep
 
 Path = tuple[str | int, ...]
+# What one step may hold at most: samples of a trajectory, motions of a sweep, cells of a basin.
+MAX_SAMPLES, MAX_MOTIONS, MAX_CELLS = 100_000_000, 2_000_000, 25_000_000
 
 
 class Checker(Protocol):
@@ -68,7 +70,9 @@ def check_simulate(planner: Checker, path: Path, step: Step, values: Mapping[str
         if (step.delay or planner.run.delay).method == "chain" and expr.free_symbols & set(planner.model.delayed_symbols):
             planner.complain(here, "a chain has no delayed values of its own to record; give this step 'delay: {method: direct}'")
     if body.record.every is not None:
-        positive_time(planner, (*path, "record", "every"), body.record.every, values)
+        every = positive_time(planner, (*path, "record", "every"), body.record.every, values)
+        if (t_end - since) / every > MAX_SAMPLES:
+            planner.complain((*path, "record", "every"), f"more than {MAX_SAMPLES} samples; take longer times between them")
 
 
 def check_parameters(planner: Checker, path: Path, values: Mapping[str, float]) -> None:
@@ -80,7 +84,7 @@ def check_parameters(planner: Checker, path: Path, values: Mapping[str, float]) 
     for what, expr, positive in lengths:
         try:
             value = model.evaluate(expr, values)
-        except (TypeError, ValueError):
+        except ExpressionError:
             value = math.nan
         if not 0 <= value < math.inf or (positive and value == 0):
             where = ", ".join(f"{s.name} = {values[s.name]:g}" for s in sorted(expr.free_symbols, key=str) if s.name in values)
@@ -179,6 +183,10 @@ def check_sweep(planner: Checker, path: Path, step: Step, values: Mapping[str, f
     for ends in itertools.product(*(body.over[name][:2] for name in names)):
         corner = {name: planner.formula((*path, "over", name), end, values) for name, end in zip(names, ends, strict=True)}
         check_parameters(planner, (*path, "over"), {**values, **corner})
+    scattered = body.random.number if body.random else 0
+    motions = math.prod(int(n) for _, _, n in body.over.values()) * (scattered + len(body.initial))
+    if motions > MAX_MOTIONS:
+        planner.complain((*path, "over"), f"{motions} motions in one step; at most {MAX_MOTIONS}: make it several steps")
     for i, initial in enumerate(body.initial):
         check_initial(planner, (*path, "initial", i), initial, values)
         histories = initial.history, body.initial[0].history
@@ -200,6 +208,9 @@ def check_basin(planner: Checker, path: Path, step: Step, values: Mapping[str, f
     assert body is not None
     check_settling(planner, path, step, body, values)
     check_initial(planner, (*path, "initial"), body.initial, values)
+    cells = math.prod(int(n) for _, _, n in body.over.values())
+    if cells > MAX_CELLS:
+        planner.complain((*path, "over"), f"{cells} initial states in one step; at most {MAX_CELLS}")
     for name in body.over:
         if name not in planner.model.states:
             planner.complain((*path, "over", name), f"'{name}' is not a state{suggest(name, planner.model.states)} "

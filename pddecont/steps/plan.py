@@ -13,9 +13,9 @@ from pddecont.delay.chain import Chain
 from pddecont.delay.chebyshev import Chebyshev
 from pddecont.delay.direct import Direct
 from pddecont.delay.operator import DelayMethod
-from pddecont.errors import Problem
+from pddecont.errors import Problem, RunError
 from pddecont.model.codegen import NumericModel
-from pddecont.model.expression import parse
+from pddecont.model.expression import ExpressionError, parse
 from pddecont.model.system import Model
 from pddecont.orbit.meshing import MeshRule
 from pddecont.steps.schema import Delay, Mesh, RunBlock, Step
@@ -48,7 +48,10 @@ class Plan:
     def number(self, text: str | float, p: Array | None = None) -> float:
         """Return the number that an expression of the run file stands for at parameters ``p``."""
         values = dict(zip(self.model.parameters, self.parameters if p is None else p, strict=True))
-        return self.model.evaluate(parse(text, self.model.parameter_scope("a run file")), values)
+        try:
+            return self.model.evaluate(parse(text, self.model.parameter_scope("a run file")), values)
+        except ExpressionError as exc:
+            raise RunError.at(self.source, 0, 0, f"'{text}': {exc}") from exc
 
     def delay_method(self, step: Step) -> DelayMethod:
         """Return the way the delay is discretised in ``step``."""

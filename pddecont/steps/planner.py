@@ -81,9 +81,6 @@ class Planner:
         except ExpressionError as exc:
             self.complain(path, str(exc), offset=exc.offset)
             return 1.0
-        except (TypeError, ValueError):
-            self.complain(path, "is not a real number at these parameters")
-            return 1.0
         return value
 
     def parameters(self, numeric: NumericModel) -> Array:
@@ -101,7 +98,7 @@ class Planner:
                 raise RunError.at(option, 0, 0, self.fixed(name))
             try:
                 values[name] = self.model.evaluate(parse(as_number(given), self.model.parameter_scope("--set")), values)
-            except (ExpressionError, TypeError, ValueError) as exc:
+            except ExpressionError as exc:
                 raise RunError.at(option, 0, 0, str(exc)) from exc
         return numeric.with_fixed(np.array(list(values.values()), dtype=float))
 

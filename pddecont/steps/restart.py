@@ -47,18 +47,24 @@ def attractor_trajectory(context: Context, step: Step, source: Source) -> tuple[
                            f"{': ' + attractor.failed if attractor.failed else ''}; a periodic orbit cannot start from it")  # fmt: skip
     if recorded.meta["model"] != plan.model.name or recorded.meta["parameters"] != list(plan.model.parameters):
         raise ResultsError(f"step '{source.step}' comes from another model, '{recorded.meta['model']}'")
-    off, off_here = effects_off(recorded), list(plan.model.left_out.effects)
+    try:
+        off, origin = effects_off(recorded), Step.model_validate(json.loads(recorded.meta["settings"])["step"])
+    except (ValueError, KeyError, TypeError, AttributeError) as exc:
+        raise ResultsError(f"the settings of step '{source.step}' cannot be read; the file is damaged") from exc
+    off_here = list(plan.model.left_out.effects)
     if off != off_here:
         here, there = (f"without {', '.join(names)}" if names else "with all effects" for names in (off_here, off))
         raise ResultsError(f"step '{source.step}' was computed {there}, this run is {here}; an orbit starts from attractors of the same "
                            "effects")  # fmt: skip
-    origin = Step.model_validate(json.loads(recorded.meta["settings"])["step"])
     body = origin.sweep or origin.basin
     assert body is not None
     initial = body.initial[0] if isinstance(body.initial, list) else body.initial
     simulator = task_of(plan, origin, body, initial).simulator()
     values = simulator.values(attractor.p)
-    memory = unpack(simulator.system, values, attractor.memory)
+    try:
+        memory = unpack(simulator.system, values, attractor.memory)
+    except ValueError as exc:
+        raise ResultsError(f"step '{source.step}': {exc}; the file is damaged or was made by a changed model") from exc
     memory = moved(memory, restart_time(plan.numeric, attractor.p, attractor.p, float(memory.clock[T])))
     longest = float(max(plan.numeric.delays.value(attractor.p), default=0.0))
     duration = max(TURNS, LEAST / attractor.period) * attractor.turn + longest

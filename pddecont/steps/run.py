@@ -9,9 +9,10 @@ from pathlib import Path
 
 import pddecont
 from pddecont.errors import ResultsError, RunError, suggest
+from pddecont.results.lock import writing
 from pddecont.results.reader import Step as RecordedStep
 from pddecont.results.reader import read_results
-from pddecont.results.writer import create, drop_steps
+from pddecont.results.writer import create, drop_steps, seal
 from pddecont.simulate.workers import Workers
 from pddecont.steps.accuracy import resolved
 from pddecont.steps.context import Context, Reporter, Silent, settings_text
@@ -37,11 +38,19 @@ def execute(plan: Plan, path: Path, reporter: Reporter | None = None, *, resume:
         If a step fails; what was computed before it stays in the file.
     """
     steps = chosen_steps(plan, only, until)
+    if path.is_symlink():
+        path = path.resolve()
+    with writing(path):
+        _execute(plan, path, steps, reporter or Silent(), Workers(workers, scheduler), resume=resume, overwrite=overwrite)
+
+
+def _execute(plan: Plan, path: Path, steps: list[Step], reporter: Reporter, workers: Workers, *, resume: bool, overwrite: bool) -> None:
     if path.exists() and resume:
         check_same(plan, path)
     else:
-        create(path, plan.model_text, plan.run_text, plan.source, json.dumps(versions()), overwrite=overwrite)
-    context = Context(plan, path, reporter or Silent(), Workers(workers, scheduler))
+        source = plan.source.encode(errors="backslashreplace").decode()
+        create(path, plan.model_text, plan.run_text, source, json.dumps(versions()), overwrite=overwrite)
+    context = Context(plan, path, reporter, workers)
     for step in steps:
         context.reporter.step(step.name, step.kind)
         recorded = read_results(path, step.name).steps.get(step.name)
@@ -49,6 +58,7 @@ def execute(plan: Plan, path: Path, reporter: Reporter | None = None, *, resume:
         if recorded is not None and recorded.meta.get("settings") != settings_text(plan, step):
             raise ResultsError(f"step '{step.name}' of {path} was computed with other settings; give --overwrite or another -o")
         if recorded is not None and recorded.done:
+            seal(path, step.name)
             context.reporter.done("done already")
         elif step.continue_:
             run_continue(context, step, recorded)

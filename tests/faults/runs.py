@@ -1,0 +1,76 @@
+"""Short runs of each kind, and what is compared of their results files."""
+
+from __future__ import annotations
+
+import h5py
+import numpy as np
+
+from pddecont.model.document import parse_document
+from pddecont.steps.loading import load_plan
+
+MODEL = """\
+name: quick
+states: [x, v]
+parameters: {omega: 2, c: 0.1, wall: 0.2, r: 0.8, K: 0.1, tau: 0.7}
+forcing: {period: 2*pi/omega}
+modes: {free: {x': v, v': cos(omega*t) - c*v - x + K*x(t - tau)}}
+events: {hit: x - wall}
+resets: {bounce: {v: -r*v}}
+segments: {flight: {mode: free, event: hit, direction: rising, reset: bounce, to: free}}
+run:
+  mesh: {degree: 3, intervals: 6}
+  monitors: {top: max(x), speed: "at(flight, v)"}
+  steps:
+"""
+START = """\
+    - {name: transient, simulate: {t_end: 40*pi, record: {from: 36*pi}, rtol: 1.0e-6, atol: 1.0e-8}}
+    - {name: orbit, orbit: {from: transient}}
+"""
+LOOSE = "rtol: 1.0e-5, atol: 1.0e-7"
+KINDS = {
+    "simulate": f"    - {{name: last, simulate: {{t_end: 60*pi, {LOOSE}}}}}\n",
+    "orbit": START.replace("name: orbit", "name: last"),
+    "continue": START + "    - {name: last, continue: {from: orbit, free: [wall], range: {wall: [0.18, 0.22]}, "
+                        "step: {initial: 0.3, max: 0.3}}}\n",
+    "curve": START + "    - {name: first, continue: {from: orbit, free: [wall], range: {wall: [0.17, 0.25]}, direction: up, "
+                     "step: {initial: 0.1, max: 0.2}, events_along: {u: wall - 0.22}}}\n"
+                     "    - {name: last, continue: {from: {step: first, point: UF1}, free: [wall, r], range: {wall: [0.1, 0.3], "
+                     "r: [0.79, 0.81]}, events_along: {u: wall - 0.22}, step: {initial: 0.2, max: 0.4}}}\n",
+    "sweep": f"    - {{name: last, sweep: {{over: {{wall: [0.15, 0.3, 24]}}, transient: 40*pi, max_period: 4, {LOOSE}}}}}\n",
+    "basin": f"    - {{name: last, basin: {{over: {{x: [-1, 0.1, 3], v: [-1, 1, 8]}}, transient: 40*pi, max_period: 4, {LOOSE}}}}}\n",
+}  # fmt: skip
+
+
+def text_of(kind):
+    """Return the model file of a run whose last step, ``last``, is of a kind."""
+    return MODEL + KINDS[kind]
+
+
+def plan_of(kind):
+    """Return the plan of that run."""
+    return load_plan(parse_document(text_of(kind), "quick.yaml"))
+
+
+def contents(path):
+    """Return everything that a results file holds, name by name, in its order."""
+    found = {}
+
+    def visit(name, item):
+        found[name + "@"] = dict(item.attrs)
+        if isinstance(item, h5py.Dataset):
+            found[name] = (item.dtype.str, item.shape, item.asstr()[()] if item.dtype.kind == "O" else item[()].tobytes())
+
+    with h5py.File(path, "r") as file:
+        found["/"] = (dict(file.attrs), list(file["steps"]))
+        file.visititems(visit)
+    return found
+
+
+def is_beginning(step, whole):
+    """Whether all that a step holds is what the uninterrupted run's step begins with, bit for bit."""
+    n = len(step)
+    if n > len(whole) or step.meta != whole.meta or step.kind != whole.kind:
+        return False
+    points = all(np.array_equal(rows.view(np.uint8).ravel(), np.ascontiguousarray(whole.points[key][:n]).view(np.uint8).ravel())
+                 for key, rows in ((k, np.ascontiguousarray(v)) for k, v in step.points.items()) if n)  # fmt: skip
+    return points and all(a.tobytes() == whole.orbit(i)[key].tobytes() for i in range(n) for key, a in step.orbit(i).items())

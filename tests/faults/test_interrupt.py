@@ -1,0 +1,94 @@
+"""Ctrl-C and SIGTERM at random instants: a clean end, a message, the exit code, a file that --resume goes on with."""
+
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from pddecont.results.reader import read_results
+from pddecont.steps.run import execute
+from tests.cli.test_cli import call
+from tests.conftest import ROOT
+from tests.faults.runs import MODEL, is_beginning, plan_of, text_of
+from tests.faults.test_disk import same_numbers
+
+MESSAGE = "interrupted; what was finished is kept, and 'run' with --resume goes on from there"
+# Minutes of machine code without a pause, in one motion and on two workers.
+LONG = MODEL + ("    - {name: last, sweep: {over: {wall: [0.15, 0.3, 100]}, transient: 1.0e+9, max_period: 1, returns: 100000, carry: up, "
+                "section: {zero: x - 5}}}\n")  # fmt: skip
+
+
+def started(folder, *options):
+    """Start a run and wait until it computes."""
+    process = subprocess.Popen([sys.executable, "-m", "pddecont", "run", "quick.yaml", "-o", "q.h5", *options], cwd=folder, text=True,
+                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, env={**os.environ, "PYTHONPATH": str(ROOT)})  # fmt: skip
+    line = process.stderr.readline()
+    assert "..." in line, line
+    return process
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_signal_at_a_random_instant_is_a_clean_end(tmp_path, number, code, tally):
+    (tmp_path / "quick.yaml").write_text(text_of("continue"))
+    execute(plan_of("continue"), tmp_path / "whole.h5")
+    whole, rng = read_results(tmp_path / "whole.h5"), random.Random(1)
+    for _ in range(3):
+        (tmp_path / "q.h5").unlink(missing_ok=True)
+        process = started(tmp_path)
+        time.sleep(rng.uniform(0.0, 0.8))
+        process.send_signal(number)
+        out, err = process.communicate(timeout=20)
+        assert process.returncode == code, err
+        assert out == ""
+        assert err.splitlines()[-1] == MESSAGE
+        assert "Traceback" not in err
+        for name, step in (read_results(tmp_path / "q.h5").steps if (tmp_path / "q.h5").exists() else {}).items():
+            assert is_beginning(step, whole.steps[name])
+        assert call("run", tmp_path / "quick.yaml", "-o", tmp_path / "q.h5", "--resume", "-q")[0] == 0
+        assert same_numbers(tmp_path / "q.h5", tmp_path / "whole.h5")
+    tally("faults", f"{number.name} at random instants", f"exit {code}, --resume gives the same file")
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_machine_code_and_workers_do_not_hold_a_signal_up(tmp_path, workers, tally):
+    (tmp_path / "quick.yaml").write_text(LONG)
+    process = started(tmp_path, "--workers", str(workers))
+    time.sleep(2.0)
+    assert process.poll() is None
+    begun = time.perf_counter()
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=20)
+    assert time.perf_counter() - begun < 6.0
+    assert process.returncode == 130
+    assert err.splitlines()[-1] == MESSAGE
+    assert read_results(tmp_path / "q.h5").step("last").done is False
+    tally("faults", f"Ctrl-C in machine code, {workers} worker(s)", "exit 130 within seconds")
+
+
+def test_a_second_signal_ends_the_program_on_the_spot(tmp_path):
+    (tmp_path / "quick.yaml").write_text(LONG)
+    process = started(tmp_path)
+    time.sleep(1.0)
+    begun = time.perf_counter()
+    process.send_signal(signal.SIGINT)
+    time.sleep(0.2)
+    process.send_signal(signal.SIGINT)
+    process.communicate(timeout=20)
+    assert process.returncode == 130
+    assert time.perf_counter() - begun < 1.5
+
+
+def test_an_ignored_signal_stays_ignored(tmp_path):
+    # As in a job that a script puts in the background.
+    (tmp_path / "quick.yaml").write_text(text_of("simulate"))
+    process = subprocess.Popen([sys.executable, "-m", "pddecont", "run", "quick.yaml", "-o", "q.h5"], cwd=tmp_path, text=True,
+                               stderr=subprocess.PIPE, env={**os.environ, "PYTHONPATH": str(ROOT)},
+                               preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_IGN))  # fmt: skip
+    assert "..." in process.stderr.readline()
+    process.send_signal(signal.SIGINT)
+    process.communicate(timeout=60)
+    assert process.returncode == 0
