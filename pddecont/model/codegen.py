@@ -84,16 +84,18 @@ class ArrayFunction:
         return len(self.exprs)
 
     def value(self, t: Array, x: Array, xd: Array, p: Array) -> Array:
-        """Return the expressions' values, shape (n_out, n_points)."""
+        """Return the expressions' values, shape (n_out, n_points); not finite where an expression is not defined."""
         out = np.zeros((self.n_out, np.shape(t)[0]), dtype=np.result_type(x, xd, p, t))
-        self._function("value")(t, x, xd, p, out)
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            self._function("value")(t, x, xd, p, out)
         return out
 
     def derivatives(self, t: Array, x: Array, xd: Array, p: Array, free: tuple[int, ...] = ()) -> Derivatives:
         """Return values and all derivatives that are not zero; those in parameters only for the numbers in ``free``."""
         n, where = np.shape(t)[0], self.structure(free)
         arrays = [np.zeros((m, n)) for m in (self.n_out, len(where.dx[0]), len(where.dxd[0]), len(where.dp[0]), len(where.dt))]
-        self._function(free)(t, x, xd, p, *arrays)
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            self._function(free)(t, x, xd, p, *arrays)
         return Derivatives(*arrays)
 
     def structure(self, free: tuple[int, ...] = ()) -> Structure:
