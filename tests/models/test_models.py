@@ -1,0 +1,55 @@
+"""Each shipped model's own run, once, against the values in the file of its name."""
+
+import numpy as np
+import pytest
+
+from pddecont.model.builder import load_model
+from pddecont.model.codegen import NumericModel
+from pddecont.model.document import parse_document
+from pddecont.model.effects import without
+from pddecont.results.reader import read_results
+from pddecont.steps.loading import load_plan
+from pddecont.steps.run import execute
+from tests.conftest import MODELS
+from tests.models import test_independent
+from tests.models.expected import FOLDER, both, entries, points
+
+
+@pytest.mark.parametrize("path", MODELS, ids=lambda p: p.stem)
+def test_a_models_run_gives_what_is_expected_of_it(path, tmp_path):
+    execute(load_plan(parse_document(path.read_text(), str(path))), tmp_path / "a.h5")
+    results = read_results(tmp_path / "a.h5")
+    for item in entries(path.stem):
+        for names in points(results, item["at"]):
+            found, value = both(item, names)
+            assert found == pytest.approx(value, abs=item["tol"], rel=0), (item["what"], names)
+    for step in results.steps.values():
+        if step.kind in ("orbit", "continue"):
+            assert np.all(step.points["admissible"] == 1), step.name
+            assert not any("not located" in text for text in step.termination), step.name
+
+
+@pytest.mark.parametrize("path", MODELS, ids=lambda p: p.stem)
+def test_what_is_expected_says_where_it_is_from(path):
+    for item in entries(path.stem):
+        assert item["source"] and item["because"], item["what"]
+        # A number is either from elsewhere or calculated again here; an expression is its own derivation.
+        if "independent" in item:
+            assert hasattr(test_independent, item["independent"]), item["independent"]
+
+
+def test_every_file_of_expected_values_belongs_to_a_model():
+    assert {p.stem for p in FOLDER.glob("*.yaml")} == {p.stem for p in MODELS}
+
+
+@pytest.mark.parametrize("path", MODELS, ids=lambda p: p.stem)
+def test_every_effect_can_be_left_out(path):
+    model, _ = load_model(str(path))
+    assert model.effects
+    assert model.reference
+    for name in model.effects:
+        left, _ = without(model, [name])
+        numeric = NumericModel(left)
+        changed = (left.modes, left.resets, set(left.events), left.delays) != (model.modes, model.resets, set(model.events), model.delays)
+        assert changed, f"leaving out '{name}' changes nothing"
+        assert numeric.n_states == len(model.states)
