@@ -59,8 +59,10 @@ class Motion:
 
         watched = []
         for function, direction, *_ in self.exits.get(self.mode, ()):
-            def event(t, z, function=function):
-                return function(t, z, past(t))
+            def event(t, z, function=function, direction=direction, start=self.at):
+                found = function(t, z, past(t))
+                # What has just happened does not happen again because of rounding.
+                return direction * abs(found) if t == start and abs(found) < 1e-9 else found
 
             event.terminal, event.direction = True, direction
             watched.append(event)

@@ -54,6 +54,18 @@ def test_an_extremum_on_an_edge_counts_once(offset, place):
     assert abs((top.time - place - offset + 0.5) % 1 - 0.5) < 1e-6
 
 
+@pytest.mark.parametrize("thin", [1e-3, 1e-6, 1e-9])
+def test_an_extremum_beside_an_interval_of_almost_no_length(thin):
+    """A breaking point about to cross another leaves a short interval between; a maximum at its edge counts once all the same."""
+    degree, cuts = 8, np.array([0.0, 0.25, 0.25 + thin, 0.5, 0.75, 1.0])
+    h = np.diff(cuts)
+    base = make_basis(degree).base
+    values = np.sin(2 * np.pi * (cuts[:-1, None] + base * h[:, None]))
+    found = Profile(degree, values, np.zeros(5, dtype=int), cuts[:-1], h, True).extrema()
+    assert [e.is_max for e in found] == [True, False]
+    assert found[0].time == pytest.approx(0.25, abs=1e-6)
+
+
 def test_an_open_segment_has_none_at_its_ends():
     profile, _, _ = wave([1], [1.0], [np.pi / 2], 8, 6, closed=False)
     assert [e.is_max for e in profile.extrema] == [False]
