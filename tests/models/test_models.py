@@ -1,5 +1,7 @@
 """Each shipped model's own run, once, against the values in the file of its name."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -10,7 +12,7 @@ from pddecont.model.effects import without
 from pddecont.results.reader import read_results
 from pddecont.steps.loading import load_plan
 from pddecont.steps.run import execute
-from tests.conftest import MODELS
+from tests.conftest import MODELS, ROOT
 from tests.models import test_independent
 from tests.models.expected import FOLDER, both, entries, points
 
@@ -54,3 +56,8 @@ def test_every_effect_can_be_left_out(path):
         changed = (left.modes, left.resets, left.events, left.delays) != (model.modes, model.resets, model.events, model.delays)
         assert changed, f"leaving out '{name}' changes nothing"
         assert numeric.n_states == len(model.states)
+
+
+def test_the_page_of_models_lists_them_all():
+    rows = re.findall(r"^\| `(\w+)` \|", (ROOT / "docs" / "models.md").read_text(), re.M)
+    assert sorted(rows) == sorted(p.stem for p in MODELS)
