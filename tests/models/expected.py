@@ -1,9 +1,10 @@
 """What the files beside this one expect of a model's own run, and how their expressions are evaluated.
 
-Each entry has ``what``, ``at`` (STEP, STEP/LABEL, STEP/* for every point, STEP/0 for the first along the branch), ``quantity`` and ``value``: expressions in the
-parameters, monitors and ``period`` of the point, its multipliers ``mu1``, ``mu2``, .. by falling modulus, the time ``start``
-at which its first segment begins, and what ``let``, ``solve`` (name: [expression that is zero, lowest, highest]) and ``then`` define. ``source`` says where the value is from, ``because`` why
-``tol`` is what it is; ``independent`` names the test that calculates the value again.
+Each entry has ``what``, ``at`` (STEP, STEP/LABEL, STEP/* for every point, STEP/0 for the first along the branch), ``quantity`` and
+``value``: expressions in the parameters, monitors and ``period`` of the point, its multipliers ``mu1``, ``mu2``, .. by falling modulus,
+the time ``start`` at which its first segment begins, and what ``let``, ``solve`` (name: [expression that is zero, lowest, highest]) and
+``then`` define. ``source`` says where the value is from, ``because`` why ``tol`` is what it is; ``independent`` names the test that
+calculates the value again.
 """
 
 from __future__ import annotations

@@ -130,7 +130,7 @@ def test_interrupted_cutting():
 
     def tooth(z):
         arrived = A @ z
-        return arrived + [0.0, w * (1 + z[0] - arrived[0]) ** 0.75]
+        return np.array([arrived[0], arrived[1] + w * (1 + z[0] - arrived[0]) ** 0.75])
 
     steady = np.linalg.solve(np.eye(2) - A, [0.0, w])
     slope = 0.75 * w
