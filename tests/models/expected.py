@@ -2,9 +2,9 @@
 
 Each entry has ``what``, ``at`` (STEP, STEP/LABEL, STEP/* for every point, STEP/0 for the first along the branch), ``quantity`` and
 ``value``: expressions in the parameters, monitors and ``period`` of the point, its multipliers ``mu1``, ``mu2``, .. by falling modulus,
-the time ``start`` at which its first segment begins, and what ``let``, ``solve`` (name: [expression that is zero, lowest, highest]) and
-``then`` define. ``source`` says where the value is from, ``because`` why ``tol`` is what it is; ``independent`` names the test that
-calculates the value again.
+the time ``start`` at which its first segment begins, the states ``NAME_start`` there, and what ``let``, ``solve`` (name: [expression
+that is zero, lowest, highest]) and ``then`` define. ``source`` says where the value is from, ``because`` why ``tol`` is what it is;
+``independent`` names the test that calculates the value again.
 """
 
 from __future__ import annotations
@@ -53,7 +53,9 @@ def _point(step, i):
     names |= dict(zip(step.meta["monitors"], step.points["monitors"][i], strict=True))
     pairs = step.orbit(i)["multipliers"]
     names |= {f"mu{k}": complex(*pair) for k, pair in enumerate(pairs, 1)}
-    return names | {"period": step.points["period"][i], "start": step.orbit(i)["time"][0]}
+    rows = step.orbit(i)
+    names |= {f"{state}_start": value for state, value in zip(step.meta["states"], rows["states"][0], strict=True)}
+    return names | {"period": step.points["period"][i], "start": rows["time"][0]}
 
 
 def _trajectory(step):

@@ -1,4 +1,4 @@
-"""Expected values without closed form, calculated a second time without the package."""
+"""Expected values without closed form, calculated a second time without the package's numbers."""
 
 import math
 
@@ -7,6 +7,10 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq, fsolve
 
+from models.oscillator_chain import chain
+from pddecont.model.builder import load_model
+from pddecont.model.system import symbol
+from tests.conftest import ROOT
 from tests.models.expected import entry
 from tests.models.method_of_steps import Motion, same
 
@@ -260,3 +264,67 @@ def test_suitcase():
     for i, what in enumerate(("first hit", "second hit", "fall")):
         expected, tol = value("suitcase", what)
         assert found[i] == pytest.approx(expected, abs=tol)
+
+
+def test_full_oscillator():
+    """Half the width of x over a period, with friction, wall, delayed force and filtered delayed feedback."""
+    omega, a, zeta, F, e, beta, k_c, tau_c, K, tau_d, T_f = 0.8, 0.9, 0.02, 0.02, 0.8, 10.0, 0.05, 1.5, 0.1, 3.8, 0.5
+
+    def flow(sign, hit):
+        def f(t, z, past):
+            delayed = K * (past(tau_d)[2] - z[2]) + k_c * (past(tau_c)[0] - z[0])
+            force = a * omega**2 * math.sin(omega * t) - z[0] - 2 * zeta * z[1] + delayed - sign * F - hit * beta * (z[0] - e)
+            return [z[1], force, (z[1] - z[2]) / T_f]
+
+        return f
+
+    def wall(t, z, past):
+        return z[0] - e
+
+    modes = [(sign, hit) for sign in (1, -1) for hit in (0, 1)]
+    exits = {(s, h): [(lambda t, z, past: z[1], -s, same, (-s, h), "turn"), (wall, -1 if h else 1, same, (s, 1 - h), "wall")]
+             for s, h in modes}  # fmt: skip
+    speed = a * omega**3 / (1 - omega**2)
+    motion = Motion({mode: flow(*mode) for mode in modes}, exits, (tau_c, tau_d), lambda t: [0.0, speed, 0.0], (1, 0), echoes=2)
+    motion.run(50 * 2 * math.pi / omega)
+    turns = [z[0] for name, _, z in motion.events if name == "turn"]
+    expected, tol = value("full_oscillator", "half the width of the motion")
+    assert abs(turns[-1] - turns[-2]) / 2 == pytest.approx(expected, abs=tol)
+
+
+def test_chain():
+    """Fifty masses, walls 0.8 apart: the first mass where the third hits."""
+    n, omega, zeta, c, r, e, gap, K, tau = 50, 1.1, 0.1, 0.2, 0.6, 0.8, 0.8, 0.1, 1.5
+    stiffness = np.eye(n) * (1 + 2 * c) - c * (np.eye(n, k=1) + np.eye(n, k=-1))
+
+    def free(t, z, past):
+        x, v = z[0::2], z[1::2]
+        slope = np.empty(2 * n)
+        slope[0::2] = v
+        slope[1::2] = math.cos(omega * t) - stiffness @ x - 2 * zeta * v + K * (past(tau)[1::2] - v)
+        return slope
+
+    def bounce(i):
+        def reset(z):
+            z = z.copy()
+            z[2 * i + 1] *= -r
+            return z
+
+        return reset
+
+    hits = [(lambda t, z, past, i=i: z[2 * i] - e - i * gap, 1, bounce(i), "free", f"hit{i + 1}") for i in range(4)]
+    motion = Motion({"free": free}, {"free": hits}, (tau,), lambda t: np.zeros(2 * n), "free", echoes=2).run(45 * 2 * math.pi / omega)
+    for mass, what in ((1, "first mass"), (4, "fourth mass")):
+        expected, tol = value("oscillator_chain_50", f"{what} where the third hits")
+        assert [z[2 * mass - 2] for name, _, z in motion.events if name == "hit3"][-1] == pytest.approx(expected, abs=tol)
+
+
+def test_the_shipped_chain_is_the_generators_and_couples_neighbours_alike():
+    """Each velocity's slope changes with the places of its neighbours by c, with its own by -1 - 2 c."""
+    text = (ROOT / "models" / "oscillator_chain_50.yaml").read_text()
+    assert text == chain(50)
+    model = load_model(str(ROOT / "models" / "oscillator_chain_50.yaml"))[0]
+    c, x = symbol("c"), [symbol(f"x{i}") for i in range(1, 51)]
+    for i, field in enumerate(model.modes["free"][1::2]):
+        for j in range(50):
+            assert field.diff(x[j]) == (-1 - 2 * c if i == j else c if abs(i - j) == 1 else 0), (i, j)
