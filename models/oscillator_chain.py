@@ -13,7 +13,7 @@ def chain(n: int) -> str:
 
     def coupling(i: int) -> str:
         left, right = (f"x{j}" if 1 <= j <= n else "0" for j in (i - 1, i + 1))
-        return f"c*({left} - 2*x{i} + {right})".replace("0 - 2", "-2").replace(" + 0", "")
+        return f"c*({left} - 2*x{i} + {right})".replace("(0 - ", "(-").replace(" + 0)", ")")
 
     modes = "".join(f"    x{i}': v{i}\n    v{i}': force - x{i} - 2*zeta*v{i} + {coupling(i)} + K*(v{i}(t - tau) - v{i})\n" for i in masses)
     events = "".join(f"  hit{i}: x{i} - e - {i - 1}*gap\n" for i in masses)

@@ -61,15 +61,15 @@ class Profile:
         return float(make_basis(self.degree).differentiate[0] @ self.values[first] / self.h[first])
 
     def slope_at(self, e: Extremum, away: float) -> float:
-        """Return the slope at a time ``away`` from an extremum, by at most an interval's length."""
+        """Return the slope at a time ``away`` from an extremum, across as many intervals of its segment as that takes."""
         j, at = e.interval, e.sigma + away / self.h[e.interval]
         n = len(self.h)
-        if not 0.0 <= at <= 1.0 and (self.closed or 0 <= j + np.sign(away) < n):
+        while not 0.0 <= at <= 1.0 and (self.closed or 0 <= j + np.sign(away) < n):
             other = int(j + np.sign(away)) % n
-            if self.segment[other] == self.segment[j]:
-                left = at > 1.0
-                at = ((at - 1.0) * self.h[j] if left else self.h[other] + at * self.h[j]) / self.h[other]
-                j = other
+            if self.segment[other] != self.segment[j]:
+                break
+            at = ((at - 1.0) * self.h[j] if away > 0.0 else self.h[other] + at * self.h[j]) / self.h[other]
+            j = other
         basis = make_basis(self.degree)
         return float(basis.lagrange(np.array(at)) @ basis.differentiate @ self.values[j] / self.h[j])
 

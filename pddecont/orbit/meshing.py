@@ -158,7 +158,9 @@ def transfer(old: Mesh, old_theta: Array, values: Array, new: Mesh, new_theta: A
         rows = np.arange(new.first_base[s], new.last_base[s] + 1)
         at = old_ends[s] + (times[rows] - new_ends[s]) * (old_theta[s] / new_theta[s])
         interval = inside[np.clip(np.searchsorted(edges_[inside], at, side="right") - 1, 0, len(inside) - 1)]
-        sigma = np.clip((at - edges_[interval]) / lengths[interval], 0.0, 1.0)
+        # An interval that two meeting breaking points leave no length is read at its start.
+        sigma = np.divide(at - edges_[interval], lengths[interval], out=np.zeros(len(at)), where=lengths[interval] > 0.0)
+        sigma = np.clip(sigma, 0.0, 1.0)
         result[rows] = old.at(values, Places(interval, sigma))
     return result
 

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pddecont.orbit.basis import make_basis
-from pddecont.orbit.extrema import Profile
+from pddecont.orbit.extrema import Extremum, Profile
 
 
 def wave(frequencies, amplitudes, phases, degree, n, *, closed):
@@ -52,6 +52,20 @@ def test_an_extremum_on_an_edge_counts_once(offset, place):
     top = next(e for e in found if e.is_max)
     assert top.value == pytest.approx(1.0, abs=1e-8)
     assert abs((top.time - place - offset + 0.5) % 1 - 0.5) < 1e-6
+
+
+@pytest.mark.parametrize("thin", [1e-3, 1e-5, 1e-7])
+@pytest.mark.parametrize("away", [0.01, -0.01])
+def test_a_slope_is_looked_at_across_short_intervals(thin, away):
+    """Breaking points about to cross leave a short interval between; what lies beyond is read where it lies, not extrapolated."""
+    side = 0.25 - np.sign(away) * np.array([0.0, thin])
+    cuts = np.sort(np.array([0.0, *side + np.sign(away) * 0.005, 0.5, 0.75, 1.0]))
+    h = np.diff(cuts)
+    values = np.sin(2 * np.pi * (cuts[:-1, None] + make_basis(9).base * h[:, None]))
+    profile = Profile(9, values, np.zeros(5, dtype=int), cuts[:-1], h, True)
+    j = int(np.searchsorted(cuts, 0.25)) - 1
+    top = Extremum(0, j, (0.25 - cuts[j]) / h[j], 0.25, 1.0, True)
+    assert profile.slope_at(top, away) == pytest.approx(2 * np.pi * np.cos(2 * np.pi * (0.25 + away)), abs=1e-5)
 
 
 def test_an_open_segment_has_none_at_its_ends():
