@@ -32,15 +32,19 @@ def test_the_delayed_cosine(record):
 
 @pytest.mark.parametrize("size", [2, 3, 4])
 def test_jordan_blocks(tmp_path, size, record):
-    """x_i' = -0.2 x_i + x_{i+1}: one eigenvector for all, and 1/size of all digits."""
+    """A Jordan block in turned coordinates, so that no zero shows it: one eigenvector for all, and 1/size of all digits."""
+    turned, _ = np.linalg.qr(np.random.default_rng(3).standard_normal((size, size)))
+    matrix = turned @ (np.diag(np.full(size, -0.2)) + np.diag(np.ones(size - 1), 1)) @ turned.T
     names = [f"x{i}" for i in range(size)]
-    rates = ", ".join(f"{n}': -0.2*{n} + {following}" for n, following in zip(names, [*names[1:], "cos(2*pi*t)"], strict=True))
+    rates = ", ".join(f"{n}': cos(2*pi*t) + " + " + ".join(f"({a!r})*{other}" for a, other in zip(map(float, row), names, strict=True))
+                      for n, row in zip(names, matrix, strict=True))  # fmt: skip
     text = (f"name: jordan\nstates: [{', '.join(names)}]\nparameters: {{w: 1}}\nforcing: {{period: 1}}\nmodes: {{m: {{{rates}}}}}\nrun:\n"
-            "  mesh: {degree: 8, intervals: 6}\n  steps:\n    - {name: t, simulate: {t_end: 200}}\n"
+            "  mesh: {degree: 8, intervals: 6}\n  steps:\n    - {name: t, simulate: {t_end: 300}}\n"
             "    - {name: o, orbit: {from: t, stability: true}}\n")  # fmt: skip
     found = multipliers(run_model(text, tmp_path / "a.h5").step("o"))
     assert len(found) == size
-    record(f"{size} equal multipliers with one vector", "exp(-0.2)", np.max(np.abs(found - math.exp(-0.2))), 100 * 1e-15 ** (1 / size))
+    apart = np.max(np.abs(found - math.exp(-0.2)))
+    record(f"{size} equal multipliers with one vector", f"exp(-0.2), 1/{size} of all digits", apart, 10 * 1e-15 ** (1 / size))
     record(f"their mean ({size})", "exp(-0.2)", abs(np.mean(found) - math.exp(-0.2)), 1e-12)
 
 
