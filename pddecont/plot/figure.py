@@ -21,6 +21,7 @@ from pddecont.plot.plane import draw_plane
 from pddecont.plot.precision import draw_distances, draw_enlarged, draw_family, draw_work, varied
 from pddecont.plot.style import RC, label
 from pddecont.plot.tags import Tag, place_tags
+from pddecont.plot.units import axis_label
 from pddecont.results.attractors import found
 from pddecont.results.precision import distances
 from pddecont.results.reader import Results, Step
@@ -108,7 +109,7 @@ def _manifold(steps: list[Step], view: View) -> Any:
     axes.set_box_aspect((4, 4, 3), zoom=0.98)
     if view.x and view.y and {view.x, view.y} <= set(signals(steps[-1])):
         lines = draw_orbits_along(axes, steps[-1], view.x, view.y, view.z or free_of(steps[-1])[0])
-        figure.colorbar(lines, ax=axes, label=label(view.z or free_of(steps[-1])[0]), shrink=0.6, pad=0.12)
+        figure.colorbar(lines, ax=axes, label=axis_label(steps, view.z or free_of(steps[-1])[0]), shrink=0.6, pad=0.12)
         return figure
     return _finished(figure, axes, *draw_manifold(axes, steps, *pair(steps, view), height(steps, view)))
 
@@ -119,7 +120,7 @@ def _multipliers(steps: list[Step], view: View) -> Any:
     axes = figure.subplots()
     dots = draw_multipliers(axes, step, rows)
     if dots is not None:
-        figure.colorbar(dots, ax=axes, label=label(free_of(step)[0]), shrink=0.85)
+        figure.colorbar(dots, ax=axes, label=axis_label(step, free_of(step)[0]), shrink=0.85)
     handles, _ = axes.get_legend_handles_labels()
     if handles:
         figure.legend(handles=handles, loc="outside lower center", ncols=min(2, len(handles)), fontsize=8.5)
@@ -253,5 +254,5 @@ def _trajectory(steps: list[Step], view: View) -> Any:
     panels = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
     for axes, name in zip(panels, names, strict=True):
         draw_trajectory(axes, step, name)
-    panels[-1].set_xlabel(label("t"))
+    panels[-1].set_xlabel(axis_label(step, "t"))
     return figure
