@@ -13,7 +13,7 @@ from pddecont.results.reader import Results, Step
 from pddecont.results.tables import has_multipliers
 
 # Views that show one step at a time.
-SINGLE = ("orbit", "profile", "trajectory", "multipliers", "precision")
+SINGLE = ("orbit", "profile", "trajectory", "multipliers", "precision", "animate")
 MAX_PANELS = 6
 
 
@@ -33,11 +33,20 @@ class View:
 def kinds_for(step: Step) -> tuple[str, ...]:
     """Return the views of a step, the one that suits it best first."""
     if step.kind == "continue" and len(free_of(step)) == 2:
-        return "plane", "diagram", "manifold", "orbit", "profile", "multipliers"
+        return "plane", "diagram", "manifold", "orbit", "profile", "multipliers", "animate"
     if step.kind == "precision":
         return ("precision", "distance") if distances(step) else ("precision",)
     return {"simulate": ("trajectory",), "sweep": ("sweep",), "basin": ("basin",), "orbit": ("orbit", "profile", "multipliers"),
-            "continue": ("diagram", "orbit", "profile", "multipliers", "manifold")}.get(step.kind, ())  # fmt: skip
+            "continue": ("diagram", "orbit", "profile", "multipliers", "manifold", "animate")}.get(step.kind, ())  # fmt: skip
+
+
+def views_of(results: Results, step: Step) -> tuple[str, ...]:
+    """Return the views that can be drawn of a step as it is, the one that suits it best first; none while it has no points."""
+    if not len(step):
+        return ()
+    with_curve = any(len(free_of(s)) == 2 and len(s) and set(free_of(step)) <= set(free_of(s)) for s in results.steps.values())
+    missing = {"manifold": not with_curve, "multipliers": not has_multipliers(step), "animate": len(step) < 2}
+    return tuple(kind for kind in kinds_for(step) if not missing.get(kind))
 
 
 def choose(results: Results, view: View) -> tuple[str, list[Step]]:
