@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-import pddecont
+from pddecont.version import __version__
 
 # The matrices here are too small to share among threads; a user's own setting stands.
 if "OMP_NUM_THREADS" not in os.environ:
@@ -43,7 +43,7 @@ class LazyGroup(click.Group):
 
 
 @click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(pddecont.__version__, package_name="pddecont")
+@click.version_option(__version__, package_name="pddecont")
 def group() -> None:
     r"""Bifurcation analysis of piecewise-smooth delay differential equations.
 

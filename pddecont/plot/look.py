@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -21,7 +21,7 @@ def look(style: str | None = None) -> Iterator[None]:
         yield
 
 
-def sheet(style: str) -> Mapping[str, Any]:
+def sheet(style: str) -> Any:
     """Return the settings of a style sheet.
 
     Raises
@@ -40,7 +40,7 @@ def sheet(style: str) -> Mapping[str, Any]:
                        f"{', '.join(name for name in sorted(library) if not name.startswith('_'))})")  # fmt: skip
 
 
-def _settings(file: str) -> Mapping[str, Any]:
+def _settings(file: str) -> Any:
     import matplotlib
 
     # Of a key that it does not know matplotlib only tells its log.
