@@ -15,11 +15,14 @@ if "OMP_NUM_THREADS" not in os.environ:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 COMMANDS = {
+    "new": "Write a model to start from.",
     "run": "Do the steps of a run file (or of a model's own run block).",
     "plot": "Draw what a results file holds.",
     "check": "Report every problem in model and run files.",
     "info": "Say what is in a model, a run file or a results file.",
     "export": "Write a table of a results file to standard output.",
+    "report": "Write one HTML page on a results file.",
+    "completion": "Print the script that lets a shell complete commands.",
 }
 
 
