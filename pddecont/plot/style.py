@@ -20,6 +20,8 @@ _GREEK = {"alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", 
 
 def label(name: str) -> str:
     """Return a name as it is written in mathematics: ``tau_d`` with its Greek letter and index."""
+    # In a file from somebody else a name may hold anything.
+    name = name.replace("$", r"\$")
     if "(" in name:
         return name
     first, _, rest = name.partition("_")

@@ -11,6 +11,7 @@ import json
 from collections.abc import Iterable
 from html import escape
 from importlib.resources import files
+from pathlib import Path
 
 from pddecont.errors import ResultsError
 from pddecont.plot.choice import View, views_of
@@ -33,7 +34,7 @@ def page(results: Results) -> str:
         f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">',
         '<meta name="viewport" content="width=device-width, initial-scale=1">',
         f"<title>{escape(model)}: {escape(results.path.name)}</title>", f"<style>{style}</style>", "</head>", "<body>",
-        f"<h1>{escape(model)}</h1>", f'<p class="from">{escape(results.path.name)}, from {escape(results.source)}</p>',
+        f"<h1>{escape(model)}</h1>", f'<p class="from">{escape(results.path.name)}, from {escape(Path(results.source).name)}</p>',
         *_contents(results), *_overview(results),
         *(line for step in results.steps.values() for line in _step(results, step)),
         '<h2 id="texts">Texts and versions</h2>',
@@ -58,7 +59,7 @@ def _contents(results: Results) -> Iterable[str]:
 def _overview(results: Results) -> Iterable[str]:
     """Return the pictures that show several steps at once, where there are any."""
     drawn = [s for s in results.steps.values() if views_of(results, s)]
-    if not any(s.kind in ("continue", "sweep") for s in drawn) or len(drawn) < 2:
+    if sum(s.kind in ("continue", "sweep") for s in drawn) < 2:
         return
     yield "<h2>Overview</h2>"
     yield _picture(results, View(), "overview")
