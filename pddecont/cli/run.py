@@ -7,11 +7,12 @@ from typing import Any
 
 import click
 
+from pddecont.cli.completion import files_and_shipped
 from pddecont.cli.console import Progress, print_json, say
 
 
 @click.command("run")
-@click.argument("file")
+@click.argument("file", shell_complete=files_and_shipped)
 @click.option("-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="Results file  [default: the input's name, .h5]")
 @click.option("--set", "assignments", multiple=True, metavar="NAME=VALUE", help="Set a parameter; may be repeated.")
 @click.option("--without", multiple=True, metavar="EFFECT", help="Leave an effect of the model out; may be repeated.")

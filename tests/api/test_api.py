@@ -3,6 +3,7 @@
 import csv
 import doctest
 import io
+import re
 import subprocess
 import sys
 import warnings
@@ -61,7 +62,8 @@ def test_a_branch_is_a_data_set_with_units_and_coordinates(relay):
 
 
 def test_multipliers_are_in_the_data_set():
-    found = pddecont.run(RELAY, steps=[*STEPS[:1], {"name": "orbit", "orbit": {"from": "transient", "stability": True}}])
+    steps = [{"name": "transient", "simulate": {"t_end": 150}}, {"name": "orbit", "orbit": {"from": "transient", "stability": True}}]
+    found = pddecont.run("wright", steps=steps)
     ds = found.branch("orbit")
     z = ds["multiplier"].values[0]
     assert np.iscomplexobj(z)
@@ -120,7 +122,7 @@ def test_a_file_and_the_command_line_give_the_same_numbers(relay, in_folder):
 def test_parameters_and_effects_as_on_the_command_line():
     found = pddecont.run("relay", steps=STEPS[:2], set={"a": 0.25, "tau": "4*a"}, monitors={"top": "max(x)"})
     assert found["orbit"].arrays()["top"] == pytest.approx(np.expm1(0.25) / 0.25)
-    found = pddecont.run("relay", until="orbit", without=["growth"])
+    found = pddecont.run("relay", without=["growth"], steps=STEPS[:2])
     assert found["orbit"].arrays()["amplitude"] == pytest.approx(1.0)  # slopes of one for the time tau
 
 
@@ -205,3 +207,9 @@ def test_the_examples_in_docstrings_work():
     found = doctest.testmod(pddecont.api)
     assert found.attempted >= 4
     assert found.failed == 0
+
+
+@pytest.mark.parametrize("text", re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "python.md").read_text(), re.S))
+def test_the_pages_examples_run_as_written(text, in_folder):
+    exec(compile(text, "python.md", "exec"), {})
+    assert "impact.png" not in text or (in_folder / "impact.png").exists()

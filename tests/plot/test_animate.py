@@ -50,9 +50,9 @@ def test_the_panel_stays_while_the_orbit_moves(every):
 
 
 def test_suffixes_and_views_go_together(every, tmp_path):
-    with pytest.raises(ResultsError, match="'.gif' holds moving pictures; give '--view animate'"):
+    with pytest.raises(ResultsError, match=r"'\.gif' holds moving pictures; give '--view animate'"):
         draw(every, View(), tmp_path / "a.gif")
-    with pytest.raises(ResultsError, match="moving pictures are .gif, .mp4; found '.png'"):
+    with pytest.raises(ResultsError, match=r"moving pictures are \.gif, \.mp4; found '\.png'"):
         draw(every, View("animate"), tmp_path / "a.png")
     with pytest.raises(ResultsError, match="it can be drawn as orbit, profile"):
         draw(every, View("animate", ("orbit",)), tmp_path / "a.gif")
@@ -62,13 +62,13 @@ def test_without_ffmpeg_there_is_advice(every, tmp_path, monkeypatch):
     from matplotlib.animation import FFMpegWriter
 
     monkeypatch.setattr(FFMpegWriter, "isAvailable", classmethod(lambda cls: False))
-    with pytest.raises(ResultsError, match="'ffmpeg', which was not found; install it, or write a .gif"):
+    with pytest.raises(ResultsError, match="'ffmpeg', which was not found; install it"):
         draw(every, View("animate"), tmp_path / "a.mp4")
 
 
 def test_the_list_holds_what_can_be_drawn_and_all_of_it_can(every):
     views = {name: views_of(every, step) for name, step in every.steps.items()}
-    assert views["orbit"] == ("orbit", "profile")  # one point, no multipliers
+    assert views["orbit"] == ("orbit", "profile", "multipliers")  # one point does not move
     assert views["grazing"][0] == "plane"
     assert "multipliers" in views["in_gain"] and "multipliers" not in views["in_delay"]
     for name in ("in_gain", "grazing"):
@@ -77,7 +77,7 @@ def test_the_list_holds_what_can_be_drawn_and_all_of_it_can(every):
                 assert image(every, View(kind, (name,)))[0] == "image/svg+xml"
     code, out, _ = call("plot", every.path, "--list")
     assert code == 0
-    assert out.splitlines()[every.names.index("orbit")] == "orbit  orbit  orbit, profile"
+    assert out.splitlines()[every.names.index("orbit")] == "orbit  orbit  orbit, profile, multipliers"
     assert len(out.splitlines()) == len(every.steps)
     assert call("plot", every.path, "--list", "--step", "nothing")[0] == 1
 

@@ -1,6 +1,7 @@
 """The report: one page that is well formed, holds everything, loads nothing and trusts no text."""
 
 import base64
+import json
 import re
 from html.parser import HTMLParser
 from xml.etree import ElementTree
@@ -83,7 +84,7 @@ def test_nothing_comes_from_outside_and_nothing_runs(text):
 
 def test_text_of_a_stranger_is_only_text(tmp_path):
     path = tmp_path / "h.h5"
-    create(path, HOSTILE, HOSTILE + "run", HOSTILE, '{"numpy": "%s"}' % HOSTILE.replace("\\", "\\\\").replace('"', '\\"'))
+    create(path, HOSTILE, HOSTILE + "run", HOSTILE, json.dumps({"numpy": HOSTILE}))
     row = synthetic.point(0.0, 0.2, 3.8, 1.0, note=HOSTILE[:32], signature="<b>NC</b> C")
     rows = [row, row | {"arclength": 1.0, "kind": b"LP", "parameters": [0.8, 0.3, 3.8]}]
     synthetic.add(path, "<i>step", rows)
