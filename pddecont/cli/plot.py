@@ -52,7 +52,7 @@ def command(file: str, output: Path | None, steps: tuple[str, ...], kind: str | 
     results = read_results(file)
     if only_list:
         for step in map(results.step, steps or results.steps):
-            click.echo(f"{step.name}  {step.kind}  {', '.join(views_of(results, step)) or 'nothing to draw yet'}")
+            click.echo(f"{step.name}  {step.kind}  {', '.join(views_of(step)) or 'nothing to draw yet'}")
         return
     path = output or Path(Path(file).stem + (".gif" if kind == "animate" else ".png"))
     draw(results, View(kind, steps, x, y, z, labels, indices), path, style)

@@ -40,12 +40,11 @@ def kinds_for(step: Step) -> tuple[str, ...]:
             "continue": ("diagram", "orbit", "profile", "multipliers", "manifold", "animate")}.get(step.kind, ())  # fmt: skip
 
 
-def views_of(results: Results, step: Step) -> tuple[str, ...]:
-    """Return the views that can be drawn of a step as it is, the one that suits it best first; none while it has no points."""
+def views_of(step: Step) -> tuple[str, ...]:
+    """Return the views that can be drawn of a step by itself, the one that suits it best first; none while it has no points."""
     if not len(step):
         return ()
-    with_curve = any(len(free_of(s)) == 2 and len(s) and set(free_of(step)) <= set(free_of(s)) for s in results.steps.values())
-    missing = {"manifold": not with_curve, "multipliers": not has_multipliers(step), "animate": len(step) < 2}
+    missing = {"manifold": len(free_of(step)) < 2, "multipliers": not has_multipliers(step), "animate": len(step) < 2}
     return tuple(kind for kind in kinds_for(step) if not missing.get(kind))
 
 

@@ -58,12 +58,12 @@ def _contents(results: Results) -> Iterable[str]:
 
 def _overview(results: Results) -> Iterable[str]:
     """Return the pictures that show several steps at once, where there are any."""
-    drawn = [s for s in results.steps.values() if views_of(results, s)]
+    drawn = [s for s in results.steps.values() if views_of(s)]
     if sum(s.kind in ("continue", "sweep") for s in drawn) < 2:
         return
     yield "<h2>Overview</h2>"
     yield _picture(results, View(), "overview")
-    if any("manifold" in views_of(results, s) for s in drawn):
+    if any("manifold" in views_of(s) for s in drawn):
         yield _picture(results, View("manifold"), "manifold")
 
 
@@ -79,7 +79,7 @@ def _step(results: Results, step: Step) -> Iterable[str]:
     for title, rows in special_tables(step):
         yield f"<h3>{escape(title)}</h3>"
         yield html_table(rows)
-    for kind in views_of(results, step):
+    for kind in views_of(step):
         if kind not in APART:
             yield _picture(results, View(kind, (step.name,)), f"{step.name}: {kind}")
     yield from _settings(step)

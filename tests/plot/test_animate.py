@@ -67,9 +67,10 @@ def test_without_ffmpeg_there_is_advice(every, tmp_path, monkeypatch):
 
 
 def test_the_list_holds_what_can_be_drawn_and_all_of_it_can(every):
-    views = {name: views_of(every, step) for name, step in every.steps.items()}
+    views = {name: views_of(step) for name, step in every.steps.items()}
     assert views["orbit"] == ("orbit", "profile", "multipliers")  # one point does not move
     assert views["grazing"][0] == "plane"
+    assert "manifold" in views["grazing"] and "manifold" not in views["in_gain"]  # a branch alone spans no plane
     assert "multipliers" in views["in_gain"] and "multipliers" not in views["in_delay"]
     for name in ("in_gain", "grazing"):
         for kind in views[name]:

@@ -46,22 +46,28 @@ class Page(HTMLParser):
 
 @pytest.fixture(scope="module")
 def text(tmp_path_factory):
-    path = synthetic.write_all(tmp_path_factory.mktemp("report") / "all.h5")
+    path = tmp_path_factory.mktemp("report") / "some.h5"
+    create(path, "model", "run", "/home/somebody/run.yaml", '{"numpy": "2.0"}')
+    synthetic.add(path, "orbit", synthetic.gain()[:1], kind="orbit")
+    synthetic.add(path, "in_delay", [synthetic.point(float(k), 0.3, 3.0 + k, 1.0) for k in range(2)], free=("tau_d",))
+    synthetic.add(path, "in_gain", synthetic.gain())
+    synthetic.add(path, "grazing", synthetic.grazing_curve(), free=("tau_d", "K"), curve="GR", side=True)
     return page(read_results(path))
 
 
 def test_the_page_holds_every_step_its_points_and_its_pictures(text):
     read = Page(text)
     said = " ".join(read.text)
-    for word in ("in_gain", "in_delay", "grazing", "folds", "LP1", "GR1", "GG1", "reached the end", "period doubling"):
+    for word in ("in_gain", "in_delay", "grazing", "run.yaml", "numpy", "LP1", "GR1", "GG1", "reached the end", "period doubling"):
         assert word in said
     captions = [a["alt"] for a in read.of("img")]
     assert captions[:2] == ["overview", "manifold"]
-    assert {"in_gain: diagram", "in_gain: multipliers", "orbit: profile", "grazing: plane", "folds: orbit"} <= set(captions)
+    assert {"in_gain: diagram", "in_gain: multipliers", "orbit: profile", "grazing: plane", "grazing: orbit"} <= set(captions)
     assert "in_delay: multipliers" not in captions
+    assert "somebody" not in text  # folders are nobody's business
     anchors = {a["id"] for _, a in read.tags if "id" in a}
     assert {a["href"][1:] for a in read.of("a")} <= anchors
-    assert len(read.of("a")) == 6
+    assert len(read.of("a")) == 4
 
 
 def test_every_picture_is_a_whole_image_within_the_page(text):
@@ -117,7 +123,8 @@ def test_cells_are_written_plainly():
 
 def test_the_command_writes_the_page(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    synthetic.write_old(tmp_path / "old.h5")
+    create(tmp_path / "old.h5", "model", "run", "run.yaml", "{}")
+    synthetic.add(tmp_path / "old.h5", "orbit", synthetic.gain()[:1], kind="orbit", new=False)
     assert call("report", "old.h5")[0] == 0
     assert Page((tmp_path / "old.html").read_text()).of("img")
     code, _, err = call("report", "old.h5", "-o", "old.pdf")
