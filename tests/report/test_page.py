@@ -58,7 +58,7 @@ def text(tmp_path_factory):
 def test_the_page_holds_every_step_its_points_and_its_pictures(text):
     read = Page(text)
     said = " ".join(read.text)
-    for word in ("in_gain", "in_delay", "grazing", "run.yaml", "numpy", "LP1", "GR1", "GG1", "reached the end", "period doubling"):
+    for word in ("in_gain", "in_delay", "grazing", "run.yaml", "numpy", "LP1", "GR1", "GG1", "reached the end", "fold", "grazing"):
         assert word in said
     captions = [a["alt"] for a in read.of("img")]
     assert captions[:2] == ["overview", "manifold"]
