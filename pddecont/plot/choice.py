@@ -69,7 +69,7 @@ def _asked(results: Results, view: View) -> tuple[str, list[Step]]:
             raise ResultsError(f"step '{step.name}' has no points yet")
         if kind not in kinds_for(step):
             free = f" in {len(free_of(step))} parameter{'s'[: len(free_of(step)) - 1]}" if free_of(step) else ""
-            raise ResultsError(f"step '{step.name}' is a {step.kind} step{free}; it can be drawn as "
+            raise ResultsError(f"step '{step.name}' is a{'n' * (step.kind == 'orbit')} {step.kind} step{free}; it can be drawn as "
                                f"{', '.join(kinds_for(step)) or 'nothing yet'}, not as {kind}")  # fmt: skip
     together = kind == "orbit" and all(s.kind == "orbit" for s in steps)
     if kind in SINGLE and len(steps) > 1 and not together:
@@ -87,7 +87,8 @@ def _suitable(results: Results, view: View) -> tuple[str, list[Step]]:
     fit = [s for s in full if kind in kinds_for(s)]
     if not fit:
         wanted = f" as {kind}" if kind else ""
-        raise ResultsError(f"{results.path} holds nothing to draw{wanted} (steps: {', '.join(results.steps) or 'none'})")
+        raise ResultsError(f"{results.path} holds nothing to draw{wanted} (steps: {', '.join(results.steps) or 'none'}); "
+                           "'pddecont plot --list' says what there is")  # fmt: skip
     if kind == "multipliers":
         fit = [s for s in fit if has_multipliers(s)] or fit
     if kind == "sweep":
