@@ -1,3 +1,31 @@
-"""Bifurcation analysis of piecewise-smooth delay differential equations."""
+"""Bifurcation analysis of piecewise-smooth delay differential equations.
 
-__version__ = "0.1.0"
+``pddecont.run`` does a run and ``pddecont.load`` reads its results, in Python as on the command line.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+from pddecont.version import __version__
+
+if TYPE_CHECKING:
+    from pddecont.api import RunResults as RunResults
+    from pddecont.api import StepResults as StepResults
+    from pddecont.api import load as load
+    from pddecont.api import run as run
+
+__all__ = ["RunResults", "StepResults", "__version__", "load", "run"]
+
+
+def __getattr__(name: str) -> Any:
+    """Import the Python interface when it is first used: the command line starts without it."""
+    if name not in __all__:
+        raise AttributeError(f"module 'pddecont' has no attribute '{name}'")
+    return getattr(importlib.import_module("pddecont.api"), name)
+
+
+def __dir__() -> list[str]:
+    """Return the names of the Python interface."""
+    return __all__

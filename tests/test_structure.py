@@ -14,7 +14,7 @@ from tests.conftest import CONFIGS, MODELS, ROOT
 PACKAGE = Path(pddecont.__file__).parent
 # What each folder may import of the others.
 ALLOWED = {
-    "cli": {"steps", "model", "results", "plot", "shipped"},
+    "cli": {"steps", "model", "results", "plot", "report", "shipped"},
     "model": set(),
     "delay": {"orbit"},
     "orbit": {"model", "delay", "continuation", "simulate"},
@@ -24,6 +24,7 @@ ALLOWED = {
     "simulate": {"model", "delay"},
     "results": set(),
     "plot": {"results"},
+    "report": {"results", "plot"},
     "steps": {"model", "delay", "orbit", "stability", "continuation", "bifurcation", "simulate", "results", "shipped"},
     "shipped": {"model", "steps"},
 }

@@ -8,19 +8,22 @@ from typing import Any
 
 import click
 
-import pddecont
 from pddecont.cli.interrupt import ending_on_signals
+from pddecont.version import __version__
 
 # The matrices here are too small to share among threads; a user's own setting stands.
 if "OMP_NUM_THREADS" not in os.environ:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 COMMANDS = {
+    "new": "Write a model to start from.",
     "run": "Do the steps of a run file (or of a model's own run block).",
     "plot": "Draw what a results file holds.",
     "check": "Report every problem in model and run files.",
     "info": "Say what is in a model, a run file or a results file.",
     "export": "Write a table of a results file to standard output.",
+    "report": "Write one HTML page on a results file.",
+    "completion": "Print the script that lets a shell complete commands.",
 }
 
 
@@ -44,7 +47,7 @@ class LazyGroup(click.Group):
 
 
 @click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(pddecont.__version__, package_name="pddecont")
+@click.version_option(__version__, package_name="pddecont")
 def group() -> None:
     r"""Bifurcation analysis of piecewise-smooth delay differential equations.
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import click
 
+from pddecont.cli.completion import files_and_shipped
 from pddecont.cli.console import Exit, say
 
 
 @click.command("check")
-@click.argument("files", nargs=-1, required=True)
+@click.argument("files", nargs=-1, required=True, shell_complete=files_and_shipped)
 def command(files: tuple[str, ...]) -> int:
     """Report every problem in model and run FILES, with line and column; compute nothing."""
     from pddecont.errors import InputError

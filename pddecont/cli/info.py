@@ -7,11 +7,12 @@ from typing import Any
 
 import click
 
+from pddecont.cli.completion import files_and_shipped
 from pddecont.cli.console import print_json, printable
 
 
 @click.command("info")
-@click.argument("file")
+@click.argument("file", shell_complete=files_and_shipped)
 @click.option("--without", multiple=True, metavar="EFFECT", help="Look at the model without an effect; may be repeated.")
 @click.option("--json", "as_json", is_flag=True, help="Write one JSON document.")
 def command(file: str, without: tuple[str, ...], as_json: bool) -> None:

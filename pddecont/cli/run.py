@@ -7,11 +7,12 @@ from typing import Any
 
 import click
 
+from pddecont.cli.completion import files_and_shipped
 from pddecont.cli.console import Progress, print_json, say
 
 
 @click.command("run")
-@click.argument("file")
+@click.argument("file", shell_complete=files_and_shipped)
 @click.option("-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="Results file  [default: the input's name, .h5]")
 @click.option("--set", "assignments", multiple=True, metavar="NAME=VALUE", help="Set a parameter; may be repeated.")
 @click.option("--without", multiple=True, metavar="EFFECT", help="Leave an effect of the model out; may be repeated.")
@@ -32,28 +33,24 @@ def command(file: str, output: Path | None, assignments: tuple[str, ...], withou
 
     FILE is a path, '-' for standard input, or the name of a shipped model or run.
     """
-    from pddecont.results.reader import read_results
-    from pddecont.results.summary import summary
-    from pddecont.steps.loading import load_document, load_plan
+    from pddecont.api import compute, plan
     from pddecont.steps.planner import Overrides
-    from pddecont.steps.run import execute
 
     if resume and overwrite:
         raise click.UsageError("--resume and --overwrite exclude each other")
-    document = load_document(file)
-    plan = load_plan(document, Overrides(tuple(map(_assignment, assignments)), without, accuracy))
-    for warning in plan.warnings:
+    checked = plan(file, overrides=Overrides(tuple(map(_assignment, assignments)), without, accuracy))
+    for warning in checked.warnings:
         say(f"{warning} (warning)")
-    stem = "run" if file == "-" else Path(document.path).stem
+    stem = "run" if file == "-" else Path(checked.source).stem
     path = output or Path(f"{stem}.h5")
     progress = Progress(quiet or as_json)
     try:
-        execute(plan, path, progress, resume=resume, overwrite=overwrite, only=only, until=until, workers=workers,
-                scheduler=scheduler)
+        results = compute(checked, path, progress, resume=resume, overwrite=overwrite, only=only, until=until, workers=workers,
+                          scheduler=scheduler)  # fmt: skip
     finally:
         progress.stop()
     if as_json:
-        result: dict[str, Any] = {"output": str(path), **summary(read_results(path))}
+        result: dict[str, Any] = {"output": str(path), **results.summary()}
         print_json(result)
     elif not quiet:
         say(f"results: {path}")

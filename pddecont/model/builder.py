@@ -66,6 +66,7 @@ class _Builder:
         """Return the model, or None where its names clash."""
         file = self.file
         self.check_names()
+        self.check_units()
         if self.problems:
             return None
         parameters = {name: symbol(name) for name in file.parameters}
@@ -89,7 +90,8 @@ class _Builder:
         self.check_time(period, used)
         self.check_unused(used, definitions)
         return Model(file.name, file.reference, tuple(file.states), dict(file.parameters), period, modes, events, resets,
-                     segments, effects, tuple(self.delays), tuple(self.delayed), mode, history, definitions)  # fmt: skip
+                     segments, effects, tuple(self.delays), tuple(self.delayed), mode, history, definitions,
+                     units=dict(file.units))  # fmt: skip
 
     def check_names(self) -> None:
         """Check that no name stands for two things."""
@@ -102,6 +104,13 @@ class _Builder:
                 if name in owner:
                     self.complain(path, f"'{name}' stands already among the {owner[name]}; rename one", key=True)
                 owner[name] = group
+
+    def check_units(self) -> None:
+        """Check that units are those of something."""
+        known = [*self.file.states, *self.file.parameters, *self.file.definitions, TIME.name]
+        for name in self.file.units:
+            if name not in known:
+                self.complain(("units", name), f"'{name}' is no state, parameter or definition and not t{suggest(name, known)}", key=True)
 
     def positive(self, path: KeyPath, text: str | float, what: str, *, zero: bool = False) -> sympy.Expr:
         """Return an expression in the parameters, and check that it is positive (or zero) at their values."""

@@ -60,6 +60,7 @@ class ModelFile(Strict):
     reference: str | None = Field(None, description="where the model comes from")
     states: list[NewName] = Field(min_length=1, description="names of the states")
     parameters: dict[NewName, float] = Field(default_factory=dict, description="parameters and their values")
+    units: dict[Identifier, str] = Field(default_factory=dict, description="units of states, parameters, definitions and t, for pictures")
     definitions: dict[NewName, Formula] = Field(default_factory=dict, description="named parts of expressions")
     forcing: Forcing | None = None
     modes: dict[Identifier, dict[str, Formula]] = Field(min_length=1, description="vector fields: {x': expression}")

@@ -74,6 +74,7 @@ class Model:
     definitions: Mapping[str, sympy.Expr] = field(default_factory=dict)
     fixed: Mapping[str, sympy.Expr] = field(default_factory=dict)
     left_out: LeftOut = field(default_factory=LeftOut)
+    units: Mapping[str, str] = field(default_factory=dict)
 
     @cached_property
     def forced(self) -> bool:

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from pddecont.plot.style import COLOURS, label
+from pddecont.plot.style import COLOURS
+from pddecont.plot.units import axis_label
 from pddecont.results.attractors import basin_shares, class_of, found, label_map
 from pddecont.results.reader import Step
 
@@ -48,8 +49,8 @@ def draw_basin(axes: Any, step: Step, palette: Mapping[tuple[str, int], str]) ->
             axes.plot(points[inside, i], points[inside, j], "o", ms=6, mfc=colour, mec="white", mew=1.2)
     axes.set_xlim(xs[0], xs[-1])
     axes.set_ylim(ys[0], ys[-1])
-    axes.set_xlabel(f"{label(step.meta['over'][0])} at the start")
-    axes.set_ylabel(f"{label(step.meta['over'][1])} at the start")
+    axes.set_xlabel(f"{axis_label(step, step.meta['over'][0])} at the start")
+    axes.set_ylabel(f"{axis_label(step, step.meta['over'][1])} at the start")
     names = [f"{step.labels[row] or 'none'}: {class_of(step, int(row))}, {100 * shares[int(row)][0]:.1f} %" for row in rows]
     handles = [Patch(color=colour, alpha=0.75, label=name) for name, colour in zip(names, colours, strict=True)]
     order = np.argsort([-shares[int(row)][0] for row in rows], kind="stable")

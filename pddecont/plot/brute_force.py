@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from pddecont.plot.curves import segments
 from pddecont.plot.orbits import state_index
 from pddecont.plot.stretches import stretches
-from pddecont.plot.style import COLOURS, label
+from pddecont.plot.style import COLOURS
+from pddecont.plot.units import axis_label
 from pddecont.results.attractors import class_of
 from pddecont.results.reader import Step
 
@@ -48,8 +49,8 @@ def draw_returns(axes: Any, steps: Sequence[Step], x: str, state: str) -> list[A
             xy = np.concatenate(points)
             size = 5.0 if len(xy) < 1000 else 3.0 if len(xy) < 5000 else 1.2
             axes.plot(xy[:, 0], xy[:, 1], ".", ms=size, mew=0, color=colour, zorder=3, rasterized=len(xy) > 20_000)
-    axes.set_xlabel(label(x))
-    axes.set_ylabel(f"{label(state)} at returns")
+    axes.set_xlabel(axis_label(steps, x))
+    axes.set_ylabel(f"{axis_label(steps, state)} at returns")
     return [Line2D([], [], marker=".", ls="", color=colour, label=name) for name, colour in colours.items()]
 
 
@@ -109,7 +110,7 @@ def draw_exponents(axes: Any, steps: Sequence[Step], x: str) -> None:
             values = step.points["lyapunov"][rows]
             axes.plot(step.points["parameters"][rows, column], values, ".", ms=3.5, mew=0, color=colour)
     axes.axhline(0.0, color="0.3", lw=0.8)
-    axes.set_xlabel(label(x))
+    axes.set_xlabel(axis_label(steps, x))
     axes.set_ylabel("largest Lyapunov exponent")
 
 
@@ -135,6 +136,6 @@ def draw_classes(axes: Any, step: Step, x: str, y: str) -> list[Any]:
     axes.pcolormesh(xs, ys, np.ma.masked_invalid(image), cmap=ListedColormap(list(colours.values())), vmin=-0.5, vmax=len(names) - 0.5,
                     shading="nearest", rasterized=True)  # fmt: skip
     axes.grid(False)
-    axes.set_xlabel(label(x))
-    axes.set_ylabel(label(y))
+    axes.set_xlabel(axis_label(step, x))
+    axes.set_ylabel(axis_label(step, y))
     return [Patch(color=colour, label=name) for name, colour in colours.items()]

@@ -13,7 +13,7 @@ from pddecont.results.reader import Results, Step
 from pddecont.results.tables import has_multipliers
 
 # Views that show one step at a time.
-SINGLE = ("orbit", "profile", "trajectory", "multipliers", "precision")
+SINGLE = ("orbit", "profile", "trajectory", "multipliers", "precision", "animate")
 MAX_PANELS = 6
 
 
@@ -33,11 +33,19 @@ class View:
 def kinds_for(step: Step) -> tuple[str, ...]:
     """Return the views of a step, the one that suits it best first."""
     if step.kind == "continue" and len(free_of(step)) == 2:
-        return "plane", "diagram", "manifold", "orbit", "profile", "multipliers"
+        return "plane", "diagram", "manifold", "orbit", "profile", "multipliers", "animate"
     if step.kind == "precision":
         return ("precision", "distance") if distances(step) else ("precision",)
     return {"simulate": ("trajectory",), "sweep": ("sweep",), "basin": ("basin",), "orbit": ("orbit", "profile", "multipliers"),
-            "continue": ("diagram", "orbit", "profile", "multipliers", "manifold")}.get(step.kind, ())  # fmt: skip
+            "continue": ("diagram", "orbit", "profile", "multipliers", "manifold", "animate")}.get(step.kind, ())  # fmt: skip
+
+
+def views_of(step: Step) -> tuple[str, ...]:
+    """Return the views that can be drawn of a step by itself, the one that suits it best first; none while it has no points."""
+    if not len(step):
+        return ()
+    missing = {"manifold": len(free_of(step)) < 2, "multipliers": not has_multipliers(step), "animate": len(step) < 2}
+    return tuple(kind for kind in kinds_for(step) if not missing.get(kind))
 
 
 def choose(results: Results, view: View) -> tuple[str, list[Step]]:
@@ -61,7 +69,7 @@ def _asked(results: Results, view: View) -> tuple[str, list[Step]]:
             raise ResultsError(f"step '{step.name}' has no points yet")
         if kind not in kinds_for(step):
             free = f" in {len(free_of(step))} parameter{'s'[: len(free_of(step)) - 1]}" if free_of(step) else ""
-            raise ResultsError(f"step '{step.name}' is a {step.kind} step{free}; it can be drawn as "
+            raise ResultsError(f"step '{step.name}' is a{'n' * (step.kind == 'orbit')} {step.kind} step{free}; it can be drawn as "
                                f"{', '.join(kinds_for(step)) or 'nothing yet'}, not as {kind}")  # fmt: skip
     together = kind == "orbit" and all(s.kind == "orbit" for s in steps)
     if kind in SINGLE and len(steps) > 1 and not together:
@@ -79,7 +87,8 @@ def _suitable(results: Results, view: View) -> tuple[str, list[Step]]:
     fit = [s for s in full if kind in kinds_for(s)]
     if not fit:
         wanted = f" as {kind}" if kind else ""
-        raise ResultsError(f"{results.path} holds nothing to draw{wanted} (steps: {', '.join(results.steps) or 'none'})")
+        raise ResultsError(f"{results.path} holds nothing to draw{wanted} (steps: {', '.join(results.steps) or 'none'}); "
+                           "'pddecont plot --list' says what there is")  # fmt: skip
     if kind == "multipliers":
         fit = [s for s in fit if has_multipliers(s)] or fit
     if kind == "sweep":

@@ -7,8 +7,9 @@ from typing import Any
 
 from pddecont.plot.columns import column
 from pddecont.plot.stretches import colouring, stretches, style_handles
-from pddecont.plot.style import label, marker
+from pddecont.plot.style import marker
 from pddecont.plot.tags import Tag
+from pddecont.plot.units import axis_label
 from pddecont.results.reader import Step
 
 
@@ -25,8 +26,8 @@ def draw_diagram(axes: Any, steps: Sequence[Step], x: str, y: str) -> tuple[list
             axes.plot(xs[s.rows], ys[s.rows], s.style, color=colours[step.name, s.family], lw=1.0 if s.style == ":" else 1.6,
                       marker="." if len(xs) < 3 else None)  # fmt: skip
         tags += mark_special(axes, step, x, y)
-    axes.set_xlabel(label(x))
-    axes.set_ylabel(label(y))
+    axes.set_xlabel(axis_label(steps, x))
+    axes.set_ylabel(axis_label(steps, y))
     return tags, [*handles, *style_handles(steps)]
 
 

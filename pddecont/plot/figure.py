@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -9,42 +10,67 @@ from typing import Any
 import numpy as np
 
 from pddecont.errors import ResultsError
+from pddecont.plot.animate import animate
 from pddecont.plot.basin import basin_colours, draw_basin
 from pddecont.plot.brute_force import draw_branches, draw_classes, draw_exponents, draw_returns, has_exponents
 from pddecont.plot.choice import View, choose, chosen_rows, height, pair
 from pddecont.plot.columns import default_columns, free_of, title
 from pddecont.plot.diagram import draw_diagram
+from pddecont.plot.look import look
 from pddecont.plot.manifold import draw_manifold, draw_orbits_along, signals
 from pddecont.plot.multipliers import draw_multipliers
 from pddecont.plot.orbits import draw_orbit, draw_profile, draw_together, draw_trajectory
 from pddecont.plot.plane import draw_plane
 from pddecont.plot.precision import draw_distances, draw_enlarged, draw_family, draw_work, varied
-from pddecont.plot.style import RC, label
+from pddecont.plot.style import label
 from pddecont.plot.tags import Tag, place_tags
+from pddecont.plot.units import axis_label
 from pddecont.results.attractors import found
 from pddecont.results.precision import distances
 from pddecont.results.reader import Results, Step
 
 SUFFIXES = (".png", ".svg", ".pdf")
+MOVING = (".gif", ".mp4")
 BESIDE = 4
+# Bytes of an SVG beyond which a PNG is the better picture.
+LARGE = 1_000_000
 # Letters of a legend that fit in an inch.
 PER_INCH = 19
 
 
-def draw(results: Results, view: View, path: Path) -> None:
-    """Draw ``view`` of a results file to ``path`` (PNG, SVG or PDF by suffix)."""
-    if path.suffix.lower() not in SUFFIXES:
-        raise ResultsError(f"{path}: pictures are {', '.join(SUFFIXES)}; found '{path.suffix or 'no suffix'}'")
-    import matplotlib
-
-    with matplotlib.rc_context(dict(RC)), np.errstate(all="ignore"):
+def draw(results: Results, view: View, path: Path, style: str | None = None) -> None:
+    """Draw ``view`` of a results file to ``path``, whose suffix says how; ``style`` is a style sheet over this program's own look."""
+    suffix, moving = path.suffix.lower(), view.kind == "animate"
+    if suffix in MOVING and not moving:
+        raise ResultsError(f"{path}: '{suffix}' holds moving pictures; give '--view animate', or one of {', '.join(SUFFIXES)}")
+    if suffix not in (MOVING if moving else SUFFIXES):
+        what = "moving pictures" if moving else "pictures"
+        raise ResultsError(f"{path}: {what} are {', '.join(MOVING if moving else SUFFIXES)}; found '{path.suffix or 'no suffix'}'")
+    with look(style), np.errstate(all="ignore"):
         try:
-            picture(results, view).savefig(path)
+            if moving:
+                _, steps = choose(results, view)
+                animate(steps[-1], view, path)
+            else:
+                picture(results, view).savefig(path)
         except OSError as exc:
             raise ResultsError(f"{path} cannot be written: {exc.strerror}") from exc
         except (ValueError, OverflowError, np.linalg.LinAlgError) as exc:
             # Axes cannot be laid out for numbers that are not finite, or too large to be subtracted.
             raise ResultsError(f"what {results.path} holds cannot be drawn so: {' '.join(str(exc).split())[:200]}") from exc
+
+
+def image(results: Results, view: View) -> tuple[str, bytes]:
+    """Return ``view`` of a results file as (media type, contents): SVG, or PNG where that would be large."""
+    with look(), io.BytesIO() as drawn:
+        figure = picture(results, view)
+        figure.savefig(drawn, format="svg", metadata={"Date": None})
+        if drawn.tell() <= LARGE:
+            return "image/svg+xml", drawn.getvalue()
+        drawn.seek(0)
+        drawn.truncate()
+        figure.savefig(drawn, format="png")
+        return "image/png", drawn.getvalue()
 
 
 def picture(results: Results, view: View) -> Any:
@@ -110,7 +136,7 @@ def _manifold(steps: list[Step], view: View) -> Any:
     axes.set_box_aspect((4, 4, 3), zoom=0.98)
     if view.x and view.y and {view.x, view.y} <= set(signals(steps[-1])):
         lines = draw_orbits_along(axes, steps[-1], view.x, view.y, view.z or free_of(steps[-1])[0])
-        figure.colorbar(lines, ax=axes, label=label(view.z or free_of(steps[-1])[0]), shrink=0.6, pad=0.12)
+        figure.colorbar(lines, ax=axes, label=axis_label(steps, view.z or free_of(steps[-1])[0]), shrink=0.6, pad=0.12)
         return figure
     return _finished(figure, axes, *draw_manifold(axes, steps, *pair(steps, view), height(steps, view)))
 
@@ -121,7 +147,7 @@ def _multipliers(steps: list[Step], view: View) -> Any:
     axes = figure.subplots()
     dots = draw_multipliers(axes, step, rows)
     if dots is not None:
-        figure.colorbar(dots, ax=axes, label=label(free_of(step)[0]), shrink=0.85)
+        figure.colorbar(dots, ax=axes, label=axis_label(step, free_of(step)[0]), shrink=0.85)
     handles, _ = axes.get_legend_handles_labels()
     if handles:
         figure.legend(handles=handles, loc="outside lower center", ncols=min(2, len(handles)), fontsize=8.5)
@@ -255,5 +281,5 @@ def _trajectory(steps: list[Step], view: View) -> Any:
     panels = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
     for axes, name in zip(panels, names, strict=True):
         draw_trajectory(axes, step, name)
-    panels[-1].set_xlabel(label("t"))
+    panels[-1].set_xlabel(axis_label(step, "t"))
     return figure

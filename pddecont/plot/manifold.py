@@ -11,8 +11,9 @@ from pddecont.plot.columns import agree, column, free_of
 from pddecont.plot.diagram import special_rows
 from pddecont.plot.plane import curve_colour, curve_handles
 from pddecont.plot.stretches import colouring, stretches, style_handles
-from pddecont.plot.style import label, marker
+from pddecont.plot.style import marker
 from pddecont.plot.tags import Tag
+from pddecont.plot.units import axis_label
 from pddecont.results.reader import Step
 
 # Apart from the colours of the curves' kinds.
@@ -56,7 +57,7 @@ def draw_manifold(axes: Any, steps: Sequence[Step], x: str, y: str, z: str) -> t
             axes.plot(*([values[i]] for values in xyz), marker(step.labels[i][:2]), color="black", ms=4)
             special.append((step.labels[i], [float(values[i]) for values in xyz]))
     for name, put in ((x, axes.set_xlabel), (y, axes.set_ylabel), (z, axes.set_zlabel)):
-        put(label(name))
+        put(axis_label(steps, name))
     seen = [(name, proj_transform(*place, axes.get_proj())) for name, place in special]
     named = handles if len(families) > 1 else []
     return [Tag(name, float(p[0]), float(p[1])) for name, p in seen], [*curve_handles(curves), *named, *style_handles(steps)]
@@ -85,6 +86,6 @@ def draw_orbits_along(axes: Any, step: Step, x: str, y: str, z: str) -> Any:
     whole = np.vstack(lines)
     for k, (name, put, limit) in enumerate(((x, axes.set_xlabel, axes.set_xlim), (y, axes.set_ylabel, axes.set_ylim),
                                             (z, axes.set_zlabel, axes.set_zlim))):  # fmt: skip
-        put(label(name))
+        put(axis_label(step, name))
         limit(whole[:, k].min(), whole[:, k].max())
     return drawn

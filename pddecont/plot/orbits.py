@@ -10,6 +10,7 @@ import numpy as np
 from pddecont.errors import ResultsError, suggest
 from pddecont.plot.curves import segments
 from pddecont.plot.style import COLOURS, label
+from pddecont.plot.units import axis_label
 from pddecont.results.reader import Step
 from pddecont.results.summary import signature
 
@@ -36,8 +37,8 @@ def draw_orbit(axes: Any, step: Step, row: int, x: str, y: str, title: str = "")
         if np.max(np.abs(ends[1] - ends[0])) > 1e-9 * np.max(np.abs(ends), initial=1e-300):
             axes.plot(ends[:, 0], ends[:, 1], color="0.5", lw=0.8, ls="--")
     _draw_surfaces(axes, step, row, i, j)
-    axes.set_xlabel(label(x))
-    axes.set_ylabel(label(y))
+    axes.set_xlabel(axis_label(step, x))
+    axes.set_ylabel(axis_label(step, y))
     if title:
         axes.set_title(title, fontsize=9.5)
 
@@ -52,8 +53,8 @@ def draw_together(axes: Any, steps: Sequence[Step], x: str, y: str, title: str =
         axes.plot(z[:, i], z[:, j], ls="-" if k == 0 else (0, (4, 2)), lw=1.6 if k == 0 else 1.2, color=COLOURS[k % len(COLOURS)],
                   label=step.name)  # fmt: skip
     _draw_surfaces(axes, steps[0], 0, state_index(steps[0], x), state_index(steps[0], y))
-    axes.set_xlabel(label(x))
-    axes.set_ylabel(label(y))
+    axes.set_xlabel(axis_label(steps, x))
+    axes.set_ylabel(axis_label(steps, y))
     axes.set_title(title, fontsize=9.5)
 
 
@@ -89,8 +90,8 @@ def draw_profile(axes: Any, step: Step, row: int, states: list[str], title: str 
     if len(arcs) > 1:
         for t, _ in arcs[1:]:
             axes.axvline(t[0] - start, color="0.7", lw=0.7, zorder=0)
-    axes.set_xlabel(label("t"))
-    axes.set_ylabel(", ".join(label(s) for s in states))
+    axes.set_xlabel(axis_label(step, "t"))
+    axes.set_ylabel(", ".join(axis_label(step, s) for s in states))
     if len(states) > 1:
         axes.legend(fontsize=8)
     if title:
@@ -112,4 +113,4 @@ def draw_trajectory(axes: Any, step: Step, name: str) -> None:
     for t in step.meta.get("changes", []):
         if t >= rows["time"][0]:
             axes.axvline(t, color="0.3", lw=0.9, ls="--")
-    axes.set_ylabel(label(name))
+    axes.set_ylabel(axis_label(step, name))

@@ -13,8 +13,9 @@ from scipy.spatial import cKDTree
 from pddecont.plot.columns import column, free_of
 from pddecont.plot.diagram import mark_special, special_rows
 from pddecont.plot.stretches import family, stretches, style_handles
-from pddecont.plot.style import KIND_COLOURS, label, marker
+from pddecont.plot.style import KIND_COLOURS, marker
 from pddecont.plot.tags import Tag
+from pddecont.plot.units import axis_label
 from pddecont.results.reader import Step
 from pddecont.results.summary import WORDS, short_signature, signature
 from pddecont.results.tables import note
@@ -45,8 +46,8 @@ def draw_plane(axes: Any, steps: Sequence[Step], x: str, y: str) -> tuple[list[T
     axes.set_xlim(axes.get_xlim())
     axes.set_ylim(axes.get_ylim())
     shaded = [step for step in steps if _shade(axes, step, x, y)]
-    axes.set_xlabel(label(x))
-    axes.set_ylabel(label(y))
+    axes.set_xlabel(axis_label(steps, x))
+    axes.set_ylabel(axis_label(steps, y))
     return tags, [*curve_handles(steps), *style_handles(steps), *_point_handles(steps), *_side_handles(shaded)]
 
 

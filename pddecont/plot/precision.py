@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from pddecont.plot.style import COLOURS, label
+from pddecont.plot.units import axis_label
 from pddecont.results.precision import REFERENCE, distances, envelope, families, family, reference_error, rows_of, slope
 from pddecont.results.reader import Step
 
@@ -72,8 +73,8 @@ def draw_family(axes: Any, step: Step, x: str, y: str) -> None:
     reference = [k for k in range(len(step)) if family(step, k) == REFERENCE]
     for k in reference:
         _closed(axes, step, k, i, j, color=COLOURS[1], ls="--", lw=1.2)
-    axes.set_xlabel(label(x))
-    axes.set_ylabel(label(y))
+    axes.set_xlabel(axis_label(step, x))
+    axes.set_ylabel(axis_label(step, y))
 
 
 def draw_enlarged(axes: Any, step: Step, x: str, y: str) -> None:

@@ -12,7 +12,7 @@ KIND_COLOURS = {"GR": "#c2402f", "LP": "#1f5fa8", "PD": "#2f8f5b", "TR": "#8a5fb
 RC: Any = {
     "figure.constrained_layout.use": True, "figure.dpi": 110, "savefig.dpi": 160, "font.size": 9.5, "axes.grid": True,
     "grid.alpha": 0.25, "grid.linewidth": 0.6, "axes.spines.top": False, "axes.spines.right": False, "lines.linewidth": 1.6,
-    "legend.frameon": False, "mathtext.default": "regular", "svg.hashsalt": "pddecont",
+    "legend.frameon": False, "mathtext.default": "it", "mathtext.fontset": "dejavusans", "svg.hashsalt": "pddecont",
 }  # fmt: skip
 _GREEK = {"alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "kappa", "lambda", "mu", "nu", "xi", "pi", "rho",
           "sigma", "tau", "phi", "chi", "psi", "omega"}  # fmt: skip
@@ -20,13 +20,17 @@ _GREEK = {"alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", 
 
 def label(name: str) -> str:
     """Return a name as it is written in mathematics: ``tau_d`` with its Greek letter and index."""
+    # In a file from somebody else a name may hold anything.
+    name = name.replace("$", r"\$")
     if "(" in name:
         return name
     first, _, rest = name.partition("_")
     if "_" in rest or not (first in _GREEK or len(first) == 1):
         return name.replace("_", " ")
     body = f"\\{first}" if first in _GREEK else first
-    return f"${body}_{{{rest}}}$" if rest else f"${body}$"
+    # An index of several letters is a word.
+    index = rest if len(rest) < 2 or rest.isdigit() else f"\\mathrm{{{rest}}}"
+    return f"${body}_{{{index}}}$" if rest else f"${body}$"
 
 
 def marker(kind: str) -> str:

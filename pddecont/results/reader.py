@@ -126,6 +126,8 @@ def read_results(path: str | Path, only: str | None = None) -> Results:
     path = Path(path)
     if not path.is_file():
         raise ResultsError(f"{path} does not exist; make it with 'pddecont run'")
+    if not h5py.is_hdf5(path):
+        raise ResultsError(f"{path} cannot be read as a results file: it is not HDF5; results files are made with 'pddecont run'")
     try:
         with h5py.File(path, "r") as file:
             return _read(path, file, only)

@@ -19,6 +19,7 @@ from pddecont.steps.context import Context, settings_text
 from pddecont.steps.integration import clock_of, grid_values, start_of, task_of
 from pddecont.steps.plan import Plan
 from pddecont.steps.schema import Step
+from pddecont.steps.units import units_of
 
 Array = NDArray[np.float64]
 # Initial states along each side of the grid that are followed first, to learn which attractors there are.
@@ -35,7 +36,8 @@ def run_basin(context: Context, step: Step, recorded: RecordedStep | None) -> No
         step.name, "basin", {**attractor_columns(plan), "line": Column("i8")},
         {**attractor_arrays(plan), "label": Column("i4"), "settling": Column("f8")},
         {"parameters": list(plan.model.parameters), "states": list(plan.model.states), "segments": list(plan.model.segments), "over": names,
-         "x": xs.tolist(), "y": ys.tolist(), "model": plan.model.name, "settings": settings_text(plan, step)})  # fmt: skip
+         "x": xs.tolist(), "y": ys.tolist(), "model": plan.model.name, "units": units_of(plan),
+         "settings": settings_text(plan, step)})  # fmt: skip
     task = task_of(plan, step, body, body.initial)
     clock, start = clock_of(plan, body, p), start_of(plan, body.initial, p)
     places = [plan.model.states.index(name) for name in names]

@@ -27,6 +27,7 @@ from pddecont.steps.next_signature import go_on
 from pddecont.steps.points import orbit_row, orbit_spec
 from pddecont.steps.schema import Step
 from pddecont.steps.start import Start, Task, condition_of, start_of
+from pddecont.steps.units import units_of
 from pddecont.steps.watch import followed, watch_of
 
 Array = NDArray[np.float64]
@@ -120,7 +121,7 @@ def run_continue(context: Context, step: Step, recorded: RecordedStep | None = N
         raise ConvergenceError(f"step '{step.name}': {LOST_ADVICE}, or leave 'stability' out")
     ways = ways_of(task, start)
     meta = {"free": list(body.free), "directions": len(ways), "settings": settings_text(plan, step), "curve": start.curve,
-            "mesh_settings": mesh_settings(plan, step), **choice_of(plan, step)}  # fmt: skip
+            "mesh_settings": mesh_settings(plan, step), "units": units_of(plan), **choice_of(plan, step)}  # fmt: skip
     spec = orbit_spec(step.name, "continue", plan.numeric, monitors, meta)
     if recorded is not None and len(recorded):
         states, ended, kept = _resume(task, recorded, start.state, ways)

@@ -22,6 +22,7 @@ from pddecont.stability.multipliers import describe
 from pddecont.steps.context import Context, attractor_step, choice_of, known_multipliers, mesh_settings, orbit_at, settings_text
 from pddecont.steps.points import orbit_row, orbit_spec
 from pddecont.steps.schema import Step
+from pddecont.steps.units import units_of
 
 Array = NDArray[np.float64]
 POOR = 1e-3
@@ -79,7 +80,8 @@ def run_orbit(context: Context, step: Step) -> None:
                                "What usually helps: a longer transient (raise 't_end'), a finer mesh, "
                                f"parameters farther from a grazing.{magnified}", exc.history) from exc  # fmt: skip
     monitors = [parse_monitor(plan.numeric, name, text) for name, text in plan.monitors.items()]
-    meta = {"settings": settings_text(plan, step), "mesh_settings": mesh_settings(plan, step), **choice_of(plan, step)}
+    meta = {"settings": settings_text(plan, step), "mesh_settings": mesh_settings(plan, step), "units": units_of(plan),
+            **choice_of(plan, step)}  # fmt: skip
     spec = orbit_spec(step.name, "orbit", plan.numeric, monitors, meta)
     known = known_multipliers(step.orbit.stability)
     stability = None if known is None else known(problem, solution.x)

@@ -32,6 +32,7 @@ from pddecont.steps.cost import Cost, measured
 from pddecont.steps.plan import Plan, delay_method
 from pddecont.steps.schema import Delay, Precision, Step
 from pddecont.steps.settings import OrbitSetting, RunSetting, orbit_settings, run_settings
+from pddecont.steps.units import units_of
 
 Array = NDArray[np.float64]
 ROUGH = MeshRule(3, intervals=12)
@@ -151,6 +152,7 @@ def _spec(plan: Plan, step: Step, body: Precision, best: Found) -> StepSpec:
     }  # fmt: skip
     meta = {"quantities": list(body.quantities), "states": list(plan.model.states), "parameters": list(plan.model.parameters),
             "closed": list(body.reference), "ends": best.ends.tolist(), "repeats": body.repeats, "model": plan.model.name,
+            "units": units_of(plan),
             "settings": settings_text(plan, step)}  # fmt: skip
     return StepSpec(step.name, "precision", points, {"time": Column("f8"), "states": Column("f8", (m,))}, meta)
 

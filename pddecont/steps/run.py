@@ -7,7 +7,6 @@ import json
 import platform
 from pathlib import Path
 
-import pddecont
 from pddecont.errors import ResultsError, RunError, suggest
 from pddecont.results.lock import writing
 from pddecont.results.reader import Step as RecordedStep
@@ -21,6 +20,7 @@ from pddecont.steps.orbit import run_orbit
 from pddecont.steps.plan import Plan
 from pddecont.steps.precision import run_precision
 from pddecont.steps.schema import Step
+from pddecont.version import __version__
 
 PACKAGES = ("numpy", "scipy", "sympy", "h5py", "numba")
 
@@ -119,5 +119,5 @@ def check_same(plan: Plan, path: Path) -> None:
 
 def versions() -> dict[str, str]:
     """Return the versions of this program and of what its numbers depend on."""
-    return {"pddecont": pddecont.__version__, "python": platform.python_version(),
+    return {"pddecont": __version__, "python": platform.python_version(),
             **{name: importlib.metadata.version(name) for name in PACKAGES}}  # fmt: skip

@@ -18,6 +18,7 @@ from pddecont.steps.integration import history_of, method_of, start_of
 from pddecont.steps.plan import Plan, as_number
 from pddecont.steps.schema import Step
 from pddecont.steps.signals import signal_values
+from pddecont.steps.units import units_of
 
 Array = NDArray[np.float64]
 
@@ -88,7 +89,7 @@ def run_simulate(context: Context, step: Step) -> None:
          "event_segment": Column("i4"), "before": Column("f8", (n,)), "after": Column("f8", (n,)),
          "signals": Column("f8", (len(signals),))},
         {"parameters": list(model.parameters), "states": list(model.states), "modes": modes, "segments": segments,
-         "model": model.name, "settings": settings_text(plan, step),
+         "model": model.name, "units": units_of(plan), "settings": settings_text(plan, step),
          "changes": [t for t, _ in changes], "signals": list(signals)})  # fmt: skip
     since = plan.number(record.from_, p)
     if record.every is None:

@@ -19,6 +19,7 @@ from pddecont.steps.context import Context, settings_text
 from pddecont.steps.integration import clock_of, grid_values, start_of, task_of
 from pddecont.steps.plan import Plan
 from pddecont.steps.schema import Section, Step, Sweep
+from pddecont.steps.units import units_of
 
 Array = NDArray[np.float64]
 # Motions in a chunk of work that is not carried along.
@@ -36,6 +37,7 @@ def run_sweep(context: Context, step: Step, recorded: RecordedStep | None) -> No
         attractor_arrays(plan),
         {"parameters": list(plan.model.parameters), "states": list(plan.model.states), "segments": list(plan.model.segments), "free": names,
          "section": (body.section or Section.model_validate({"phase": 0.0})).model_dump(exclude_none=True), "model": plan.model.name,
+         "units": units_of(plan),
          "settings": settings_text(plan, step)})  # fmt: skip
     chunks = chunks_of(plan, step)
     first, kept, kept_rows, points = 0, 0, dict.fromkeys(spec.orbits, 0), {}

@@ -159,3 +159,10 @@ def test_long_signatures_are_cut_in_the_middle():
     assert short.startswith("segment_0 ")
     assert short.endswith("segment_29 (30 segments)")
     assert len(short) < 65
+
+
+def test_a_file_that_is_not_hdf5_is_told_so(tmp_path):
+    path = tmp_path / "model.yaml"
+    path.write_text("name: m\n")
+    with pytest.raises(ResultsError, match="it is not HDF5; results files are made with 'pddecont run'"):
+        read_results(path)

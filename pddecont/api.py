@@ -1,0 +1,219 @@
+"""The Python interface, which the command line is built on: a run as a function, its results as arrays and data sets.
+
+>>> import pddecont
+>>> results = pddecont.run("wright", mesh={"degree": 4, "tol": 1e-4}, only="transient")
+>>> list(results)
+['transient']
+>>> results["transient"].arrays()["x"].ndim
+1
+"""
+
+from __future__ import annotations
+
+import tempfile
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from numpy.typing import NDArray
+
+from pddecont.results.reader import Results, Step, read_results
+from pddecont.results.summary import summary
+from pddecont.results.tables import table
+from pddecont.steps.context import Reporter
+from pddecont.steps.loading import load_plan
+from pddecont.steps.plan import Plan
+from pddecont.steps.planner import Overrides
+from pddecont.steps.run import execute
+from pddecont.steps.written import written_run
+
+if TYPE_CHECKING:
+    import xarray
+
+
+@dataclass(frozen=True, eq=False)
+class StepResults:
+    """One step of a run."""
+
+    step: Step
+
+    @property
+    def name(self) -> str:
+        """Name of the step."""
+        return self.step.name
+
+    @property
+    def kind(self) -> str:
+        """Kind of the step: ``simulate``, ``orbit``, ``continue``, ``sweep``, ``basin`` or ``precision``."""
+        return self.step.kind
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Labels of special points in order along the branch."""
+        return tuple(self.step.labels[i] for i in self.step.order if self.step.labels[i])
+
+    def __len__(self) -> int:
+        return len(self.step)
+
+    def __repr__(self) -> str:
+        special = f", {', '.join(self.labels)}" if self.labels and self.kind == "continue" else ""
+        return f"<{self.kind} step '{self.name}', {len(self)} point{'s'[: len(self) - 1]}{special}>"
+
+    def table(self, name: str = "points", label: str | None = None) -> list[dict[str, Any]]:
+        """Return a table as ``pddecont export`` writes it, one mapping a row.
+
+        Raises
+        ------
+        ResultsError
+            If this kind of step has no such table, or the step no point ``label``.
+        """
+        return table(self.step, name, None if label is None else self.step.row(label))
+
+    def arrays(self) -> dict[str, NDArray[Any]]:
+        """Return the step's main table as arrays by column: points in order along a branch, or times of a trajectory."""
+        from pddecont.results.arrays import arrays
+
+        return arrays(self.step)
+
+    def orbit(self, label: str | int = 0) -> dict[str, NDArray[Any]]:
+        """Return an orbit, of a label or an index, as arrays at its base points: ``t``, ``segment`` and each state."""
+        from pddecont.results.arrays import orbit_arrays
+
+        return orbit_arrays(self.step, self.step.row(label) if isinstance(label, str) else label)
+
+    def dataset(self) -> xarray.Dataset:
+        """Return :meth:`arrays` as a data set with units; the free parameters and labels are coordinates. Needs xarray.
+
+        Raises
+        ------
+        ResultsError
+            If xarray is not installed.
+        """
+        from pddecont.results.arrays import dataset
+
+        return dataset(self.step)
+
+
+@dataclass(frozen=True, eq=False)
+class RunResults:
+    """What a results file holds: a mapping from the names of steps to steps."""
+
+    results: Results
+
+    @property
+    def path(self) -> Path:
+        """The file that was read; one that ``run`` made for itself is there no more."""
+        return self.results.path
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.results.names)
+
+    def __len__(self) -> int:
+        return len(self.results.names)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.results.steps
+
+    def __getitem__(self, name: str) -> StepResults:
+        """Return a step by name; raise ResultsError, with the steps there are, for any other."""
+        return StepResults(self.results.step(name))
+
+    def __repr__(self) -> str:
+        return "\n".join([f"<results of {self.path}", *(f"  {self[name]!r}" for name in self)]) + ">"
+
+    def branch(self, name: str) -> xarray.Dataset:
+        """Return a step as a data set: :meth:`StepResults.dataset`."""
+        return self[name].dataset()
+
+    def summary(self) -> dict[str, Any]:
+        """Return what ``pddecont info --json`` says."""
+        return summary(self.results)
+
+    def plot(self, path: str | Path | None = None, *, view: str | None = None, steps: Sequence[str] = (), x: str | None = None,
+             y: str | None = None, z: str | None = None, labels: Sequence[str] = (), indices: Sequence[int] = (),
+             style: str | None = None) -> Any:  # fmt: skip
+        """Return a picture as a matplotlib figure or, with ``path``, write it there as ``pddecont plot`` does."""
+        from pddecont.plot.choice import View
+        from pddecont.plot.figure import draw, picture
+        from pddecont.plot.look import look
+
+        chosen = View(view, tuple(steps), x, y, z, tuple(labels), tuple(indices))
+        if path is not None:
+            draw(self.results, chosen, Path(path), style)
+            return None
+        with look(style):
+            return picture(self.results, chosen)
+
+
+def load(path: str | Path) -> RunResults:
+    """Return what the results file at ``path`` holds, finished or not.
+
+    Raises
+    ------
+    ResultsError
+        If it is no results file that this version can read.
+    """
+    return RunResults(read_results(path))
+
+
+def plan(model: str | Path | Mapping[str, Any], *, steps: Sequence[Mapping[str, Any]] | None = None, overrides: Overrides | None = None,
+         **run_keys: Any) -> Plan:  # fmt: skip
+    """Return the checked run that :func:`run` does; raise ModelError or RunError with all that is wrong."""
+    return load_plan(written_run(model, steps, run_keys), overrides)
+
+
+def run(model: str | Path | Mapping[str, Any], *, steps: Sequence[Mapping[str, Any]] | None = None, output: str | Path | None = None,
+        set: Mapping[str, str | float] | None = None, without: Sequence[str] = (), only: str | None = None, until: str | None = None,
+        resume: bool = False, overwrite: bool = False, workers: int = 1, scheduler: str | None = None, reporter: Reporter | None = None,
+        **run_keys: Any) -> RunResults:  # fmt: skip
+    """Do a run and return its results.
+
+    Parameters
+    ----------
+    model
+        A model or run file: its path, the name of a shipped one, YAML text, or a mapping with its keys.
+    steps
+        The steps, as in a run file, in place of those that ``model`` describes itself.
+    output
+        Results file; without one nothing is kept but what is returned.
+    set, without
+        Values of parameters, and effects left out.
+    only, until, resume, overwrite, workers, scheduler
+        As the options of ``pddecont run``.
+    reporter
+        Hears how the run goes.
+    **run_keys
+        Other keys of a run file in place of the run's own: ``delay``, ``mesh``, ``monitors``, ``effects``, ``accuracy``.
+
+    Raises
+    ------
+    ModelError, RunError
+        With all that is wrong in the model or the run, each at its place.
+    ResultsError
+        If ``output`` exists and neither ``resume`` nor ``overwrite`` is given, or belongs to another run.
+    ConvergenceError, SignatureError
+        If a step fails; what was computed before it is in ``output``.
+
+    Warns
+    -----
+    UserWarning
+        For each thing in the files that is suspicious but not wrong.
+    """
+    values = tuple((name, str(value)) for name, value in (set or {}).items())
+    checked = plan(model, steps=steps, overrides=Overrides(values, tuple(without)), **run_keys)
+    for warning in checked.warnings:
+        warnings.warn(str(warning), stacklevel=2)
+    options: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "only": only, "until": until, "workers": workers,
+                               "scheduler": scheduler}  # fmt: skip
+    if output is not None:
+        return compute(checked, Path(output), reporter, **options)
+    with tempfile.TemporaryDirectory(prefix="pddecont-") as folder:
+        return compute(checked, Path(folder) / "results.h5", reporter, **options)
+
+
+def compute(checked: Plan, path: Path, reporter: Reporter | None = None, **options: Any) -> RunResults:
+    """Do a checked run into the file at ``path``, with the options of :func:`pddecont.steps.run.execute`, and return its results."""
+    execute(checked, path, reporter, **options)
+    return load(path)

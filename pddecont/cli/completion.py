@@ -1,0 +1,34 @@
+"""``pddecont completion``."""
+
+from __future__ import annotations
+
+import click
+from click.shell_completion import CompletionItem, get_completion_class
+
+
+@click.command("completion")
+@click.argument("shell", type=click.Choice(["bash", "zsh", "fish"]))
+def command(shell: str) -> None:
+    r"""Print the script that lets a shell complete commands, options and files.
+
+    \b
+      bash  pddecont completion bash >> ~/.bashrc
+      zsh   pddecont completion zsh >> ~/.zshrc
+      fish  pddecont completion fish > ~/.config/fish/completions/pddecont.fish
+    """
+    from pddecont.cli import group
+
+    kind = get_completion_class(shell)
+    assert kind is not None
+    # Without a look at the version of the shell that happens to run here.
+    complete = kind(group, {}, "pddecont", "_PDDECONT_COMPLETE")
+    click.echo(complete.source_template % complete.source_vars())
+
+
+def files_and_shipped(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    """Return the shipped models and runs that go on as ``incomplete`` begins; where there are none, the shell looks among files."""
+    from pddecont.shipped.find import SUFFIX, folders
+
+    names = sorted(file.stem for folder in folders() for file in folder.glob(f"*{SUFFIX}") if file.stem.startswith(incomplete))
+    there = bool(incomplete) and bool(names)
+    return [CompletionItem(name) for name in names] if there else [CompletionItem(incomplete, type="file")]

@@ -1,0 +1,215 @@
+"""The Python interface against the command line's own tables and against closed forms."""
+
+import csv
+import doctest
+import io
+import re
+import subprocess
+import sys
+import warnings
+
+import numpy as np
+import pytest
+
+import pddecont
+import pddecont.api
+from pddecont.errors import ConvergenceError, ModelError, PddecontError, ResultsError, RunError
+from tests.cli.test_cli import call
+from tests.conftest import ROOT
+
+RELAY = (ROOT / "models" / "relay.yaml").read_text()
+STEPS = [{"name": "transient", "simulate": {"t_end": 60}}, {"name": "orbit", "orbit": {"from": "transient"}},
+         {"name": "in_growth", "continue": {"from": "orbit", "free": ["a"], "range": {"a": [np.float64(0.3), 0.6]}}}]  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def relay(tmp_path_factory):
+    """Return the relay's run, its steps and monitors given in Python, kept in a file."""
+    path = tmp_path_factory.mktemp("relay") / "relay.h5"
+    units = RELAY.replace("parameters:", "units: {x: mm, t: s, a: 1/s}\nparameters:", 1)
+    return pddecont.run(units, steps=STEPS, output=path, monitors={"top": "max(x)", "share": "time_in(pull)/period"})
+
+
+def test_the_relays_amplitude_is_the_closed_form(relay):
+    # x' = a x - 1 for the time tau after x = 0: x = -(exp(a tau) - 1)/a.
+    data = relay["in_growth"].arrays()
+    assert data["a"][[0, -1]] == pytest.approx([0.3, 0.6])
+    assert data["top"] == pytest.approx(np.expm1(data["a"]) / data["a"], rel=1e-8)
+    assert data["share"] == pytest.approx(0.5)
+
+
+def test_arrays_are_the_exported_table(relay):
+    rows = list(csv.DictReader(io.StringIO(call("export", relay.path)[1])))
+    data = relay["in_growth"].arrays()
+    assert list(rows[0]) == list(data)
+    for name in ("a", "period", "top", "error_estimate"):
+        assert [float(row[name]) for row in rows] == data[name].tolist()
+    assert [row["label"] for row in rows] == data["label"].tolist()
+    assert np.all(np.isnan(data["stable"]))
+    assert data["admissible"].dtype == bool
+
+
+def test_a_branch_is_a_data_set_with_units_and_coordinates(relay):
+    ds = relay.branch("in_growth")
+    assert ds.sizes["point"] == len(relay["in_growth"])
+    assert set(ds.coords) == {"a", "label"}
+    assert {name: ds[name].attrs.get("units") for name in ("a", "top", "period", "tau")} == {
+        "a": "1/s", "top": "mm", "period": "s", "tau": None}  # fmt: skip
+    at = ds.where(ds.label == "EP2", drop=True)
+    assert at.a.item() == pytest.approx(0.6)
+    assert "multiplier" not in ds
+    assert ds.attrs["kind"] == "continue"
+
+
+def test_multipliers_are_in_the_data_set():
+    steps = [{"name": "transient", "simulate": {"t_end": 150}}, {"name": "orbit", "orbit": {"from": "transient", "stability": True}}]
+    found = pddecont.run("wright", steps=steps)
+    ds = found.branch("orbit")
+    z = ds["multiplier"].values[0]
+    assert np.iscomplexobj(z)
+    assert z[0] == pytest.approx(1.0, abs=1e-6)  # an autonomous orbit has the multiplier 1
+    assert bool(ds["stable"].item())
+
+
+def test_a_trajectory_is_a_data_set_over_time(relay):
+    ds = relay["transient"].dataset()
+    assert ds.t.values[[0, -1]] == pytest.approx([0, 60])
+    assert set(np.unique(ds["mode"])) == {"pull", "push"}
+    assert ds.x.attrs == {"units": "mm"}
+
+
+def test_an_orbit_by_label_and_by_index(relay):
+    step = relay["in_growth"]
+    orbit = step.orbit("EP2")
+    assert np.max(orbit["x"]) == pytest.approx(step.arrays()["top"][-1], rel=1e-6)
+    assert orbit["t"][-1] - orbit["t"][0] == pytest.approx(step.arrays()["period"][-1])
+    same = step.orbit(step.step.row("EP2"))
+    assert np.array_equal(orbit["x"], same["x"])
+    with pytest.raises(ResultsError, match="has no point 'GR1'"):
+        step.orbit("GR1")
+    with pytest.raises(ResultsError, match="holds no orbits"):
+        relay["transient"].orbit()
+
+
+def test_results_are_a_mapping_that_says_what_it_holds(relay):
+    assert list(relay) == ["transient", "orbit", "in_growth"]
+    assert len(relay) == 3
+    assert "orbit" in relay and "orbits" not in relay
+    assert "continue step 'in_growth'" in repr(relay)
+    assert relay["in_growth"].labels == ("EP1", "EP2")
+    with pytest.raises(ResultsError, match="did you mean 'orbit'"):
+        relay["orbits"]
+    assert relay.summary()["steps"][2]["n_points"] == len(relay["in_growth"])
+    assert [row["label"] for row in relay["in_growth"].table("special")] == ["EP1", "EP2"]
+
+
+def test_pictures_are_figures_or_files(relay, tmp_path):
+    figure = relay.plot(steps=["in_growth"], y="period")
+    assert figure.axes[0].get_xlabel() == "$a$ (1/s)"
+    assert figure.axes[0].get_ylabel() == "period (s)"
+    assert relay.plot(tmp_path / "p.svg") is None
+    assert (tmp_path / "p.svg").read_text().startswith("<?xml")
+
+
+def test_a_file_and_the_command_line_give_the_same_numbers(relay, in_folder):
+    text = (ROOT / "models" / "relay.yaml").read_text().replace("[0, 0.65]", "[0.3, 0.6]")
+    (in_folder / "relay.yaml").write_text(text)
+    assert call("run", "relay.yaml", "-q")[0] == 0
+    a, b = pddecont.load("relay.h5")["in_growth"].arrays(), relay["in_growth"].arrays()
+    assert np.array_equal(a["period"], b["period"])
+
+
+def test_parameters_and_effects_as_on_the_command_line():
+    found = pddecont.run("relay", steps=STEPS[:2], set={"a": 0.25, "tau": "4*a"}, monitors={"top": "max(x)"})
+    assert found["orbit"].arrays()["top"] == pytest.approx(np.expm1(0.25) / 0.25)
+    found = pddecont.run("relay", without=["growth"], steps=STEPS[:2])
+    assert found["orbit"].arrays()["amplitude"] == pytest.approx(1.0)  # slopes of one for the time tau
+
+
+def test_a_model_may_be_a_mapping_and_nothing_is_kept_without_output(in_folder):
+    model = {"name": "decay", "states": ["x"], "parameters": {"k": 2.0}, "modes": {"only": {"x'": "-k*x"}}, "initial": {"x": 1}}
+    found = pddecont.run(model, steps=[{"name": "fall", "simulate": {"t_end": 1, "rtol": 1e-10}}])
+    assert found["fall"].arrays()["x"][-1] == pytest.approx(np.exp(-2.0), rel=1e-8)
+    assert not found.path.exists()
+    assert not list(in_folder.iterdir())
+
+
+def test_a_run_file_keeps_its_model_when_its_keys_are_replaced(in_folder):
+    (in_folder / "there").mkdir()
+    (in_folder / "there" / "m.yaml").write_text(RELAY)
+    (in_folder / "there" / "r.yaml").write_text("model: m.yaml\nsteps:\n  - {name: a, simulate: {t_end: 1}}\n")
+    found = pddecont.run(in_folder / "there" / "r.yaml", steps=[{"name": "b", "simulate": {"t_end": 2}}])
+    assert found["b"].arrays()["t"][-1] == 2.0
+
+
+@pytest.mark.parametrize(("arguments", "error", "message"), [
+    (("no_such_model",), RunError, "does not exist"),
+    (("states: [x\n",), RunError, "not valid YAML"),
+    ((RELAY.replace("a*x - 1", "a*y - 1"),), ModelError, "<python>:7:.*'y'"),
+    (({"name": "m", "states": ["x"]},), ModelError, "'modes' is missing"),
+    (({"name": "m", "states": ["x"], "modes": {"m": {"x'": 0}}},), RunError, "says nothing of a run"),
+    (({"name": object()},), RunError, "cannot stand in a run"),
+])  # fmt: skip
+def test_errors_are_those_of_the_command_line(arguments, error, message):
+    with pytest.raises(error, match=message):
+        pddecont.run(*arguments)
+
+
+def test_wrong_steps_keys_and_parameters_are_told():
+    with pytest.raises(RunError, match="did you mean 'simulate'"):
+        pddecont.run("relay", steps=[{"name": "a", "simulat": {}}])
+    with pytest.raises(RunError, match="unknown key 'monitor'; did you mean 'monitors'"):
+        pddecont.run("relay", monitor={})
+    with pytest.raises(RunError, match="'b' is not a parameter"):
+        pddecont.run("relay", set={"b": 1})
+    with pytest.raises(RunError, match="--only"):
+        pddecont.run("relay", only="nothing")
+    with pytest.raises(PddecontError, match="does not exist"):
+        pddecont.load("nothing.h5")
+
+
+def test_what_exists_is_not_overwritten_and_what_failed_is_kept(in_folder):
+    (in_folder / "a.h5").write_text("mine")
+    with pytest.raises(ResultsError, match="--overwrite"):
+        pddecont.run("relay", output="a.h5")
+    assert (in_folder / "a.h5").read_text() == "mine"
+    # The growth outruns the relay: the motion leaves for good and no orbit is found.
+    with pytest.raises((ConvergenceError, PddecontError)):
+        pddecont.run("relay", set={"a": 1.5}, output="b.h5")
+    assert list(pddecont.load("b.h5"))[:1] in ([], ["transient"])
+
+
+def test_warnings_are_warnings():
+    text = RELAY.replace("{a: 0.5, tau: 1}", "{a: 0.5, tau: 1, idle: 3}")
+    with pytest.warns(UserWarning, match="'idle' is not used"):
+        pddecont.run(text, only="transient")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        pddecont.run(RELAY, only="transient")
+
+
+def test_without_xarray_there_are_arrays_and_advice(relay, monkeypatch):
+    monkeypatch.setitem(sys.modules, "xarray", None)
+    with pytest.raises(ResultsError, match=r"install 'pddecont\[xarray\]'"):
+        relay.branch("in_growth")
+    assert len(relay["in_growth"].arrays()["a"])
+
+
+def test_importing_the_package_loads_nothing_heavy():
+    code = "import sys, pddecont; pddecont.__version__; print([m for m in ('numpy', 'sympy', 'h5py', 'pddecont.api') if m in sys.modules])"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip() == "[]"
+    assert {"run", "load", "RunResults"} <= set(dir(pddecont))
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        pddecont.nothing  # noqa: B018
+
+
+def test_the_examples_in_docstrings_work():
+    found = doctest.testmod(pddecont.api)
+    assert found.attempted >= 4
+    assert found.failed == 0
+
+
+@pytest.mark.parametrize("text", re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "python.md").read_text(), re.S))
+def test_the_pages_examples_run_as_written(text, in_folder):
+    exec(compile(text, "python.md", "exec"), {})
+    assert "impact.png" not in text or (in_folder / "impact.png").exists()
