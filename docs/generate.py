@@ -17,8 +17,8 @@ What `pddecont run` and `pddecont check` read as a model. The run block `run:` h
 Expressions: numbers, declared names, `+ - * / **`, parentheses, `pi`, `t`, delayed values `name(t - delay)`, and `sin cos tan asin acos
 atan atan2 sinh cosh tanh exp log sqrt`. A mapping takes names that you choose to what is said."""
 RUN_NOTE = """\
-What `pddecont run` reads as a run. A number may be an expression in the parameters where the table says so. `from` takes the name of a step,
-or a mapping to be more exact. A mapping takes names that you choose to what is said."""
+What `pddecont run` reads as a run. A number may be an expression in the parameters where the table says so. `from` takes the name of a
+step, or a mapping to be more exact. A mapping takes names that you choose to what is said."""
 
 
 def pages() -> dict[str, str]:
