@@ -4,7 +4,7 @@ ENV := .venv
 BIN := $(ENV)/bin
 OUT := out
 
-.PHONY: setup demo test reliability check bench cost tracking chain-order schema clean
+.PHONY: setup demo figures test reliability check docs reference bench cost tracking chain-order schema clean
 setup: $(ENV)/ready
 
 $(ENV)/ready: pyproject.toml
@@ -50,6 +50,15 @@ tracking: setup      ## error with and without tracked breaking points: table, a
 
 chain-order: setup   ## grazing by chains of several orders against the delay equation
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.chain_order
+
+reference: setup     ## pages of docs/reference from the schemas and the commands
+	$(BIN)/python docs/generate.py
+
+docs: setup          ## the pages of docs/ as a site in out/site; warnings are errors
+	$(BIN)/python -m pip install --quiet -e ".[docs]"
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet --site-dir $(OUT)/site
+
+include configs/figures.mk
 
 schema: setup        ## JSON Schemas of both file formats, for editors
 	$(BIN)/python -m pddecont.shipped.schemas

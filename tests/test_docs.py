@@ -1,37 +1,139 @@
-"""What the README and the docs show is run as written."""
+"""What the README and the docs show is run as written.
 
+A page is one session in an empty folder. ```` ```yaml title="FILE" ```` writes a file, further blocks of the same title go on with it;
+```` ```console ```` runs what stands after ``$ `` and looks for the lines below it in what was printed (``...`` stands for anything);
+```` ```python ```` is run.
+"""
+
+import importlib.util
+import os
 import re
 import shlex
+import subprocess
+import sys
 
+import numpy as np
 import pytest
+import yaml
 
 from pddecont.cli import COMMANDS
 from pddecont.results.reader import read_results
 from tests.cli.test_cli import call
 from tests.conftest import MODELS, ROOT
 
-README = (ROOT / "README.md").read_text()
+DOCS = ROOT / "docs"
+PAGES = [ROOT / "README.md", *sorted(DOCS.rglob("*.md"))]
+SESSIONS = [ROOT / "README.md", DOCS / "tutorial.md", *sorted((DOCS / "howto").glob("*.md"))]
+BLOCK = re.compile(r"^```(\w+)(?: title=\"([\w.]+)\")?\n(.*?)^```$", re.M | re.S)
+NEEDS_SHELL = re.compile(r"[|<>;&$*]")
 
 
-def test_the_readmes_model_runs(in_folder):
-    text = re.search(r"```yaml\n(.*?)```", README, re.S).group(1)
-    (in_folder / "my_model.yaml").write_text(text)
-    assert call("check", "my_model.yaml")[0] == 0
-    assert call("run", "my_model.yaml", "-q")[0] == 0
-    step = read_results("my_model.h5").step("branch")
-    assert step.labels.count("EP1") == 1
-    assert max(step.points["error_estimate"]) <= 1e-8
+def name_of(path):
+    return str(path.relative_to(ROOT))
 
 
-def test_the_readmes_commands_are_commands_with_such_options():
-    lines = re.findall(r"^    pddecont (.*?)(?:\s+#.*)?$", README, re.M)
-    assert len(lines) >= 6
+@pytest.fixture
+def session(in_folder, monkeypatch):
+    """A function that runs a page; ``pddecont`` in its shell is this working copy's."""
+    program = in_folder / "bin" / "pddecont"
+    program.parent.mkdir()
+    program.write_text(f'#!/bin/sh\nexec {shlex.quote(sys.executable)} -m pddecont "$@"\n')
+    program.chmod(0o755)
+    monkeypatch.setenv("PATH", f"{program.parent}{os.pathsep}{os.environ['PATH']}")
+    monkeypatch.setenv("PYTHONPATH", str(ROOT))
+
+    def run(page):
+        for kind, title, text in BLOCK.findall(page.read_text()):
+            if title:
+                with open(title, "a") as file:
+                    file.write(text)
+            elif kind == "console":
+                run_console(text)
+            elif kind == "python":
+                printed([sys.executable, "-W", "error", "-c", text])
+
+    return run
+
+
+def run_console(text):
+    for part in re.split(r"^\$ ", text, flags=re.M)[1:]:
+        command, *expected = part.splitlines()
+        output = printed(command)
+        for line in expected:
+            pattern = ".*".join(re.escape(piece) for piece in line.split("..."))
+            assert re.search(pattern, output), f"{command}\nprinted\n{output}\nbut not\n{line}"
+
+
+def printed(command):
+    """Return what a command prints on both channels; it must succeed."""
+    if isinstance(command, str) and not NEEDS_SHELL.search(command):
+        first, *words = shlex.split(command)
+        assert first == "pddecont"
+        code, out, err = call(*words)
+        output = out + err
+    else:
+        words = ["bash", "-o", "pipefail", "-c", command] if isinstance(command, str) else command
+        done = subprocess.run(words, capture_output=True, text=True, timeout=300)
+        code, output = done.returncode, done.stdout + done.stderr
+    assert code == 0, f"{command}\n{output}"
+    return output
+
+
+@pytest.mark.parametrize("page", SESSIONS, ids=name_of)
+def test_a_page_runs_from_top_to_bottom(page, session):
+    session(page)
+
+
+def test_the_tutorials_grazing_has_its_closed_form():
+    """The numbers that the tutorial states: the linear orbit's amplitude is a / |1 - w^2 + i w (c + K (1 - exp(-i w tau)))|."""
+    text = (DOCS / "tutorial.md").read_text()
+    w, c, damping, tau = 1.3, 0.05, 0.1, 1.0
+    exact = abs(1 - w**2 + 1j * w * (c + damping * (1 - np.exp(-1j * w * tau))))
+    (stated,) = re.findall(r"^([\d.]+); the program found it", text, re.M)
+    assert float(stated) == pytest.approx(exact, abs=1e-10)
+    (printed_,) = re.findall(r"^32,GR1,GR,1.3,([\d.]+)\.\.\.", text, re.M)
+    assert float(printed_) == pytest.approx(exact, abs=1e-8)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_every_model_and_run_on_a_page_is_run(page):
+    for kind, title, text in BLOCK.findall(page.read_text()):
+        assert not title or page in SESSIONS
+        if kind == "yaml" and not title:
+            assert not {"states", "steps", "model"} & set(yaml.safe_load(text)), f"{page}: a whole file without a title"
+
+
+@pytest.mark.parametrize("page", [p for p in PAGES if p.parent.name != "reference"], ids=name_of)
+def test_commands_on_a_page_are_commands_with_such_options(page):
+    lines = re.findall(r"^(?:    |\$ )pddecont ([^\n]*?)(?:\s+[#|>].*)?$", page.read_text(), re.M)
     for line in lines:
         name, *rest = shlex.split(line)
         assert name in COMMANDS
         usage = call(name, "--help")[1]
         for option in (w for w in rest if w.startswith("-")):
             assert option in usage
+
+
+def test_every_command_and_option_is_in_the_reference():
+    for page, text in generated().items():
+        assert (DOCS / "reference" / page).read_text() == text, "run 'make reference'"
+
+
+def generated():
+    spec = importlib.util.spec_from_file_location("generate", DOCS / "generate.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module.pages()
+
+
+def test_every_page_is_in_the_sites_navigation():
+    def files(item):
+        if isinstance(item, str):
+            return [item]
+        return [file for part in (item.values() if isinstance(item, dict) else item) for file in files(part)]
+
+    listed = files(yaml.safe_load((ROOT / "mkdocs.yml").read_text())["nav"])
+    assert sorted(listed) == sorted(str(page.relative_to(DOCS)) for page in DOCS.rglob("*.md"))
 
 
 @pytest.mark.parametrize("path", MODELS, ids=lambda p: p.stem)
@@ -48,9 +150,9 @@ def test_every_model_runs_its_own_run_to_the_first_orbit(path, in_folder):
     assert call("plot", f"{path.stem}.h5")[0] == 0
 
 
-def test_documents_name_files_that_exist():
-    for page in [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]:
-        for target in re.findall(r"\]\(([^)#:]+)\)", page.read_text()):
-            assert (page.parent / target).exists(), (page, target)
-        for target in re.findall(r"`((?:tests|configs|models|benchmarks|pddecont)/[\w/.]+)`", page.read_text()):
-            assert (ROOT / target).exists(), (page, target)
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_documents_name_files_that_exist(page):
+    for target in re.findall(r"\]\(([^)#:]+)\)", page.read_text()):
+        assert (page.parent / target).exists(), (page, target)
+    for target in re.findall(r"`((?:tests|configs|models|benchmarks|pddecont)/[\w/.]+)`", page.read_text()):
+        assert (ROOT / target).exists(), (page, target)

@@ -49,7 +49,7 @@ class LazyGroup(click.Group):
 @click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, package_name="pddecont")
 def group() -> None:
-    r"""Bifurcation analysis of piecewise-smooth delay differential equations.
+    """Bifurcation analysis of piecewise-smooth delay differential equations.
 
     A system is described in a YAML file (delays, modes, events, resets); branches of its periodic orbits, their special
     points and pictures come out.
@@ -57,7 +57,7 @@ def group() -> None:
     \b
       pddecont run impact_oscillator        compute a shipped model's own run
       pddecont plot impact_oscillator.h5    draw it
-    """
+    """  # noqa: D301 - click's mark for text that is not wrapped anew
 
 
 def main(args: list[str] | None = None) -> Any:

@@ -11,17 +11,17 @@ Array = NDArray[np.float64]
 PER_INTERVAL = 24
 
 
-def segments(step: Step, row: int) -> list[tuple[Array, Array]]:
-    """Return (times, states) of each segment of a recorded orbit, from its own polynomials between the base points.
+def segments(step: Step, row: int, what: str = "states") -> list[tuple[Array, Array]]:
+    """Return (times, values) of each segment of a recorded orbit, from its own polynomials between the base points.
 
-    Shapes: times (n,), states (n, n_states).
+    ``what`` is ``states`` or ``delayed``. Shapes: times (n,), values (n, n_states) or (n, n_delayed).
     """
     orbit = step.orbit(row)
     degree = int(orbit["mesh"][0])
     result = []
     for s in np.unique(orbit["segment"]):
         inside = orbit["segment"] == s
-        result.append(_fine(orbit["time"][inside], orbit["states"][inside], degree))
+        result.append(_fine(orbit["time"][inside], orbit[what][inside], degree))
     return result
 
 

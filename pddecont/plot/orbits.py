@@ -80,22 +80,33 @@ def segment_names(step: Step, row: int) -> list[str]:
 
 
 def draw_profile(axes: Any, step: Step, row: int, states: list[str], title: str = "") -> None:
-    """Draw states over one period; events are thin vertical lines."""
+    """Draw states over one period, a single one with its delayed values; events are thin vertical lines."""
     arcs = segments(step, row)
     start = arcs[0][0][0]
     for k, state in enumerate(states):
         index = state_index(step, state)
         for s, (t, z) in enumerate(arcs):
             axes.plot(t - start, z[:, index], color=COLOURS[k % len(COLOURS)], label=label(state) if s == 0 else None)
+    named = _draw_delayed(axes, step, row, states[0], start) if len(states) == 1 else len(states) > 1
     if len(arcs) > 1:
         for t, _ in arcs[1:]:
             axes.axvline(t[0] - start, color="0.7", lw=0.7, zorder=0)
     axes.set_xlabel(axis_label(step, "t"))
     axes.set_ylabel(", ".join(axis_label(step, s) for s in states))
-    if len(states) > 1:
+    if named:
         axes.legend(fontsize=8)
     if title:
         axes.set_title(title, fontsize=9.5)
+
+
+def _draw_delayed(axes: Any, step: Step, row: int, state: str, start: float) -> bool:
+    """Draw the delayed values of a state that the model reads, and return whether there are any."""
+    names = list(step.meta.get("delayed", []))
+    own = [name for name in names if name.startswith(f"{state}(")]
+    for k, name in enumerate(own):
+        for s, (t, z) in enumerate(segments(step, row, "delayed")):
+            axes.plot(t - start, z[:, names.index(name)], color="0.15", ls=("--", ":", "-.")[k % 3], label=label(name) if s == 0 else None)
+    return bool(own)
 
 
 def draw_trajectory(axes: Any, step: Step, name: str) -> None:
