@@ -60,4 +60,4 @@ def test_ten_thousand_points_return_to_their_start(tmp_path, record):
     record("10,000 points round a closed branch: back at the start", "the start", gap, 1e-8)
     record("the other half: mirror image", "x -> -x, t -> -t", abs(np.sum(step.points["monitors"][[lower, 0], 0])), 1e-12)
     # A point that stayed in memory with its problem and factors would take 50 KiB and more.
-    record("memory, KiB a point more than for 200 points", "what the file holds of it, 3 KiB", (many - few) / 10_000, 10)
+    record("memory, KiB a point more than for 200 points", "none is kept", (many - few) / 10_000, 10)
