@@ -156,6 +156,9 @@ def transfer(old: Mesh, old_theta: Array, values: Array, new: Mesh, new_theta: A
         # Where two breaking points meet exactly an interval has no length, and nothing to read.
         inside = np.flatnonzero((old.segment == s) & (lengths > 0.0))
         rows = np.arange(new.first_base[s], new.last_base[s] + 1)
+        if not len(inside):
+            result[rows] = values[old.first_base[s]]
+            continue
         at = old_ends[s] + (times[rows] - new_ends[s]) * (old_theta[s] / new_theta[s])
         interval = inside[np.clip(np.searchsorted(edges_[inside], at, side="right") - 1, 0, len(inside) - 1)]
         # An interval that two meeting breaking points leave no length is read at its start.

@@ -31,9 +31,13 @@ LINES = [Chain(1, 40), Chain(2, 15), Chain(2, 1000), Chain(3, 8), Chebyshev(14)]
 
 MODELS = {"impact_oscillator": 600, "impact_oscillator_autonomous": 800, "wall_oscillator": 300, "bouncing_ball": 1200, "den_hartog": 1500,
           "duffing": 400, "mackey_glass": 300, "on_off_control": 60, "pulsed_control": 300, "relay": 60, "spiking_neuron": 60,
-          "van_der_pol": 120, "wright": 150}  # fmt: skip
-WITHOUT_DELAY = {"wall_oscillator", "bouncing_ball", "den_hartog", "duffing", "spiking_neuron"}
-WITHOUT_ORBIT = {"bolus", "suitcase"}
+          "van_der_pol": 120, "wright": 150, "act_and_wait": 45, "belt_stick_slip": 60, "bolus": 2400, "enso_relay": 120,
+          "full_oscillator": 1600, "human_balance": 200, "interrupted_cutting": 800, "pulse_vaccination": 300, "rimless_wheel": 60, "turning": 3000,
+          "two_stage_oscillator": 785}  # fmt: skip
+# Falls over; needs a kick on the way; has no damping to settle by.
+WITHOUT_ORBIT = {"suitcase", "theta_neuron", "linear_oscillator"}
+# A jump of the state comes back through the delay: without tracking it lies anywhere in an interval, and the estimate may not see it.
+JUMPS_COME_BACK = {"bolus"}
 RESOLVED = 10.0
 
 
@@ -94,15 +98,17 @@ def test_every_model_is_here():
 def test_delays_read_directly(model, compare):
     problem, x = orbit(model, t_end=MODELS[model], mesh="degree: 10, tol: 1e-11")
     exact, check = on(problem, x, MeshRule(12, tol=1e-12)), (problem, x)
-    tracked = [True, False] if problem.numeric.model.delays else [True]
+    tracked = [True, False] if problem.numeric.model.delays and model not in JUMPS_COME_BACK else [True]
     found = [on(replace(problem, delay=Direct(track)), x, rule) for rule in MESHES for track in tracked]
     errors, estimates = measured([f for f in found if f], exact, check)
-    assert len(errors) >= 0.6 * len(found)
+    # Of a smooth orbit most meshes leave nothing but rounding.
+    assert len(errors) >= min(12, 0.6 * len(found))
     compare(model, errors, estimates)
     trusted(errors, estimates)
 
 
-@pytest.mark.parametrize("model", [m for m in MODELS if m not in WITHOUT_DELAY])
+@pytest.mark.parametrize("model", ["impact_oscillator", "impact_oscillator_autonomous", "mackey_glass", "on_off_control", "pulsed_control",
+                                   "relay", "van_der_pol", "wright", "human_balance", "two_stage_oscillator"])  # fmt: skip
 def test_delay_lines(model, compare):
     """The error of the collocated line against the same line on a fine mesh, not against the delay equation."""
     problem, x = orbit(model, t_end=MODELS[model], mesh="degree: 8, tol: 1e-8")
