@@ -50,9 +50,11 @@ def factor(matrix: Matrix) -> Factors:
 def scale_matrix(matrix: Matrix, rows: Array, columns: Array) -> Matrix:
     """Return diag(rows) * matrix * diag(columns)."""
     if sp.issparse(matrix):
-        return _csc(matrix.data * rows[matrix.indices] * np.repeat(columns, np.diff(matrix.indptr)), matrix.indices, matrix.indptr,
-                    matrix.shape)  # fmt: skip
-    return rows[:, None] * matrix * columns
+        with np.errstate(all="ignore"):
+            data = matrix.data * rows[matrix.indices] * np.repeat(columns, np.diff(matrix.indptr))
+        return _csc(data, matrix.indices, matrix.indptr, matrix.shape)
+    with np.errstate(all="ignore"):
+        return rows[:, None] * matrix * columns
 
 
 def row_maxima(matrix: Matrix) -> Array:

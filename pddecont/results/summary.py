@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from pddecont.errors import ResultsError
 from pddecont.results.attractors import class_of
 from pddecont.results.precision import cheapest_lines
 from pddecont.results.reader import Results, Step
@@ -32,7 +33,12 @@ def summary(results: Results) -> dict[str, Any]:
 
 def left_out_of(step: Step) -> dict[str, Any]:
     """Return the effects that a step was computed without, and what went with them and why; empty if all were in."""
-    data = json.loads(step.meta.get("settings", "{}")).get("left_out", {})
+    try:
+        data = json.loads(step.meta.get("settings") or "{}").get("left_out", {})
+    except (ValueError, AttributeError) as exc:
+        raise ResultsError(f"the settings of step '{step.name}' cannot be read; the file is damaged") from exc
+    if not isinstance(data, dict):
+        raise ResultsError(f"what step '{step.name}' left out cannot be read; the file is damaged")
     return {"effects": data["effects"], **data} if data else {}
 
 

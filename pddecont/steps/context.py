@@ -25,6 +25,7 @@ from pddecont.steps.plan import Plan, mesh_rule
 from pddecont.steps.schema import Source, Stability, Step
 
 Array = NDArray[np.float64]
+ROUNDING = 1e-12
 
 
 class Reporter(Protocol):
@@ -145,8 +146,9 @@ def _as_recorded(plan: Plan, step: Step, recorded: RecordedStep, row: int, old_p
     x = from_rows(old, rows)
     durations = old.layout.split(x)[1]
     old = with_reference(replace(old, timers=timers_of(plan.numeric, old.segments, old_p, durations)), x)
-    if not np.all(np.isfinite(x)) or not np.all(durations > 0.0):
-        raise ValueError("its unknowns are not finite")
+    # Two events at one moment leave a segment of no duration, to rounding.
+    if not np.all(np.isfinite(x)) or not np.min(durations) > -ROUNDING * np.sum(np.abs(durations)):
+        raise ValueError("its unknowns are not finite, or a segment ends before it begins")
     return replace(old, parameters=plan.step_parameters(step, old_p)), x, old
 
 

@@ -5,6 +5,7 @@ The inputs are the same at every run. Each one that ever broke something is kept
 
 import ast
 import builtins
+import contextlib
 import itertools
 import os
 import random
@@ -145,7 +146,8 @@ def test_generated_code_names_nothing_but_its_arguments_and_functions(seed, monk
         with watched(SECONDS):
             for function in (*map(numeric.mode, model.modes), numeric.event("hit"), numeric.reset("back"), numeric.delays.function):
                 function._function("value")
-                function._function((0,))
+                with contextlib.suppress(PddecontError):  # a derivative that is no smooth function is refused
+                    function._function((0,))
         texts += [function_text([list(f) for f in model.modes.values()],
                                 codegen.symbol_names(model.state_symbols, model.delayed_symbols, model.parameter_symbols))]  # fmt: skip
     assert len(texts) > 10

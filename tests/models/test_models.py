@@ -11,7 +11,8 @@ from pddecont.model.effects import without
 from pddecont.results.reader import read_results
 from pddecont.steps.loading import load_plan
 from pddecont.steps.run import execute
-from tests.conftest import MODELS, ROOT
+from tests.conftest import ROOT
+from tests.conftest import SHIPPED as MODELS
 from tests.models import test_independent
 from tests.models.expected import FOLDER, both, entries, points
 

@@ -38,6 +38,6 @@ def test_what_cannot_be_drawn(every, tmp_path):
     add(tmp_path / "a.h5", "b", [])
     with pytest.raises(ResultsError, match="step 'b' has no points yet"):
         choose(read_results(tmp_path / "a.h5"), View(steps=("b",)))
-    add(tmp_path / "a.h5", "later", gain()[:1], kind="sweep")
-    with pytest.raises(ResultsError, match="is a sweep step; it can be drawn as sweep, not as diagram"):
+    add(tmp_path / "a.h5", "later", gain()[:1], kind="orbit")
+    with pytest.raises(ResultsError, match="is an orbit step; it can be drawn as orbit, profile, multipliers, not as diagram"):
         choose(read_results(tmp_path / "a.h5"), View("diagram", ("later",)))

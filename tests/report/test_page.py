@@ -93,7 +93,7 @@ def test_text_of_a_stranger_is_only_text(tmp_path):
     create(path, HOSTILE, HOSTILE + "run", HOSTILE, json.dumps({"numpy": HOSTILE}))
     row = synthetic.point(0.0, 0.2, 3.8, 1.0, note=HOSTILE[:32], signature="<b>NC</b> C")
     rows = [row, row | {"arclength": 1.0, "kind": b"LP", "parameters": [0.8, 0.3, 3.8]}]
-    synthetic.add(path, "<i>step", rows)
+    synthetic.add(path, "step", rows)
     text = page(read_results(path))
     read = Page(text)
     assert not {"script", "b", "i"} & {tag for tag, _ in read.tags}
