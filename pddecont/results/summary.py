@@ -37,7 +37,7 @@ def left_out_of(step: Step) -> dict[str, Any]:
         data = json.loads(step.meta.get("settings") or "{}").get("left_out", {})
     except (ValueError, AttributeError) as exc:
         raise ResultsError(f"the settings of step '{step.name}' cannot be read; the file is damaged") from exc
-    if not isinstance(data, dict):
+    if not isinstance(data, dict) or (data and not isinstance(data.get("effects"), list)):
         raise ResultsError(f"what step '{step.name}' left out cannot be read; the file is damaged")
     return {"effects": data["effects"], **data} if data else {}
 
