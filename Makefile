@@ -19,8 +19,8 @@ demo: setup          ## figure 4.6 of the paper, from its YAML file to a picture
 	$(BIN)/pddecont export $(OUT)/fig4_6.h5 --table special
 	$(BIN)/pddecont plot $(OUT)/fig4_6.h5 -o $(OUT)/fig4_6.png
 
-test: setup
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile
+test: setup          ## all but the two slowest tests, which `make reliability` runs too
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile -m "not slow"
 
 reliability: setup   ## docs/reliability.md, from the suite itself
 	mkdir -p $(OUT)
