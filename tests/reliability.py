@@ -26,6 +26,15 @@ True error over `error_estimate`, for every model that has an orbit: on meshes o
 (tracked or not) or through delay lines, and along branches. The true error is measured against a solution of far higher order, itself
 confirmed on a second mesh.""",
 }
+# Sections that count, by the name that tests give: heading, introduction.
+TITLES = {
+    "faults": ("Faults tried and survived", """\
+What happened to a run, what it did, and how often that was tried. "The same file" is the file that a run gives which nobody disturbed."""),
+    "inputs": ("Inputs tried and refused", """\
+Texts and files as strangers might send them, and how often each was refused with a message or read. None ended the process, ran code or
+touched another file; [security.md](security.md) says what is promised."""),
+    "batch": ("Batch use", "Many runs at once, and what scripts rely on."),
+}
 
 
 def pytest_addoption(parser):
@@ -81,10 +90,10 @@ def compare(request):
 
 @pytest.fixture
 def tally(request):
-    """Count an outcome in a section of the page: ``tally(section, what, outcome)``, the outcome a word, or a number to add up."""
+    """Count outcomes in a section of the page: ``tally(section, what, outcome, number)``."""
 
-    def row(section, what, outcome):
-        keep(request, section=TALLIES, title=section, what=what, outcome=outcome)
+    def row(section, what, outcome, number=1):
+        keep(request, section=TALLIES, title=section, what=what, outcome=outcome, number=number)
 
     return row
 
@@ -131,13 +140,15 @@ def _estimates(rows):
 
 
 def _tallies(rows):
-    sections: dict[str, dict[tuple[str, str], float]] = defaultdict(lambda: defaultdict(int))
+    sections: dict[str, dict[tuple[str, str], int]] = defaultdict(lambda: defaultdict(int))
     for row in rows:
-        number = isinstance(row["outcome"], (int, float))
-        sections[row["title"]][row["what"], "" if number else row["outcome"]] += row["outcome"] if number else 1
-    for title, counts in sorted(sections.items()):
-        yield f"## {title}"
-        yield _table(["what", "outcome", "number"], ([what, outcome, f"{number:g}"] for (what, outcome), number in counts.items()))
+        sections[row["title"]][row["what"], row["outcome"]] += row["number"]
+    for title in (t for t in TITLES if t in sections):
+        heading, introduction = TITLES[title]
+        counts = [[what, outcome, f"{number:,}"] for (what, outcome), number in sections[title].items()]
+        yield f"## {heading}"
+        yield introduction
+        yield _table(["what", "outcome", "number"], [*counts, ["all", "", f"{sum(sections[title].values()):,}"]])
 
 
 if __name__ == "__main__":

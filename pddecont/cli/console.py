@@ -33,22 +33,26 @@ def guarded(work: Callable[[], Any], received: Received) -> None:
         if isinstance(stream, io.TextIOWrapper):
             # Names of files and models may hold letters that the terminal has not.
             stream.reconfigure(errors="backslashreplace")
-    try:
-        code = _outcome(work)
-    except click.Abort as exc:
-        raise KeyboardInterrupt from exc
-    except Exception as exc:
-        # A library that is interrupted while it is loaded, or in a call back, may make another error of it.
-        if received.number:
-            raise KeyboardInterrupt from exc
-        raise
-    sys.exit(code)
+    sys.exit(_outcome(work, received))
 
 
-def _outcome(work: Callable[[], Any]) -> int:
+def _interruptible(work: Callable[[], Any], received: Received) -> Any:
     try:
         result = work()
         sys.stdout.flush()
+    except click.Abort as exc:
+        raise KeyboardInterrupt from exc
+    except Exception as exc:
+        # What is interrupted while it is loaded, called back, or closing a file may make another error of it.
+        if received.number:
+            raise KeyboardInterrupt from exc
+        raise
+    return result
+
+
+def _outcome(work: Callable[[], Any], received: Received) -> int:
+    try:
+        result = _interruptible(work, received)
     except click.exceptions.Exit as exc:
         return exc.exit_code
     except click.ClickException as exc:

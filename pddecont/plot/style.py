@@ -5,8 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 COLOURS = ("#1f5fa8", "#c2402f", "#2f8f5b", "#8a5fb0", "#b8860b", "#3b3b3b", "#3aa0b5", "#c45f96")
-MARKERS = {"GR": "o", "LP": "s", "BP": "x", "PD": "^", "TR": "*", "VS": "D", "EP": "|", "UF": "v", "CP": "P"}
-OTHER_MARKER = "h"
+MARKERS: dict[str, Any] = {
+    "GR": "o", "LP": "s", "BP": "x", "PD": "^", "TR": "*", "VS": "D", "EP": "|", "UF": "v",
+    "CP": "P", "R1": "1", "R2": "2", "R3": "3", "R4": "4", "FF": "X", "FT": ">", "PT": "<", "TT": "p",
+    "GG": "h", "GL": "d", "GP": (4, 1, 0), "GT": (6, 1, 0),
+}  # fmt: skip
+OTHER_MARKER = "."
 # Curves of special points in two parameters.
 KIND_COLOURS = {"GR": "#c2402f", "LP": "#1f5fa8", "PD": "#2f8f5b", "TR": "#8a5fb0", "VS": "#b8860b", "UF": "#3b3b3b"}
 RC: Any = {
@@ -33,6 +37,6 @@ def label(name: str) -> str:
     return f"${body}_{{{index}}}$" if rest else f"${body}$"
 
 
-def marker(kind: str) -> str:
-    """Return the marker of a kind of special point."""
+def marker(kind: str) -> Any:
+    """Return the marker of a kind of special point, as matplotlib names it."""
     return MARKERS.get(kind, OTHER_MARKER)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.simulate.kernel.returns import settle
-from pddecont.simulate.kernel.tables import Memory, Status, T, Values
+from pddecont.simulate.kernel.tables import Memory, Status, T, Values, enlarged, new_returns
 from pddecont.simulate.simulator import Simulator
 from pddecont.simulate.snapshot import pack
 
@@ -117,11 +117,14 @@ def settled(simulator: Simulator, values: Values, memory: Memory, clock: Clock) 
     """Return the attractor that a motion settles to; one that fails on the way is told with its reason."""
     system, n = simulator.system, simulator.system.n
     room = max(clock.returns, 6 * clock.max_period + 2) + 1
-    states, times = np.zeros((room, 2 * n)), np.zeros(room)
-    hits = np.zeros((room, len(system.segment_mode)), np.int64)
+    returns = new_returns(system, room, clock.max_period)
     t_end = float(memory.clock[T]) + clock.transient
-    memory, status, period, number = settle(system, values, memory, simulator.work, clock.period, clock.phase, t_end, clock.max_period,
-                                            states, times, hits)  # fmt: skip
+    while True:
+        status, period = settle(system, values, memory, simulator.work, returns, clock.period, clock.phase, t_end, clock.max_period)
+        if status != Status.ROOM:
+            break
+        memory = enlarged(memory)
+    states, times, hits, number = returns.states, returns.times, returns.hits, int(returns.number[0])
     failed = "" if status in (Status.SECTION, Status.REACHED) else simulator.complaint(memory, Status(status), values.p)
     # Of a motion without period the later half of its returns is kept at most: the earlier ones are its way there.
     kept = min(period or min(clock.returns, max(number // 2, 1)), number, room - 1)

@@ -5,11 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pddecont.errors import ConvergenceError
 from pddecont.simulate.attractors import Attractor
 from pddecont.simulate.kernel.returns import growth
-from pddecont.simulate.kernel.tables import Memory, Status, Values
+from pddecont.simulate.kernel.tables import Memory, Status, Values, enlarged
 from pddecont.simulate.simulator import Simulator
 from pddecont.simulate.snapshot import unpack
 
@@ -44,11 +45,11 @@ def lyapunov(simulator: Simulator, values: Values, attractor: Attractor, duratio
         logs = np.zeros(n_intervals)
         interval = duration / n_intervals
         memory = _tangent_at(with_tangent, values, attractor)
-        memory, status = growth(with_tangent.system, values, memory, with_tangent.work, interval, logs[: n_intervals // 4])
+        memory, status = _grown(with_tangent, values, memory, interval, logs[: n_intervals // 4])
         if status == Status.REACHED and np.all(np.isfinite(logs)):
-            memory, status = growth(with_tangent.system, values, memory, with_tangent.work, interval, logs)
+            memory, status = _grown(with_tangent, values, memory, interval, logs)
         if status != Status.REACHED:
-            raise ConvergenceError(simulator.complaint(memory, Status(status), values.p))
+            raise ConvergenceError(simulator.complaint(memory, status, values.p))
         if np.all(np.isfinite(logs)):
             total, times = np.cumsum(logs), interval * np.arange(1, n_intervals + 1)
             slope, level = np.polyfit(times, total, 1)
@@ -56,6 +57,16 @@ def lyapunov(simulator: Simulator, values: Values, attractor: Attractor, duratio
             return float(slope), float(np.sqrt(12.0) * departure / duration)
     # The tangent vanishes at once: the motion forgets where it came from.
     return (-np.inf, 0.0) if np.any(np.isneginf(logs)) else (np.nan, np.nan)
+
+
+def _grown(simulator: Simulator, values: Values, memory: Memory, interval: float, logs: NDArray[np.float64]) -> tuple[Memory, Status]:
+    """Write the logarithm of the tangent's growth over each interval; return the memory, which may have grown, and how it ended."""
+    done = np.array([0.0, np.nan])
+    while True:
+        status = Status(growth(simulator.system, values, memory, simulator.work, interval, logs, done))
+        if status != Status.ROOM:
+            return memory, status
+        memory = enlarged(memory)
 
 
 def known_exponent(simulator: Simulator, values: Values, attractor: Attractor, duration: float) -> Exponent:

@@ -201,13 +201,15 @@ class Simulator:
         """
         nothing = log if log is not None else new_log(self.system.n, 0, 0)
         while True:
-            memory, status = run(self.system, values, memory, nothing, self.work, t_stop, STEPS_AT_ONCE)
+            status = run(self.system, values, memory, nothing, self.work, t_stop, STEPS_AT_ONCE)
             if heard:
                 heard(float(memory.clock[T]))
             if status in (Status.REACHED, Status.SECTION):
                 return memory, Status(status)
             if status == Status.LOG_FULL and emptied is not None:
                 emptied(nothing)
+            elif status == Status.ROOM:
+                memory = enlarged(memory)
             elif status != Status.PAUSED:
                 raise ConvergenceError(self.complaint(memory, Status(status), values.p))
 

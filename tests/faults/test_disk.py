@@ -106,7 +106,7 @@ def test_a_truncated_file_is_refused_whole(whole, tmp_path, tally):
             assert (code, out) == (1, "")
             assert "cannot be read as a results file" in err
         assert path.read_bytes() == data[: len(data) * k // 40]
-    tally("faults", "file truncated at 40 places", "refused, left as it is")
+    tally("faults", "file truncated", "refused, left as it is", 40)
 
 
 def test_files_of_a_newer_version_and_of_another_model_are_left_alone(whole, tmp_path, tally):
@@ -122,7 +122,7 @@ def test_files_of_a_newer_version_and_of_another_model_are_left_alone(whole, tmp
         assert code == 1
         assert words in err
         assert path.read_bytes() == before
-    tally("faults", "file of a newer version, of another model", "refused, left as it is")
+    tally("faults", "file of a newer version, of another model", "refused, left as it is", 2)
 
 
 @pytest.mark.parametrize("option", ["--resume", "--overwrite"])

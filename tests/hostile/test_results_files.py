@@ -33,6 +33,12 @@ def files(tmp_path_factory):
     return folder
 
 
+def count(tally, what, tried, refused):
+    tally("inputs", what, "refused", refused)
+    if refused < tried:
+        tally("inputs", what, "read", tried - refused)
+
+
 def names_of(path):
     found = []
     with h5py.File(path) as file:
@@ -112,7 +118,7 @@ def test_arrays_that_are_something_else(files, tmp_path, monkeypatch, kind, chan
     if change not in ("missing", "negative", "not finite", "falling", "empty", "very large"):
         # Nothing that is not a plain array is read, wherever it stands; numbers may be any numbers where nothing is counted by them.
         assert not_refused == []
-    tally("inputs", f"results of {kind}: each array {change}", f"{len(names)} tried, {refused} refused")
+    count(tally, f"results files, an array {change}", len(names), refused)
 
 
 @pytest.mark.parametrize("meta", [
@@ -133,6 +139,7 @@ def test_settings_that_are_something_else(files, tmp_path, meta):
 
 @pytest.mark.parametrize("kind", ["continue", "sweep", "basin"])
 def test_columns_of_any_numbers_are_drawn_or_refused(files, tmp_path, kind, tally):
+    tried = 0
     for value in (np.nan, np.inf, 1e308):
         for name in [n for n in names_of(files / f"{kind}.h5") if "/last/" in n]:
             path = Path(shutil.copy(files / f"{kind}.h5", tmp_path / "a.h5"))
@@ -141,12 +148,13 @@ def test_columns_of_any_numbers_are_drawn_or_refused(files, tmp_path, kind, tall
                         "parameters", "monitors", "states", "returns", "settling", "arclength", "period"):  # fmt: skip
                     continue
                 file[name][:] = value
+            tried += 1
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # matplotlib says of axes that they have no extent
                 code, _, err = call("plot", path, "-o", tmp_path / "p.png")
             assert code in (0, 1), (name, value)
             assert "Traceback" not in err
-    tally("inputs", f"results of {kind}: columns of NaN, infinity, 1e308, 0", "drawn or refused")
+    tally("inputs", "results files, a column of NaN, infinity or 1e308", "drawn or refused", tried)
 
 
 @pytest.mark.parametrize("row", [[np.nan], [1e300], [-1.0], [0.0], [5, 1, 3, 1e9, *[0.0] * 36], [1e9, 1, 1, 1, *[0.0] * 36], [7.0]])
@@ -174,7 +182,7 @@ def test_recorded_states_of_integrations_are_checked_before_machine_code_sees_th
     found = json.loads(done.stdout)
     assert found["ended"] == []
     assert found["refused"] > 20
-    tally("inputs", "recorded states of integrations with numbers changed", f"150 tried, {found['refused']} refused, the rest gone on with")
+    count(tally, "recorded states of integrations, numbers changed", 150, found["refused"])
 
 
 @pytest.mark.parametrize("kind", ["continue", "sweep", "basin"])
@@ -186,7 +194,7 @@ def test_bytes_that_are_changed_do_not_end_the_process(files, kind, tally):
     assert found["ended"] == []
     assert found["read"] + found["refused"] == NUMBER
     assert found["refused"] > NUMBER // 4
-    tally("inputs", f"results of {kind} with bytes changed", f"{NUMBER} tried, {found['refused']} refused, the rest read")
+    count(tally, "results files, bytes changed", NUMBER, found["refused"])
 
 
 def test_names_do_not_reach_the_terminal_as_commands(files, tmp_path):

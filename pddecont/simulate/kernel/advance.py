@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from pddecont.simulate.kernel.breaking import next_stop, note_breaking, pass_breaking, queues_have_room
 from pddecont.simulate.kernel.calls import at, entry, inner
 from pddecont.simulate.kernel.crossings import event_value, first_crossing, slope_and_size
@@ -29,7 +31,6 @@ from pddecont.simulate.kernel.tables import (
     Status,
     T,
     core,
-    enlarged,
     new_log,
 )
 from pddecont.simulate.kernel.tangent import prepare_with_echoes
@@ -85,13 +86,9 @@ def change(system, values, memory, work, before):
 
 @entry
 def run(system, values, memory, log, work, t_stop, most_steps):
-    """Integrate until :func:`advance` has something to say; return the memory, which may have grown, and the status."""
+    """Do what :func:`advance` does, from Python; ROOM asks to be called again with a larger memory."""
     memory.count[READY] = 0
-    while True:
-        status = advance(core(system, values, memory, log, work), t_stop, most_steps)
-        if status != Status.ROOM:
-            return memory, status
-        memory = enlarged(memory)
+    return np.int64(advance(core(system, values, memory, log, work), t_stop, most_steps))
 
 
 @inner

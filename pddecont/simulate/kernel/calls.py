@@ -9,11 +9,14 @@ from __future__ import annotations
 
 from llvmlite import ir
 from numba import njit, types
-from numba.extending import intrinsic
+from numba.extending import intrinsic, register_jitable
 
-# What Python calls is kept on disk with all that it calls in turn.
+# What Python calls is kept on disk with all that it calls in turn. It returns numbers alone, or a tuple of them: to make an array or a
+# named tuple for Python, machine code runs Python on its way back, and does not notice what a signal raises there.
 entry = njit(cache=True, nogil=True)
 inner = njit(nogil=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+# Machine code where machine code calls it, Python where Python does.
+either = register_jitable
 
 NUMBERS = types.CPointer(types.float64)
 SIGNATURE = types.void(types.int64, types.float64, NUMBERS, NUMBERS, NUMBERS, NUMBERS)

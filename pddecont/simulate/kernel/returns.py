@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from pddecont.simulate.kernel.advance import begin, run
+from pddecont.simulate.kernel.advance import advance, begin
 from pddecont.simulate.kernel.calls import entry, inner
 from pddecont.simulate.kernel.past import near
 from pddecont.simulate.kernel.slopes import slopes
@@ -16,11 +16,13 @@ from pddecont.simulate.kernel.tables import (
     MODE,
     N_COEFFICIENTS,
     N_PENDING,
+    READY,
     SHIFT,
     USED,
     Status,
     T,
     core,
+    enlarged,
     new_log,
     new_memory,
 )
@@ -38,52 +40,51 @@ STEPS = 1 << 40
 
 
 @inner
-def next_return(system, values, memory, work, log, period, phase, t_end):
+def next_return(system, values, memory, work, log, period, phase, t_end, stop):
     """Integrate to the next return: the next time at which ``phase`` of the forcing period has passed, or to the section.
 
-    ``period`` is 0 where returns are to a section. Returns the memory and a status; REACHED where ``t_end`` comes first.
+    ``period`` is 0 where returns are to a section. Returns a status: REACHED where ``t_end`` comes first, ROOM to be called again with a
+    larger memory. ``stop`` keeps in between, in its one place, the time that the motion is under way to, and is NaN otherwise.
     """
-    if period > 0.0:
-        t = memory.clock[T]
-        turn = math.floor(t / period - phase + 1.0 + 1e-9)
-        t_stop = (turn + phase) * period
-        if t_stop > t_end:
-            memory, status = run(system, values, memory, log, work, t_end, STEPS)
-            return memory, status
-        memory, status = run(system, values, memory, log, work, t_stop, STEPS)
-        if status == Status.REACHED:
-            status = Status.SECTION
-        return memory, status
-    memory, status = run(system, values, memory, log, work, t_end, STEPS)
-    return memory, status
+    if math.isnan(stop[0]):
+        stop[0] = t_end
+        if period > 0.0:
+            turn = math.floor(memory.clock[T] / period - phase + 1.0 + 1e-9)
+            stop[0] = min((turn + phase) * period, np.nextafter(t_end, math.inf))
+    t_stop = stop[0]
+    memory.count[READY] = 0
+    status = advance(core(system, values, memory, log, work), min(t_stop, t_end), STEPS)
+    if status == Status.ROOM:
+        return status
+    stop[0] = math.nan
+    return Status.SECTION if status == Status.REACHED and period > 0.0 and t_stop <= t_end else status
 
 
 @entry
-def settle(system, values, memory, work, period, phase, t_end, max_period, states, times, hits):
-    """Follow a motion until it repeats itself or its time is over; return the memory, a status, its period and its returns.
+def settle(system, values, memory, work, returns, period, phase, t_end, max_period):
+    """Follow a motion until it repeats itself or its time is over; return a status and its period in returns, 0 where there is none.
 
-    ``states`` (n_returns, 2 n: states and their slopes), ``times`` (n_returns,) and ``hits`` (n_returns, n_segments) are filled as a
-    ring: return number i goes to row i modulo n_returns, ``hits`` counts ends of segments up to it. The period in returns is 0 where
-    there is none.
+    ``returns`` are filled; ROOM asks to be called again with a larger memory.
     """
     log = new_log(0, 0, 0)
-    room, number = len(times), 0
-    running = np.zeros(max_period + 1, np.int64)
-    distances = np.zeros((room, max_period + 1))
+    states, times, hits, distances, running = returns.states, returns.times, returns.hits, returns.distances, returns.running
+    room = len(times)
     # Where a forcing counts the returns, the states say all; at a section the slopes tell motions apart that they cannot.
     width = system.n if period > 0.0 else 2 * system.n
     size, noise = np.zeros(2 * system.n), np.zeros(2 * system.n)
     same = max(SAME, SAME_ERRORS * values.rtol)
     while True:
-        memory, status = next_return(system, values, memory, work, log, period, phase, t_end)
+        status = next_return(system, values, memory, work, log, period, phase, t_end, returns.stop)
         if status != Status.SECTION:
             break
+        number = returns.number[0]
         row = number % room
         _note(core(system, values, memory, log, work), states, row)
         times[row] = memory.clock[T]
         for k in range(hits.shape[1]):
             hits[row, k] = memory.hits[k]
         number += 1
+        returns.number[0] = number
         gap = times[row] - times[(row - 1) % room] if number > 1 else math.inf
         _sizes(states, min(number, room, 2 * max_period + 2), number, values.atol, values.rtol, gap, size, noise)
         for q in range(1, min(max_period, number - 1, room - 1) + 1):
@@ -93,9 +94,9 @@ def settle(system, values, memory, work, period, phase, t_end, max_period, state
             # As many times as the period is long, and longer than the longest delay.
             if (running[q] >= REPEATS * q and times[row] - times[(number - 1 - min(running[q], room - 1)) % room] >= values.longest
                     and _smallest(distances, number, q, room, same)):  # fmt: skip
-                return memory, Status.SECTION, q, number
-    q = _period(distances, times, hits, number, max_period, room, same) if status == Status.REACHED else 0
-    return memory, status, q, number
+                return np.int64(Status.SECTION), q
+    q = _period(distances, times, hits, returns.number[0], max_period, room, same) if status == Status.REACHED else 0
+    return np.int64(status), q
 
 
 @inner
@@ -201,7 +202,7 @@ def recognise_cells(system, values, work, template, initial, mode, constant, per
     motion is on an attractor when its returns are near to the attractor's, in their order, for longer than these take and than the
     longest delay.
     """
-    log = new_log(0, 0, 0)
+    log, stop = new_log(0, 0, 0), np.zeros(1)
     for cell in range(len(initial)):
         memory = new_memory(system, values)
         memory.y[:] = template
@@ -212,8 +213,12 @@ def recognise_cells(system, values, work, template, initial, mode, constant, per
             _start_chain(system, memory)
         begin(system, values, memory, work, 0.0, mode)
         labels[cell], expected, since, met = -1, -1, 0.0, 0
+        stop[0] = math.nan
         while True:
-            memory, status = next_return(system, values, memory, work, log, period, phase, t_end)
+            status = next_return(system, values, memory, work, log, period, phase, t_end, stop)
+            if status == Status.ROOM:
+                memory = enlarged(memory)
+                continue
             if status != Status.SECTION:
                 break
             if expected >= 0 and _near(points, expected, memory.y, size, values.atol):
@@ -254,22 +259,29 @@ def _nearest(points, y, size, atol):
 
 
 @entry
-def growth(system, values, memory, work, interval, logs):
-    """Write the logarithm of the tangent's growth over each of ``len(logs)`` intervals; return the memory and a status."""
+def growth(system, values, memory, work, interval, logs, done):
+    """Write the logarithm of the tangent's growth over each of ``len(logs)`` intervals; return a status.
+
+    ROOM asks to be called again with a larger memory; ``done`` keeps in between how many intervals are, and when the present one ends
+    (NaN: none is under way). It begins with (0, NaN).
+    """
     log = new_log(0, 0, 0)
-    _rescale(system, memory)
-    for k in range(len(logs)):
-        t_stop = memory.clock[T] + interval
-        while True:
-            memory, status = run(system, values, memory, log, work, t_stop, STEPS)
-            if status != Status.SECTION:
-                break
+    if done[0] == 0.0 and math.isnan(done[1]):
+        _rescale(system, memory)
+    for k in range(int(done[0]), len(logs)):
+        if math.isnan(done[1]):
+            done[1] = memory.clock[T] + interval
+        status = Status.SECTION
+        while status == Status.SECTION:
+            memory.count[READY] = 0
+            status = advance(core(system, values, memory, log, work), done[1], STEPS)
         if status != Status.REACHED:
-            return memory, status
+            return np.int64(status)
         logs[k] = _rescale(system, memory)
+        done[0], done[1] = k + 1.0, math.nan
         if not math.isfinite(logs[k]):
-            return memory, Status.REACHED
-    return memory, Status.REACHED
+            break
+    return np.int64(Status.REACHED)
 
 
 @inner

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pddecont.simulate.kernel.calls import entry, inner, pointer
+from pddecont.simulate.kernel.calls import either, inner, pointer
 
 # Coefficients that a step's continuous extension has beside its first value.
 N_COEFFICIENTS = 7
@@ -135,6 +135,24 @@ class Log(NamedTuple):
     after: Any
 
 
+class Returns(NamedTuple):
+    """What is known of a motion's returns to a section while it is looked for a period.
+
+    ``states`` (n_returns, 2 n: states and their slopes), ``times`` (n_returns,), ``hits`` (n_returns, n_segments: ends of segments up to
+    then) and ``distances`` (n_returns, max_period + 1) from so many returns before are rings: return number i stands in row i modulo
+    n_returns. ``running`` counts how often in a row the motion came back after so many, ``number`` the returns; ``stop`` is the time
+    that the motion is under way to, NaN at a return.
+    """
+
+    states: Any
+    times: Any
+    hits: Any
+    distances: Any
+    running: Any
+    number: Any
+    stop: Any
+
+
 class Work(NamedTuple):
     """Room for intermediate results; rows of ``dimension`` numbers unless they say otherwise.
 
@@ -178,7 +196,7 @@ MODE, FIRST, USED, ARC, N_STEPS, N_REJECTED, N_PENDING, N_BREAKING, FRESH, AT_ON
 N_COUNT = 14
 
 
-@entry
+@either
 def new_memory(system, values):
     """Return the memory of an integration that has not begun."""
     room = 32
@@ -199,7 +217,7 @@ def new_memory(system, values):
         np.zeros(len(system.segment_mode) + 1, np.int64), np.zeros(system.n_modes))  # fmt: skip
 
 
-@entry
+@either
 def new_log(n, steps, events):
     """Return a log with room for so many steps and events."""
     return Log(np.zeros(2, np.int64), np.zeros(steps), np.zeros(steps), np.zeros(steps), np.zeros(steps, np.int64),
@@ -207,7 +225,13 @@ def new_log(n, steps, events):
                np.zeros(events, np.int64), np.zeros(events, np.int64), np.zeros((events, n)), np.zeros((events, n)))  # fmt: skip
 
 
-@entry
+def new_returns(system, n, max_period):
+    """Return room for ``n`` returns."""
+    hits, running = np.zeros((n, len(system.segment_mode)), np.int64), np.zeros(max_period + 1, np.int64)
+    return Returns(np.zeros((n, 2 * system.n)), np.zeros(n), hits, np.zeros((n, max_period + 1)), running, np.zeros(1, np.int64),
+                   np.full(1, np.nan))  # fmt: skip
+
+
 def new_work(system):
     """Return room for intermediate results."""
     n, m = system.n, len(system.pair_state)
@@ -239,14 +263,14 @@ def core(s, v, m, log, w):
         pointer(w.found_side), pointer(w.bernstein), pointer(w.stack))  # fmt: skip
 
 
-@inner
+@either
 def _longer(a):
     b = np.zeros(2 * len(a), a.dtype)
     b[: a.shape[0]] = a
     return b
 
 
-@entry
+@either
 def enlarged(m):
     """Return a memory with twice the room; the ring's steps lie again at their number modulo its size."""
     old, new = len(m.past_time), 2 * len(m.past_time)
