@@ -96,10 +96,7 @@ def _picture(results: Results, view: View, caption: str) -> str:
 
 
 def _settings(step: Step) -> Iterable[str]:
-    try:
-        settings = json.loads(step.meta.get("settings", "{}"))
-    except (TypeError, ValueError):
-        return
+    settings = json.loads(step.meta.get("settings") or "{}")
     if settings:
         yield "<details><summary>Settings</summary>"
         yield f"<pre>{escape(json.dumps(settings, indent=2, ensure_ascii=False))}</pre></details>"

@@ -6,6 +6,7 @@ or external data, no filters, no room that is promised and not there. What is re
 
 from __future__ import annotations
 
+import json
 import math
 import re
 from collections.abc import Mapping
@@ -112,6 +113,10 @@ def check_meta(kind: str, meta: Any) -> None:
     for key in ("model", "settings", "mesh_settings", "curve", "choice"):
         if not isinstance(meta.get(key), str | None):
             raise ResultsError(f"'{key}' is not a text")
+    units = meta.get("units", {})
+    if not isinstance(units, dict) or not all(isinstance(unit, str) for unit in units.values()):
+        raise ResultsError("'units' is not a mapping of names to texts")
+    _check_settings(json.loads(meta.get("settings") or "{}"))
     for key in ("x", "y", "changes", "delayed"):
         wanted = str if key == "delayed" else int | float
         if not isinstance(meta.get(key, []), list) or not all(isinstance(x, wanted) for x in meta.get(key, [])):
@@ -123,6 +128,13 @@ def check_meta(kind: str, meta: Any) -> None:
         raise ResultsError("'directions' or 'section' is not what it should be")
     if not set(meta.get("free") or []) <= set(meta.get("parameters") or []):
         raise ResultsError("a free parameter is not among the parameters")
+
+
+def _check_settings(settings: Any) -> None:
+    left_out = settings.get("left_out", {}) if isinstance(settings, dict) else None
+    effects = left_out.get("effects", []) if isinstance(left_out, dict) else None
+    if not isinstance(effects, list) or not all(isinstance(x, str) for x in effects) or (left_out and not effects):
+        raise ResultsError("'settings' is not a mapping, or what was left out cannot be told from it")
 
 
 def check_columns(meta: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]], known: Mapping[str, Any]) -> None:

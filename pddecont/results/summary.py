@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from pddecont.errors import ResultsError
 from pddecont.results.attractors import class_of
 from pddecont.results.precision import cheapest_lines
 from pddecont.results.reader import Results, Step
@@ -33,12 +32,7 @@ def summary(results: Results) -> dict[str, Any]:
 
 def left_out_of(step: Step) -> dict[str, Any]:
     """Return the effects that a step was computed without, and what went with them and why; empty if all were in."""
-    try:
-        data = json.loads(step.meta.get("settings") or "{}").get("left_out", {})
-    except (ValueError, AttributeError) as exc:
-        raise ResultsError(f"the settings of step '{step.name}' cannot be read; the file is damaged") from exc
-    if not isinstance(data, dict) or (data and not isinstance(data.get("effects"), list)):
-        raise ResultsError(f"what step '{step.name}' left out cannot be read; the file is damaged")
+    data = json.loads(step.meta.get("settings") or "{}").get("left_out", {})
     return {"effects": data["effects"], **data} if data else {}
 
 

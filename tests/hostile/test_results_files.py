@@ -124,6 +124,8 @@ def test_arrays_that_are_something_else(files, tmp_path, monkeypatch, kind, chan
 @pytest.mark.parametrize("meta", [
     "null", "[]", "1", "{", '{"parameters": 3}', '{"parameters": ["a", "a"]}', '{"parameters": ["$\\\\frac{"]}', '{"states": [["x"]]}',
     '{"directions": "many"}', '{"free": ["nobody"]}', "[" * 100_000, '{"x": ["a"]}', '{"settings": {}}', '{"curve": 3}',
+    '{"units": null}', '{"units": {"x": 3}}', '{"settings": "x"}', '{"settings": "[]"}', '{"settings": "{\\"left_out\\": 3}"}',
+    '{"settings": "{\\"left_out\\": {\\"effects\\": [3]}}"}', '{"settings": "{\\"left_out\\": {\\"x\\": 1}}"}',
 ])  # fmt: skip
 def test_settings_that_are_something_else(files, tmp_path, meta):
     path = Path(shutil.copy(files / "continue.h5", tmp_path / "a.h5"))
@@ -131,6 +133,7 @@ def test_settings_that_are_something_else(files, tmp_path, meta):
         del file["steps/last/meta"]
         file.create_dataset("steps/last/meta", data=meta.encode(), dtype=h5py.string_dtype("utf-8", len(meta)))
     for command in (["info", path], ["export", path], ["plot", path, "-o", tmp_path / "p.png"],
+                    ["report", path, "-o", tmp_path / "p.html"],
                     ["run", files / "continue.yaml", "-o", path, "--resume"]):  # fmt: skip
         code, out, err = call(*command)
         assert (code, out) == (1, ""), command
