@@ -23,7 +23,7 @@ from tests.conftest import MODELS, ROOT
 
 DOCS = ROOT / "docs"
 PAGES = [ROOT / "README.md", *sorted(DOCS.rglob("*.md"))]
-SESSIONS = [ROOT / "README.md", DOCS / "tutorial.md", *sorted((DOCS / "howto").glob("*.md"))]
+SESSIONS = [ROOT / "README.md", DOCS / "tutorial.md", DOCS / "pictures.md", *sorted((DOCS / "howto").glob("*.md"))]
 BLOCK = re.compile(r"^```(\w+)(?: title=\"([\w.]+)\")?\n(.*?)^```$", re.M | re.S)
 NEEDS_SHELL = re.compile(r"[|<>;&$*]")
 
@@ -82,6 +82,14 @@ def printed(command):
 @pytest.mark.parametrize("page", SESSIONS, ids=name_of)
 def test_a_page_runs_from_top_to_bottom(page, session):
     session(page)
+
+
+@pytest.mark.slow
+def test_the_readmes_commands_run(in_folder):
+    for name in ("configs", "models"):
+        (in_folder / name).symlink_to(ROOT / name)
+    for line in re.findall(r"^    (pddecont [^#\n]*)", (ROOT / "README.md").read_text(), re.M):
+        printed(line)
 
 
 def test_the_tutorials_grazing_has_its_closed_form():

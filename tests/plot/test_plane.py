@@ -2,11 +2,13 @@
 
 import numpy as np
 import pytest
+from matplotlib.markers import MarkerStyle
 from matplotlib.path import Path as Outline
 
 from pddecont.errors import ResultsError
-from pddecont.plot.style import KIND_COLOURS
+from pddecont.plot.style import KIND_COLOURS, marker
 from pddecont.results.reader import read_results
+from pddecont.results.summary import WORDS
 from pddecont.results.writer import create
 from tests.plot.drawn import coloured, legend, lines, texts
 from tests.plot.synthetic import add, point
@@ -38,6 +40,11 @@ def test_points_of_codimension_two_are_labelled(every, show):
     found = texts(show(every).axes[0])
     assert set(found) == {"GG1", "R1_1", "R2_1"}
     assert found["GG1"].xy == pytest.approx((0.5, 3.0))
+
+
+def test_every_kind_of_point_has_its_own_marker():
+    assert len({marker(kind) for kind in WORDS}) == len(WORDS)
+    assert all(MarkerStyle(marker(kind)).get_path().vertices.size for kind in WORDS)
 
 
 def shaded(axes):
