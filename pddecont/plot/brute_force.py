@@ -9,9 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.plot.curves import segments
+from pddecont.plot.diagram import special_rows
 from pddecont.plot.orbits import state_index
-from pddecont.plot.stretches import stretches
-from pddecont.plot.style import COLOURS
+from pddecont.plot.stretches import stretches, style_handles
+from pddecont.plot.style import COLOURS, marker
+from pddecont.plot.tags import Tag
 from pddecont.plot.units import axis_label
 from pddecont.results.attractors import class_of
 from pddecont.results.reader import Step
@@ -54,11 +56,15 @@ def draw_returns(axes: Any, steps: Sequence[Step], x: str, state: str) -> list[A
     return [Line2D([], [], marker=".", ls="", color=colour, label=name) for name, colour in colours.items()]
 
 
-def draw_branches(axes: Any, branches: Sequence[Step], sweep: Step, x: str, state: str) -> list[Any]:
-    """Draw where the orbits of branches return to the section of a sweep: solid lines are stable, dashed ones unstable."""
+def draw_branches(axes: Any, branches: Sequence[Step], sweep: Step, x: str, state: str) -> tuple[list[Tag], list[Any]]:
+    """Draw where the orbits of branches return to the section of a sweep: solid lines are stable, dashed ones unstable.
+
+    Returns the names of special points, which go in last, and the handles of the legend.
+    """
     from matplotlib.lines import Line2D
 
-    drawn = False
+    tags: list[Tag] = []
+    drawn = []
     for branch in branches:
         column, j = list(branch.meta["parameters"]).index(x), state_index(branch, state)
         for stretch in stretches(branch):
@@ -69,8 +75,17 @@ def draw_branches(axes: Any, branches: Sequence[Step], sweep: Step, x: str, stat
             xs = branch.points["parameters"][stretch.rows, column]
             for values in _joined([v[:n] for v in lines]).T:
                 axes.plot(xs, values, stretch.style, color="0.45", lw=0.9, zorder=1)
-                drawn = True
-    return [Line2D([], [], color="0.45", lw=0.9, label="followed orbits")] if drawn else []
+            drawn.append(branch)
+        for row in special_rows(branch):
+            place, values = float(branch.points["parameters"][row, column]), _returns(branch, row, j, sweep)
+            axes.plot(np.full(len(values), place), values, marker(branch.labels[row][:2]), color="black", ms=4, zorder=5)
+            tags += [Tag(branch.labels[row], place, float(value)) for value in values[:1]]
+    if not drawn:
+        return tags, []
+    handles = style_handles(drawn) or [Line2D([], [], label="orbits")]
+    for handle in handles:
+        handle.set(color="0.45", lw=0.9, label=f"followed: {handle.get_label()}")
+    return tags, handles
 
 
 def _joined(lines: Sequence[Array]) -> Array:

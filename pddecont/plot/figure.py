@@ -217,11 +217,12 @@ def _sweep(steps: list[Step], view: View) -> Any:
     measured = [s for s in sweeps if has_exponents(s)]
     figure = _figure(7.4, 6.6 if measured else 4.6)
     panels = figure.subplots(2 if measured else 1, sharex=True, squeeze=False, height_ratios=[2, 1] if measured else [1])[:, 0]
-    handles = draw_returns(panels[0], sweeps, x, y) + draw_branches(panels[0], branches, sweeps[-1], x, y)
+    tags, of_branches = draw_branches(panels[0], branches, sweeps[-1], x, y)
+    handles = draw_returns(panels[0], sweeps, x, y) + of_branches
     if measured:
         panels[0].set_xlabel("")
         draw_exponents(panels[1], measured, x)
-    return _finished(figure, panels[0], [], handles)
+    return _finished(figure, panels[0], tags, handles)
 
 
 def _basin(steps: list[Step], view: View) -> Any:

@@ -92,6 +92,9 @@ def _samples(axes: Any, points: float) -> Array:
         if len(xy) < 2 or line.get_transform() != axes.transData:
             continue
         places = line.get_transform().transform(xy) * points
+        if line.get_linestyle() == "None":
+            result.append(places)
+            continue
         steps = np.nan_to_num(np.hypot(*np.diff(places, axis=0).T))
         along = np.concatenate([[0.0], np.cumsum(steps)])
         fine = np.linspace(0.0, along[-1], max(2, min(2000, int(along[-1] / 3.0))))

@@ -8,6 +8,7 @@ from pddecont.plot.basin import basin_colours, draw_basin
 from pddecont.plot.brute_force import classes, draw_branches, draw_returns
 from pddecont.plot.choice import View, choose
 from pddecont.plot.figure import draw, picture
+from pddecont.plot.style import marker
 from pddecont.results.attractors import label_map
 from tests.runs import run
 
@@ -19,7 +20,7 @@ mesh: {degree: 8, tol: 1.0e-9}
 steps:
   - {name: t, simulate: {t_end: 200*2*pi/omega, record: {signals: {wall: beta*(x - e)}}, at: {100: {a: 0.95}, 200: {a: 0.9}}}}
   - {name: o, orbit: {from: t, stability: true}}
-  - {name: branch, continue: {from: o, free: [beta], range: {beta: [30, 45]}, stability: true}}
+  - {name: branch, continue: {from: o, free: [beta], range: {beta: [30, 45]}, stability: true, events_along: {P: beta - 37}}}
   - {name: diagram, sweep: {over: {beta: [30, 45, 4]}, initial: [{x: 0}, {x: -0.26, v: 1.74}], transient: 300*2*pi/omega, lyapunov: true}}
   - {name: plane, sweep: {over: {beta: [30, 45, 3], a: [0.9, 0.92, 2]}, transient: 150*2*pi/omega}}
   - {name: map, basin: {over: {x: [-2, 1.2, 10], v: [-2, 2, 9]}, transient: 300*2*pi/omega}}
@@ -60,6 +61,16 @@ def test_branches_lie_under_the_dots_they_explain(results, axes):
         for x in step.orbit(i)["returns"][:, 0]:
             gap = min(np.min(np.abs(line[:, 1] - x)[np.abs(line[:, 0] - beta) < 2.0], initial=np.inf) for line in lines)
             assert gap < 0.03
+
+
+def test_special_points_of_branches_are_marked_at_every_return(results, axes):
+    step, branch = results.steps["diagram"], results.steps["branch"]
+    tags, handles = draw_branches(axes, [branch], step, "beta", "x")
+    assert [tag.text for tag in tags] == ["UF1"]
+    (marks,) = (line.get_xydata() for line in axes.lines if line.get_marker() == marker("UF"))
+    assert marks[:, 0] == pytest.approx([37.0, 37.0], abs=1e-9)
+    assert (tags[0].x, tags[0].y) == pytest.approx(tuple(marks[0]))
+    assert [h.get_label() for h in handles] == ["followed: orbits"]
 
 
 def test_a_basin_shows_each_cell_in_its_attractors_colour(results, axes):
