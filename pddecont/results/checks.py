@@ -46,6 +46,8 @@ TOGETHER = (
     ("returns", "return_slopes", "return_time"), ("label", "settling"),
 )  # fmt: skip
 NAMES = ("parameters", "states", "monitors", "events", "segments", "modes", "signals", "free", "over", "quantities", "closed")
+# How many names a kind of step has at least and at most.
+COUNTS = {"sweep": (("free", 1, 2),), "basin": (("over", 2, 2),)}
 
 
 def child(group: h5py.Group, name: str, kind: type) -> Any:
@@ -107,9 +109,12 @@ def check_meta(kind: str, meta: Any) -> None:
     if not isinstance(meta, dict):
         raise ResultsError("'meta' is not a mapping")
     for key in NAMES:
-        names = meta.get(key) or []
+        names = meta.get(key, [])
         if not isinstance(names, list) or not all(isinstance(x, str) and NAME.match(x) for x in names) or len(set(names)) < len(names):
             raise ResultsError(f"'{key}' is not a list of different names")
+    for key, least, most in COUNTS.get(kind, ()):
+        if not least <= len(meta.get(key, [])) <= most:
+            raise ResultsError(f"'{key}' holds {len(meta.get(key, []))} names; a step of this kind has {least} to {most}")
     for key in ("model", "settings", "mesh_settings", "curve", "choice"):
         if not isinstance(meta.get(key), str | None):
             raise ResultsError(f"'{key}' is not a text")
