@@ -78,7 +78,7 @@ def draw_branches(axes: Any, branches: Sequence[Step], sweep: Step, x: str, stat
             drawn.append(branch)
         for row in special_rows(branch):
             place, values = float(branch.points["parameters"][row, column]), _returns(branch, row, j, sweep)
-            axes.plot(np.full(len(values), place), values, marker(branch.labels[row][:2]), color="black", ms=4, zorder=5)
+            axes.plot(np.full(len(values), place), values, marker=marker(branch.labels[row][:2]), ls="", color="black", ms=4, zorder=5)
             tags += [Tag(branch.labels[row], place, float(value)) for value in values[:1]]
     if not drawn:
         return tags, []

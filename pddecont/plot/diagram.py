@@ -36,7 +36,7 @@ def mark_special(axes: Any, step: Step, x: str, y: str) -> list[Tag]:
     xs, ys = column(step, x), column(step, y)
     rows = special_rows(step)
     for i in rows:
-        axes.plot([xs[i]], [ys[i]], marker(step.labels[i][:2]), color="black", ms=5, zorder=5)
+        axes.plot([xs[i]], [ys[i]], marker=marker(step.labels[i][:2]), ls="", color="black", ms=5, zorder=5)
     return [Tag(step.labels[i], float(xs[i]), float(ys[i])) for i in rows]
 
 

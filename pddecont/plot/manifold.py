@@ -54,7 +54,7 @@ def draw_manifold(axes: Any, steps: Sequence[Step], x: str, y: str, z: str) -> t
             axes.plot(*(values[s.rows] for values in xyz), s.style, lw=2.8 if thick else 1.0,
                       color=curve_colour(step) if thick else colours[step.name, s.family])  # fmt: skip
         for i in special_rows(step):
-            axes.plot(*([values[i]] for values in xyz), marker(step.labels[i][:2]), color="black", ms=4)
+            axes.plot(*([values[i]] for values in xyz), marker=marker(step.labels[i][:2]), ls="", color="black", ms=4)
             special.append((step.labels[i], [float(values[i]) for values in xyz]))
     for name, put in ((x, axes.set_xlabel), (y, axes.set_ylabel), (z, axes.set_zlabel)):
         put(axis_label(steps, name))

@@ -9,7 +9,7 @@ import numpy as np
 
 from pddecont.errors import ResultsError
 from pddecont.plot.columns import column, free_of, title
-from pddecont.plot.style import COLOURS, OTHER_MARKER, label, marker
+from pddecont.plot.style import COLOURS, LINES_ONLY, OTHER_MARKER, label, marker
 from pddecont.results.reader import Step
 from pddecont.results.tables import has_multipliers, multipliers
 
@@ -39,7 +39,7 @@ def draw_multipliers(axes: Any, step: Step, rows: Sequence[int]) -> Any:
     for k, row in enumerate(rows):
         shape, colour = marker(step.labels[row][:2]) if step.labels[row] else OTHER_MARKER, COLOURS[k % len(COLOURS)]
         z = multipliers(step, row)
-        look: dict[str, Any] = {"color": colour} if shape in "x|" else {"facecolor": "none", "edgecolor": colour}
+        look: dict[str, Any] = {"color": colour} if shape in LINES_ONLY else {"facecolor": "none", "edgecolor": colour}
         axes.scatter(z.real, z.imag, s=40 + 26 * k, marker=shape, linewidth=1.4, zorder=4, label=title(step, row) or f"index {row}", **look)
     _set_limits(axes, np.concatenate(values))
     return dots

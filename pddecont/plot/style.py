@@ -10,7 +10,8 @@ MARKERS: dict[str, Any] = {
     "CP": "P", "R1": "1", "R2": "2", "R3": "3", "R4": "4", "FF": "X", "FT": ">", "PT": "<", "TT": "p",
     "GG": "h", "GL": "d", "GP": (4, 1, 0), "GT": (6, 1, 0),
 }  # fmt: skip
-OTHER_MARKER = "."
+OTHER_MARKER = "8"
+LINES_ONLY = ("x", "|", "1", "2", "3", "4")
 # Curves of special points in two parameters.
 KIND_COLOURS = {"GR": "#c2402f", "LP": "#1f5fa8", "PD": "#2f8f5b", "TR": "#8a5fb0", "VS": "#b8860b", "UF": "#3b3b3b"}
 RC: Any = {

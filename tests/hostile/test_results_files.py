@@ -124,7 +124,8 @@ def test_arrays_that_are_something_else(files, tmp_path, monkeypatch, kind, chan
 @pytest.mark.parametrize("meta", [
     "null", "[]", "1", "{", '{"parameters": 3}', '{"parameters": ["a", "a"]}', '{"parameters": ["$\\\\frac{"]}', '{"states": [["x"]]}',
     '{"directions": "many"}', '{"free": ["nobody"]}', "[" * 100_000, '{"x": ["a"]}', '{"settings": {}}', '{"curve": 3}',
-    '{"free": null}', '{"units": null}', '{"units": {"x": 3}}', '{"settings": "x"}', '{"settings": "[]"}', '{"settings": "{\\"left_out\\": 3}"}',
+    '{"free": null}', '{"units": null}', '{"units": {"x": 3}}', '{"settings": "x"}', '{"settings": "[]"}',
+    '{"settings": "{\\"left_out\\": 3}"}',
     '{"settings": "{\\"left_out\\": {\\"effects\\": [3]}}"}', '{"settings": "{\\"left_out\\": {\\"x\\": 1}}"}',
 ])  # fmt: skip
 def test_settings_that_are_something_else(files, tmp_path, meta):

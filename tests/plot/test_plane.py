@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from matplotlib.markers import MarkerStyle
 from matplotlib.path import Path as Outline
 
 from pddecont.errors import ResultsError
@@ -42,9 +41,21 @@ def test_points_of_codimension_two_are_labelled(every, show):
     assert found["GG1"].xy == pytest.approx((0.5, 3.0))
 
 
-def test_every_kind_of_point_has_its_own_marker():
-    assert len({marker(kind) for kind in WORDS}) == len(WORDS)
-    assert all(MarkerStyle(marker(kind)).get_path().vertices.size for kind in WORDS)
+def test_every_kind_of_point_has_its_own_marker(tmp_path, show):
+    kinds = [kind for kind in WORDS if kind != "EP"]
+    assert len({marker(kind) for kind in kinds}) == len(kinds)
+    create(tmp_path / "a.h5", "m", "r", "r", "{}")
+    rows = [point(float(k), 0.1 * k, 3.0 + 0.1 * k, 1.0, kind=kind, multipliers=[0.1 * k]) for k, kind in enumerate(kinds)]
+    add(tmp_path / "a.h5", "c", rows, free=("K", "tau_d"), curve="LP", side=True)
+    results = read_results(tmp_path / "a.h5")
+    for view in ("plane", "manifold"):
+        drawn = {str(line.get_marker()): line for line in show(results, view).axes[0].lines if len(line.get_xydata()) == 1}
+        for k, kind in enumerate(kinds):
+            line = drawn[str(marker(kind))]
+            x, y = line.get_data() if view == "plane" else line.get_data_3d()[:2]
+            assert (x[0], y[0]) == pytest.approx((0.1 * k, 3.0 + 0.1 * k)), (view, kind)
+    axes = show(results, "multipliers", labels=tuple(results.step("c").labels[2 * k] for k in range(4))).axes[0]
+    assert len(axes.collections) == 5
 
 
 def shaded(axes):
