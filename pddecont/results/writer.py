@@ -137,11 +137,10 @@ class StepWriter:
             raise ResultsError(f"{self.path} was removed, moved or replaced while this run wrote to it; nothing more can be kept there")
 
     def _make_room(self, wanted: Mapping[str, tuple[int, int]]) -> None:
-        """Make room for more rows in each array (rows used, rows to come) where there is none, and for as many points as at first."""
-        short = {name: max(2 * self.capacity[name], used + n * self._room) for name, (used, n) in wanted.items()
-                 if used + n > self.capacity[name]}  # fmt: skip
-        if short:
-            self.capacity |= short
+        """Where an array has no room for more rows (rows used, rows to come), make room in all that will soon have none."""
+        if any(used + n > self.capacity[name] for name, (used, n) in wanted.items()):
+            self.capacity |= {name: max(2 * self.capacity[name], used + n * self._room) for name, (used, n) in wanted.items()
+                              if used + n * self._room > self.capacity[name]}  # fmt: skip
             self._arrange()
 
     def _arrange(self) -> None:
