@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pddecont.bifurcation.held import held
 from pddecont.orbit.admissibility import event_profile, event_profiles, from_below, watched_events
 from pddecont.orbit.curve import Curve
 from pddecont.orbit.extrema import Profile
@@ -83,8 +84,11 @@ class Meeting:
 
 
 def meetings(problem: OrbitProblem) -> list[Meeting]:
-    """Return the conditions for each event with a function that a segment of the signature watches and does not end with."""
-    segments = problem.segments
+    """Return the conditions for each event with a function that a segment of the signature watches and does not end with.
+
+    Those that every orbit of the signature fulfils are left out (:func:`held`).
+    """
+    model, segments = problem.numeric.model, problem.segments
     found = []
     for s, segment in enumerate(segments):
         if not segment.event:
@@ -92,7 +96,7 @@ def meetings(problem: OrbitProblem) -> list[Meeting]:
         for event, direction, _ in watched_events(problem, s):
             # An event lies at zero at the end that it makes itself.
             found += [Meeting(s, event, direction, at_end) for at_end, made_by in ((True, segment.event), (False, segments[s - 1].event))
-                      if event != made_by]  # fmt: skip
+                      if event != made_by and not held(model, segments, s, event, at_end=at_end)]  # fmt: skip
     return found
 
 

@@ -5,8 +5,11 @@ import re
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
+from pddecont.bifurcation.held import held
 from tests.bifurcation.test_special_points import CHAIN_COLLAPSE, CHAIN_GRAZING, TWO_IMPACT_FOLD_CHAIN
+from tests.conftest import numeric_from
 from tests.problems import GRAZING_TAU
 from tests.runs import labels, monitor, multipliers, parameter, run, run_model
 
@@ -361,3 +364,63 @@ steps:
     step = run(text, tmp_path / "a.h5").step("c")
     assert np.all(step.points["admissible"] == 1)
     assert all("reached the end of the range" in t for t in step.termination)
+
+
+STICK_SLIP = """\
+name: s
+states: [x, w]
+parameters: {V: 0.5, c: 0.05, d: 0.4, q: 3}
+modes:
+  slip: {x': w - V, w': -x - c*w - 1 + d*(1 - exp(-q*w))}
+  stick: {x': -V, w': 0}
+events: {stop: w, release: -x - 1}
+resets: {zero: {w: 0}}
+segments:
+  slip: {mode: slip, event: stop, direction: falling, reset: zero, to: stick}
+  stick: {mode: stick, event: release, direction: rising, to: slip}
+initial: {mode: stick, x: 0, w: 0}
+run:
+  mesh: {degree: 8, tol: 1.0e-10}
+  monitors: {sticking: time_in(stick)}
+  steps:
+    - {name: t, simulate: {t_end: 200}}
+    - {name: o, orbit: {from: t}}
+    - {name: c, continue: {from: o, free: [V], range: {V: [0.1, 0.9]}, step: {max: 0.05}}}
+"""
+
+
+def test_slipping_that_begins_where_sticking_held_it_is_no_meeting(tmp_path):
+    """Friction is continuous at the release, so that slip begins with speed and acceleration zero, to rounding."""
+
+    def slip(V):
+        """Return the time of slip and x at its end."""
+
+        def field(_, y):
+            return [y[1] - V, -y[0] - 0.05 * y[1] - 1 + 0.4 * (1 - np.exp(-3 * y[1]))]
+
+        begun = solve_ivp(field, (0, 0.5), [-1.0, 0.0], method="DOP853", rtol=1e-12, atol=1e-13).y[:, -1]
+        stop = lambda _, y: y[1]  # noqa: E731
+        stop.terminal, stop.direction = True, -1
+        end = solve_ivp(field, (0.5, 20), begun, method="DOP853", rtol=1e-12, atol=1e-13, events=stop)
+        return end.t[-1], end.y[0, -1]
+
+    step = run_model(STICK_SLIP, tmp_path / "a.h5").step("c")
+    assert labels(step) == []
+    assert all("reached the end of the range" in text for text in step.termination)
+    assert np.all(step.points["admissible"] == 1)
+    for row in step.order[::5]:
+        V = parameter(step, "V")[list(step.order).index(row)]
+        time, x = slip(V)
+        sticking = (x + 1) / V
+        assert step.points["monitors"][row, 0] == pytest.approx(sticking, abs=1e-8)
+        assert step.points["period"][row] == pytest.approx(time + sticking, abs=1e-8)
+
+
+def test_an_event_function_that_a_mode_holds_at_zero_meets_nothing():
+    model = numeric_from(STICK_SLIP.partition("run:")[0]).model
+    signature = [model.segments["slip"], model.segments["stick"]]
+    assert held(model, signature, 0, "stop", at_end=False)
+    assert held(model, signature, 1, "stop", at_end=True)
+    assert not held(model, signature, 0, "stop", at_end=True)
+    moving = numeric_from(STICK_SLIP.partition("run:")[0].replace("w': 0}", "w': 0.1}")).model
+    assert not held(moving, [moving.segments["slip"], moving.segments["stick"]], 0, "stop", at_end=False)
