@@ -10,6 +10,7 @@ from pddecont.continuation.locate import Chord, Located
 from pddecont.errors import ConvergenceError
 
 MAX_CUTS = 10
+SHORT = 1e-6
 
 
 @dataclass(frozen=True)
@@ -90,8 +91,8 @@ def specials_between(chord: Chord, watch: Watch, before: Seen, after: Seen, from
             found += _zero(chord, test, 0.0, 1.0, f0, f1)
     found, lost = [f for f in found if f.fraction >= from_], 0
     if watch.census is not None and not any(f.test.meeting for f in found):
-        # What lies beyond a point that ends the branch counts for nothing.
-        last = min((f.fraction for f in found if f.test.stops), default=1.0)
+        # What lies beyond a point that ends the branch counts for nothing, and on it a multiplier may be infinite of either sign.
+        last = min((f.fraction * (1.0 - SHORT) for f in found if f.test.stops), default=1.0)
         counts = after.counts if last == 1.0 else watch.census.count(chord.at(last))
         counted = _counted(chord, watch.census, 0.0, last, before.counts, counts, MAX_CUTS)
         found += [f for f in counted if f is not None]

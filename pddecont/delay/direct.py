@@ -78,8 +78,10 @@ def locate(mesh: Mesh, theta: Array, tau_index: int, places: Places) -> Where:
     period = float(np.sum(theta[:n]))
     times = mesh.times(places)
     times[:, tau_index] -= 1.0
-    inward = np.where(places.sigma <= 0.0, NUDGE, np.where(places.sigma >= 1.0, -NUDGE, 0.0)) * period
-    at = times @ theta + inward
+    inward = places.inward
+    if inward is None:
+        inward = np.where(places.sigma <= 0.0, 1.0, np.where(places.sigma >= 1.0, -1.0, 0.0))
+    at = times @ theta + NUDGE * period * inward
     wraps = -np.floor(at / period).astype(np.intp)
     times[:, :n] += wraps[:, None]
     edges = mesh.start @ theta

@@ -14,6 +14,7 @@ from pddecont.orbit.problem import INSTANT, OrbitProblem
 Array = NDArray[np.float64]
 RELATIVE_ZERO = 1e-9
 SAME_TIME = 1e-6
+TANGENT = 1e-6
 
 
 def event_profiles(problem: OrbitProblem, x: Array) -> dict[str, Profile]:
@@ -69,7 +70,9 @@ def _crossings(profile: Profile, s: int, event: str, direction: str, terminal: b
         signs[-1] = 0
         came_from = next((int(sign) for sign in signs[-2::-1] if sign), 0)
         wrong = {"rising": 1, "falling": -1}.get(direction)
-        if came_from and came_from == wrong:
+        # Where the surface is only touched, at the limit of orbits that cross it, the side says nothing.
+        touched = abs(profile.end_slope(s)) * profile.duration(s) <= TANGENT * float(np.max(np.abs(profile.values)))
+        if came_from and came_from == wrong and not touched:
             yield f"event '{event}' is crossed {'falling' if wrong == 1 else 'rising'} at its end, not {direction}"
     known = [int(sign) for sign in signs if sign]
     for before, after in pairwise(known):

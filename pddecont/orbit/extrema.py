@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from pddecont.model.codegen import ArrayFunction
 from pddecont.orbit.basis import make_basis
 from pddecont.orbit.problem import OrbitProblem, read
+from pddecont.orbit.stretches import stretches
 
 Array = NDArray[np.float64]
 TOGETHER = 1e-6
@@ -32,7 +33,7 @@ class Extremum:
 
 @dataclass(frozen=True, eq=False)
 class Profile:
-    """A function along an orbit as one polynomial a mesh interval.
+    """A function along an orbit as one polynomial a mesh interval, or a stretch of one.
 
     ``values`` (n_intervals, degree + 1) are taken at the base points of the basis of ``degree``. The only segment of a ``closed``
     orbit goes on into itself, so that an extremum may lie where it begins.
@@ -49,6 +50,10 @@ class Profile:
         """Return the values at the start and the end of segment ``s``."""
         inside = np.flatnonzero(self.segment == s)
         return float(self.values[inside[0], 0]), float(self.values[inside[-1], -1])
+
+    def duration(self, s: int) -> float:
+        """Return the duration of segment ``s``."""
+        return float(np.sum(self.h[self.segment == s]))
 
     def end_slope(self, s: int) -> float:
         """Return the slope in time at the end of segment ``s``."""
@@ -89,10 +94,12 @@ def profile(problem: OrbitProblem, x: Array, function: ArrayFunction, row: int =
     degree = mesh.degree if function.linear[row] else 2 * mesh.degree
     base = make_basis(degree).base
     there = np.arange(mesh.n_intervals) if segments is None else np.flatnonzero(np.isin(mesh.segment, list(segments)))
-    places = mesh.grid(base, there)
-    reads = read(problem, x, places, delays=function.uses_delayed)
-    values = function.value(reads.t, reads.x, reads.xd, reads.p)[row].reshape(len(there), -1)
-    return Profile(degree, values, mesh.segment[there], (mesh.start @ reads.theta)[there], reads.h[there], not problem.segments[0].event)
+    parts = stretches(problem, x, there, delays=function.uses_delayed)
+    reads = read(problem, x, parts.places(base), delays=function.uses_delayed)
+    values = function.value(reads.t, reads.x, reads.xd, reads.p)[row].reshape(len(parts.interval), -1)
+    h = reads.h[parts.interval]
+    start = (mesh.start @ reads.theta)[parts.interval] + parts.low * h
+    return Profile(degree, values, mesh.segment[parts.interval], start, parts.share() * h, not problem.segments[0].event)
 
 
 def _extrema(profile: Profile) -> Iterator[Extremum]:

@@ -24,12 +24,15 @@ Ints = NDArray[np.intp]
 class Places:
     """Points of an orbit by mesh interval and sigma in [0, 1]; both of shape (n_places,).
 
-    ``weights`` (n_places, degree + 1) are those of the interval's base values, where they are known beforehand.
+    ``weights`` (n_places, degree + 1) are those of the interval's base values, where they are known beforehand. ``inward`` says, where a
+    delayed value lies on an edge, from which side it is read: 1 for the one after it, -1 for the one before; by default a place reads from
+    the side of its own interval.
     """
 
     interval: Ints
     sigma: Array
     weights: Array | None = None
+    inward: Array | None = None
 
     def __len__(self) -> int:
         return len(self.sigma)

@@ -17,6 +17,7 @@ from pddecont.orbit.admissibility import closest_approach, event_profiles
 from pddecont.orbit.extrema import profile
 from pddecont.orbit.mesh import Places
 from pddecont.orbit.problem import OrbitProblem, read
+from pddecont.orbit.stretches import stretches
 
 Array = NDArray[np.float64]
 Measure = Callable[[OrbitProblem, Array], float]
@@ -114,8 +115,7 @@ def _name(model: Model, node: ast.expr, known: Collection[str], what: str) -> st
 def _levels(problem: OrbitProblem, x: Array, function: ArrayFunction) -> Array:
     """Return the values at which an expression along the orbit can be largest or smallest."""
     curve = profile(problem, x, function)
-    ends = [value for s in range(len(problem.segments)) for value in curve.ends(s)]
-    return np.array([*ends, *(e.value for e in curve.extrema)])
+    return np.array([*curve.values[:, 0], *curve.values[:, -1], *(e.value for e in curve.extrema)])
 
 
 def _max(problem: OrbitProblem, x: Array, function: ArrayFunction) -> float:
@@ -132,10 +132,11 @@ def _amplitude(problem: OrbitProblem, x: Array, function: ArrayFunction) -> floa
 
 def _mean(problem: OrbitProblem, x: Array, function: ArrayFunction) -> float:
     mesh = problem.mesh
-    nodes = Places(mesh.sites.interval[: mesh.n_collocation], mesh.sites.sigma[: mesh.n_collocation])
-    reads = read(problem, x, nodes, delays=function.uses_delayed)
-    values = function.value(reads.t, reads.x, reads.xd, reads.p)[0].reshape(mesh.n_intervals, -1)
-    return float(np.sum(reads.h[:, None] * mesh.basis.weights * values) / np.sum(reads.h))
+    parts = stretches(problem, x, np.arange(mesh.n_intervals), delays=function.uses_delayed)
+    reads = read(problem, x, parts.places(mesh.basis.nodes), delays=function.uses_delayed)
+    values = function.value(reads.t, reads.x, reads.xd, reads.p)[0].reshape(len(parts.interval), -1)
+    h = parts.share() * reads.h[parts.interval]
+    return float(np.sum(h[:, None] * mesh.basis.weights * values) / np.sum(h))
 
 
 def _time_in(problem: OrbitProblem, x: Array, mode: str) -> float:

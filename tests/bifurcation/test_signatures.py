@@ -6,6 +6,8 @@ import re
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.linalg import expm
+from scipy.optimize import brentq
 
 from pddecont.bifurcation.held import held
 from tests.bifurcation.test_special_points import CHAIN_COLLAPSE, CHAIN_GRAZING, TWO_IMPACT_FOLD_CHAIN
@@ -424,3 +426,60 @@ def test_an_event_function_that_a_mode_holds_at_zero_meets_nothing():
     assert not held(model, signature, 0, "stop", at_end=True)
     moving = numeric_from(STICK_SLIP.partition("run:")[0].replace("w': 0}", "w': 0.1}")).model
     assert not held(moving, [moving.segments["slip"], moving.segments["stick"]], 0, "stop", at_end=False)
+
+
+HYSTERESIS = """\
+name: r
+states: [x, v]
+parameters: {h: 0.3, tau: 0.4}
+modes:
+  plus: {x': v, v': -0.2*v - x - 1}
+  minus: {x': v, v': -0.2*v - x + 1}
+events: {up: x(t - tau) - h, down: x(t - tau) + h}
+segments:
+  pos: {mode: plus, event: down, direction: falling, to: minus}
+  neg: {mode: minus, event: up, direction: rising, to: plus}
+initial: {mode: plus, x: 1, v: 0}
+run:
+  mesh: {degree: 6, tol: 1.0e-9}
+  monitors: {top: max(x), late_top: max(x(t - tau)), square: mean(x**2), late_square: mean(x(t - tau)**2)}
+  steps:
+    - {name: t, simulate: {t_end: 200}}
+    - {name: o, orbit: {from: t}}
+    - {name: c, continue: {from: o, free: [h], range: {h: [-0.5, 1]}, stability: true}}
+    - {name: tangent, continue: {from: {step: c, point: VS1}, free: [tau, h], range: {tau: [0.1, 1], h: [-1, 1]}, step: {max: 0.2}}}
+"""
+
+
+def test_a_delayed_event_turns_tangential_where_its_closed_form_says(tmp_path):
+    """Only the events read the delayed state: it has kinks where the mesh needs no edges, a delay after each switching."""
+    flow = np.array([[0.0, 1.0], [-1.0, -0.2]])
+
+    def late(half, tau):
+        """States a time tau before the end of a half period of a symmetric orbit in which x'' + 0.2 x' + x = -1."""
+
+        def pushed(t):
+            return np.linalg.solve(flow, (expm(flow * t) - np.eye(2)) @ np.array([0.0, -1.0]))
+
+        start = np.linalg.solve(-np.eye(2) - expm(flow * half), pushed(half))
+        return expm(flow * (half - tau)) @ start + pushed(half - tau)
+
+    def touch(tau, near):
+        """Half period and h of the orbit whose x(t - tau) meets -h with speed zero."""
+        half = brentq(lambda T: late(T, tau)[1], 0.97 * near, 1.03 * near, xtol=1e-15)
+        return half, -late(half, tau)[0]
+
+    results = run_model(HYSTERESIS, tmp_path / "a.h5")
+    branch, curve = results.step("c"), results.step("tangent")
+    assert "VS1" in labels(branch)
+    assert not any("WARNING" in text for text in branch.termination)
+    for step in (branch, curve):
+        assert np.all(step.points["admissible"] == 1)
+        assert monitor(step, "late_top") == pytest.approx(monitor(step, "top"), abs=1e-8)
+        assert monitor(step, "late_square") == pytest.approx(monitor(step, "square"), abs=1e-8)
+    half, h = touch(0.4, branch.points["period"][branch.row("VS1")] / 2)
+    assert parameter(branch, "h", "VS1") == pytest.approx(h, abs=1e-8)
+    assert branch.points["period"][branch.row("VS1")] == pytest.approx(2 * half, abs=1e-7)
+    for row in range(len(curve)):
+        tau, period = curve.points["parameters"][row, 1], curve.points["period"][row]
+        assert curve.points["parameters"][row, 0] == pytest.approx(touch(tau, period / 2)[1], abs=1e-7)
