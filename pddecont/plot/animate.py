@@ -13,6 +13,7 @@ from pddecont.plot.choice import View
 from pddecont.plot.columns import column, default_columns, free_of, title
 from pddecont.plot.curves import segments
 from pddecont.plot.diagram import draw_diagram
+from pddecont.plot.limits import size_of, widened
 from pddecont.plot.orbits import draw_orbit, draw_profile, state_index
 from pddecont.plot.plane import draw_plane
 from pddecont.plot.stretches import DASHED, DOTTED, stretches
@@ -81,8 +82,8 @@ class _Shown:
         if i == j:
             self.across = (0.0, float(np.max(step.points["period"][rows])))
         else:
-            self.across = _limits(np.concatenate([z[:, i] for _, z in arcs]))
-        self.up = _limits(np.concatenate([z[:, j] for _, z in arcs]))
+            self.across = _limits(np.concatenate([z[:, i] for _, z in arcs]), size_of([step], step.orbits["states"][:, i]))
+        self.up = _limits(np.concatenate([z[:, j] for _, z in arcs]), size_of([step], step.orbits["states"][:, j]))
         self.notes = {int(row): WORDS.get(s.style, "") for s in stretches(step) for row in s.rows[::-1]}
 
     def draw(self, row: int) -> None:
@@ -98,9 +99,9 @@ class _Shown:
         self.axes.set_ylim(*self.up)
 
 
-def _limits(values: NDArray[np.float64]) -> tuple[float, float]:
-    low, high = float(np.nanmin(values)), float(np.nanmax(values))
-    gap = 0.05 * (high - low) or 1.0
+def _limits(values: NDArray[np.float64], size: float) -> tuple[float, float]:
+    low, high = widened(float(np.nanmin(values)), float(np.nanmax(values)), size)
+    gap = 0.05 * (high - low)
     return low - gap, high + gap
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from pddecont.errors import ResultsError
 from pddecont.plot.animate import animate
 from pddecont.plot.basin import basin_colours, draw_basin
-from pddecont.plot.brute_force import draw_branches, draw_classes, draw_exponents, draw_returns, has_exponents
+from pddecont.plot.brute_force import default_state, draw_branches, draw_classes, draw_exponents, draw_returns, has_exponents
 from pddecont.plot.choice import View, choose, chosen_rows, height, pair
 from pddecont.plot.columns import default_columns, free_of, title
 from pddecont.plot.diagram import draw_diagram
@@ -213,7 +213,7 @@ def _sweep(steps: list[Step], view: View) -> Any:
         figure = _figure(6.4, 5.0)
         axes = figure.subplots()
         return _finished(figure, axes, [], draw_classes(axes, sweeps[-1], view.x or free[0], view.y or free[1]))
-    x, y = view.x or free[0], view.y or sweeps[-1].meta["states"][0]
+    x, y = view.x or free[0], view.y or default_state(sweeps)
     measured = [s for s in sweeps if has_exponents(s)]
     figure = _figure(7.4, 6.6 if measured else 4.6)
     panels = figure.subplots(2 if measured else 1, sharex=True, squeeze=False, height_ratios=[2, 1] if measured else [1])[:, 0]
