@@ -123,7 +123,7 @@ def _with_orbits(steps: list[Step], rows: Sequence[tuple[Step, int]]) -> tuple[A
 
 def _finished(figure: Any, axes: Any, tags: Sequence[Tag], handles: Sequence[Any]) -> Any:
     if handles:
-        longest = max(len(handle.get_label()) for handle in handles)
+        longest = max(len(line) for handle in handles for line in handle.get_label().splitlines())
         columns = max(1, min(3, len(handles), int(figure.get_figwidth() * PER_INCH / (longest + 6))))
         figure.legend(handles=handles, loc="outside lower center", ncols=columns, fontsize=8.5)
     place_tags(axes, tags)

@@ -38,9 +38,9 @@ def widened(low: float, high: float, size: float) -> tuple[float, float]:
 
 def widen(axes: Any, which: str, size: float) -> None:
     """Widen the limits of the axis ``which`` (x, y or z), whose values have a ``size``, where only rounding shows between them."""
-    drawn = getattr(axes, f"get_{which}lim")()
-    limits = widened(*drawn, size)
-    if limits != tuple(drawn):
+    low, high = getattr(axes, f"get_{which}lim")()
+    limits = widened(low, high, size)
+    if limits != (low, high):
         getattr(axes, f"set_{which}lim")(limits)
 
 
