@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.errors import ResultsError
+from pddecont.plot.beside import beside_diagram, beside_plane
 from pddecont.plot.choice import View
 from pddecont.plot.columns import column, default_columns, free_of, title
 from pddecont.plot.curves import segments
@@ -78,6 +79,9 @@ class _Shown:
         self.names = (view.x or self.states[0], view.y or self.states[min(1, len(self.states) - 1)])
         i, j = (state_index(step, name) for name in self.names)
         rows = frames(step)
+        orbits = [(step, int(row)) for row in rows]
+        beside = beside_plane if len(free_of(step)) == 2 else beside_diagram
+        self.colours = dict(zip(map(int, rows), beside([step], orbits), strict=True))
         arcs = [arc for row in rows for arc in segments(step, int(row))]
         if i == j:
             self.across = (0.0, float(np.max(step.points["period"][rows])))
@@ -94,7 +98,7 @@ class _Shown:
         if self.names[0] == self.names[1]:
             draw_profile(self.axes, self.step, row, [self.names[1]], text)
         else:
-            draw_orbit(self.axes, self.step, row, *self.names, text)
+            draw_orbit(self.axes, self.step, row, *self.names, self.colours[row], text)
         self.axes.set_xlim(*self.across)
         self.axes.set_ylim(*self.up)
 

@@ -69,5 +69,6 @@ def draw_basin(axes: Any, step: Step, palette: Mapping[tuple[str, int], str]) ->
 
 def _nowhere(step: Step, rows: Sequence[int], share: float) -> str:
     """Return what a legend says of the states from which no attractor was reached, with the beginnings of the reasons."""
-    reasons = dict.fromkeys(_BEGINNING.split(step.points["note"][row].decode(errors="replace"), maxsplit=1)[0] for row in rows)
-    return "\n".join([f"no attractor recognised, {100 * share:.1f} %", *(textwrap.fill(r, WIDTH, subsequent_indent="   ") for r in reasons)])
+    notes = [step.points["note"][row].decode(errors="replace") for row in rows]
+    reasons = [textwrap.fill(r, WIDTH, subsequent_indent="   ") for r in dict.fromkeys(_BEGINNING.split(n, maxsplit=1)[0] for n in notes)]
+    return "\n".join([f"no attractor recognised, {100 * share:.1f} %", *reasons])

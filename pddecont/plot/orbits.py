@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -24,14 +24,12 @@ def state_index(step: Step, name: str) -> int:
     return states.index(name)
 
 
-def draw_orbit(axes: Any, step: Step, row: int, x: str, y: str, title: str = "") -> None:
-    """Draw the orbit of one point, each segment in its colour, with the event surfaces that show in this plane."""
+def draw_orbit(axes: Any, step: Step, row: int, x: str, y: str, colours: Mapping[str, str], title: str = "") -> None:
+    """Draw the orbit of one point, each segment in the colour of its name, with the event surfaces that show in this plane."""
     i, j = state_index(step, x), state_index(step, y)
-    names = segment_names(step, row)
     arcs = segments(step, row)
-    kinds = list(dict.fromkeys(names))
-    for (_, z), name in zip(arcs, names, strict=True):
-        axes.plot(z[:, i], z[:, j], color=COLOURS[kinds.index(name) % len(COLOURS)], label=name)
+    for (_, z), name in zip(arcs, segment_names(step, row), strict=True):
+        axes.plot(z[:, i], z[:, j], color=colours[name], label=name)
     # A jump at a reset is drawn as a thin line.
     for (_, before), (_, after) in zip(arcs, arcs[1:] + arcs[:1], strict=True):
         ends = np.array([before[-1, [i, j]], after[0, [i, j]]])
