@@ -261,7 +261,8 @@ def test_the_impacting_orbit_through_every_crossing_of_breaking_points(tmp_path)
             "{tau_d: [0.01, 20]}, max_points: 2000}}\n")  # fmt: skip
     results = run(text, tmp_path / "a.h5")
     step = results.step("c")
-    assert [t.split(":")[1].strip().split(";")[0] for t in step.termination] == ["reached the end of the range"] * 2
+    assert [t.split(":")[1].strip().split(";")[0] for t in step.termination] == [f"reached the end of the range, tau_d = {end}"
+                                                                                 for end in (0.01, 20)]  # fmt: skip
     # The mesh keeps what each interval adds below the tolerance; all of them together may be a little more.
     assert np.max(step.points["error_estimate"]) <= 2e-6
     assert np.all(step.points["admissible"] == 1)

@@ -22,12 +22,17 @@ class End(Enum):
 
 @dataclass(frozen=True)
 class Termination:
-    """How one direction of a branch ended; ``lost`` counts the changes of stability that no special point accounts for."""
+    """How one direction of a branch ended; ``lost`` counts the changes of stability that no special point accounts for.
+
+    ``where`` names the bound at which a range ended.
+    """
 
     end: End
     detail: str = ""
     lost: int = 0
+    where: str = ""
 
     def __str__(self) -> str:
         lost = f"; WARNING: {self.lost} change{'s'[: self.lost - 1]} of stability not located: take smaller steps" if self.lost else ""
-        return f"{self.end.value}{f' ({self.detail})' if self.detail else ''}{lost}"
+        what, mark, advice = self.end.value.partition("; ")
+        return f"{what}{f', {self.where}' if self.where else ''}{mark}{advice}{f' ({self.detail})' if self.detail else ''}{lost}"

@@ -59,6 +59,7 @@ def newton(residual: Callable[[Array], Array], jacobian: Callable[[Array], Matri
     """
     settings = settings or NewtonSettings()
     history: list[float] = []
+    steps: list[float] = []
     r = residual(x)
     for _ in range(settings.max_iterations):
         matrix = scale_matrix(jacobian(x), np.ones(len(r)), scale)
@@ -86,10 +87,19 @@ def newton(residual: Callable[[Array], Array], jacobian: Callable[[Array], Matri
                 raise ConvergenceError(f"Newton's method cannot lower the residual further (residuals: {show(history)}){obstacle}", history)
         x, r = trial, r_trial
         history.append(trial_size)
-        if damping == 1.0 and _norm(step) < settings.step_tol and trial_size < settings.residual_tol:
+        steps.append(damping * _norm(step))
+        if damping == 1.0 and steps[-1] < settings.step_tol and trial_size < settings.residual_tol:
             return Solution(x, tuple(history), partial(_solve, factors, rows, scale))
     raise ConvergenceError(f"Newton's method did not converge in {settings.max_iterations} iterations "
-                           f"(residuals: {show(history)})", history)  # fmt: skip
+                           f"({_unmet(history, steps, settings)})", history)  # fmt: skip
+
+
+def _unmet(history: list[float], steps: list[float], settings: NewtonSettings) -> str:
+    """Return in words what kept the method going: residuals, or steps that stay large where the equations hold already."""
+    if history[-1] < settings.residual_tol:
+        return (f"the equations hold to {history[-1]:.1e}, but the unknowns still move: the last steps are {show(steps[-3:])}, expected "
+                f"below {settings.step_tol:.0e}; the solution is not unique here, or nearly so")  # fmt: skip
+    return f"residuals: {show(history)}"
 
 
 def _solve(factors: Factors, rows: Array, scale: Array, b: Array) -> Array:

@@ -9,10 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.errors import ResultsError
+from pddecont.plot.beside import beside_diagram, beside_plane
 from pddecont.plot.choice import View
 from pddecont.plot.columns import column, default_columns, free_of, title
 from pddecont.plot.curves import segments
 from pddecont.plot.diagram import draw_diagram
+from pddecont.plot.limits import size_of, widened
 from pddecont.plot.orbits import draw_orbit, draw_profile, state_index
 from pddecont.plot.plane import draw_plane
 from pddecont.plot.stretches import DASHED, DOTTED, stretches
@@ -77,12 +79,15 @@ class _Shown:
         self.names = (view.x or self.states[0], view.y or self.states[min(1, len(self.states) - 1)])
         i, j = (state_index(step, name) for name in self.names)
         rows = frames(step)
+        orbits = [(step, int(row)) for row in rows]
+        beside = beside_plane if len(free_of(step)) == 2 else beside_diagram
+        self.colours = dict(zip(map(int, rows), beside([step], orbits), strict=True))
         arcs = [arc for row in rows for arc in segments(step, int(row))]
         if i == j:
             self.across = (0.0, float(np.max(step.points["period"][rows])))
         else:
-            self.across = _limits(np.concatenate([z[:, i] for _, z in arcs]))
-        self.up = _limits(np.concatenate([z[:, j] for _, z in arcs]))
+            self.across = _limits(np.concatenate([z[:, i] for _, z in arcs]), size_of([step], step.orbits["states"][:, i]))
+        self.up = _limits(np.concatenate([z[:, j] for _, z in arcs]), size_of([step], step.orbits["states"][:, j]))
         self.notes = {int(row): WORDS.get(s.style, "") for s in stretches(step) for row in s.rows[::-1]}
 
     def draw(self, row: int) -> None:
@@ -93,14 +98,14 @@ class _Shown:
         if self.names[0] == self.names[1]:
             draw_profile(self.axes, self.step, row, [self.names[1]], text)
         else:
-            draw_orbit(self.axes, self.step, row, *self.names, text)
+            draw_orbit(self.axes, self.step, row, *self.names, self.colours[row], text)
         self.axes.set_xlim(*self.across)
         self.axes.set_ylim(*self.up)
 
 
-def _limits(values: NDArray[np.float64]) -> tuple[float, float]:
-    low, high = float(np.nanmin(values)), float(np.nanmax(values))
-    gap = 0.05 * (high - low) or 1.0
+def _limits(values: NDArray[np.float64], size: float) -> tuple[float, float]:
+    low, high = widened(float(np.nanmin(values)), float(np.nanmax(values)), size)
+    gap = 0.05 * (high - low)
     return low - gap, high + gap
 
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from pddecont.plot.curves import segments
 from pddecont.plot.diagram import special_rows
+from pddecont.plot.limits import size_of, varies, widen
 from pddecont.plot.orbits import state_index
 from pddecont.plot.stretches import stretches, style_handles
 from pddecont.plot.style import COLOURS, marker
@@ -51,9 +52,22 @@ def draw_returns(axes: Any, steps: Sequence[Step], x: str, state: str) -> list[A
             xy = np.concatenate(points)
             size = 5.0 if len(xy) < 1000 else 3.0 if len(xy) < 5000 else 1.2
             axes.plot(xy[:, 0], xy[:, 1], ".", ms=size, mew=0, color=colour, zorder=3, rasterized=len(xy) > 20_000)
+    widen(axes, "y", size_of(steps, _values(steps, state)))
     axes.set_xlabel(axis_label(steps, x))
     axes.set_ylabel(f"{axis_label(steps, state)} at returns")
     return [Line2D([], [], marker=".", ls="", color=colour, label=name) for name, colour in colours.items()]
+
+
+def default_state(steps: Sequence[Step]) -> str:
+    """Return the first state whose returns vary beyond rounding; on a section that an event makes a state may be constant."""
+    states = list(steps[-1].meta["states"])
+    return next((s for s in states if varies(values := _values(steps, s), size_of(steps, values))), states[0])
+
+
+def _values(steps: Sequence[Step], state: str) -> Array:
+    """Return a state at all returns of all attractors, shape (n_returns,)."""
+    rows = [step.orbit(i)["returns"][:, state_index(step, state)] for step in steps for i in range(len(step)) if step.labels[i]]
+    return np.concatenate([np.empty(0), *rows])
 
 
 def draw_branches(axes: Any, branches: Sequence[Step], sweep: Step, x: str, state: str) -> tuple[list[Tag], list[Any]]:

@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
 from pddecont.plot.columns import column
+from pddecont.plot.limits import size_of, widen
 from pddecont.plot.stretches import colouring, stretches, style_handles
 from pddecont.plot.style import marker
 from pddecont.plot.tags import Tag
@@ -26,6 +29,8 @@ def draw_diagram(axes: Any, steps: Sequence[Step], x: str, y: str) -> tuple[list
             axes.plot(xs[s.rows], ys[s.rows], s.style, color=colours[step.name, s.family], lw=1.0 if s.style == ":" else 1.6,
                       marker="." if len(xs) < 3 else None)  # fmt: skip
         tags += mark_special(axes, step, x, y)
+    for which, name in (("x", x), ("y", y)):
+        widen(axes, which, size_of(steps, np.concatenate([column(step, name) for step in steps])))
     axes.set_xlabel(axis_label(steps, x))
     axes.set_ylabel(axis_label(steps, y))
     return tags, [*handles, *style_handles(steps)]

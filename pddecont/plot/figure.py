@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +12,8 @@ import numpy as np
 from pddecont.errors import ResultsError
 from pddecont.plot.animate import animate
 from pddecont.plot.basin import basin_colours, draw_basin
-from pddecont.plot.brute_force import draw_branches, draw_classes, draw_exponents, draw_returns, has_exponents
+from pddecont.plot.beside import beside_diagram, beside_plane, segment_colours, several_segments
+from pddecont.plot.brute_force import default_state, draw_branches, draw_classes, draw_exponents, draw_returns, has_exponents
 from pddecont.plot.choice import View, choose, chosen_rows, height, pair
 from pddecont.plot.columns import default_columns, free_of, title
 from pddecont.plot.diagram import draw_diagram
@@ -96,19 +97,20 @@ def _states(step: Step, view: View) -> tuple[str, str]:
 def _diagram(steps: list[Step], view: View) -> Any:
     """Return the diagram with phase plots of chosen or special points beside it."""
     x, y = default_columns(steps[-1])
-    figure, axes = _with_orbits(steps, chosen_rows(steps, view, BESIDE, ends=False))
+    rows = chosen_rows(steps, view, BESIDE, ends=False)
+    figure, axes = _with_orbits(steps, rows, beside_diagram(steps, rows))
     return _finished(figure, axes, *draw_diagram(axes, steps, view.x or x, view.y or y))
 
 
 def _plane(steps: list[Step], view: View) -> Any:
     """Return the curves in two parameters, with phase plots of points that were asked for."""
     asked = chosen_rows(steps, view, ends=False) if view.labels or view.indices else []
-    figure, axes = _with_orbits(steps, asked)
+    figure, axes = _with_orbits(steps, asked, beside_plane(steps, asked))
     return _finished(figure, axes, *draw_plane(axes, steps, *pair(steps[::-1], view)))
 
 
-def _with_orbits(steps: list[Step], rows: Sequence[tuple[Step, int]]) -> tuple[Any, Any]:
-    """Return a figure and its large panel, with phase plots of ``rows`` to the right of it."""
+def _with_orbits(steps: list[Step], rows: Sequence[tuple[Step, int]], colours: Sequence[Mapping[str, str]]) -> tuple[Any, Any]:
+    """Return a figure and its large panel, with phase plots of ``rows`` in ``colours`` of their segments to the right of it."""
     states = list(steps[-1].meta["states"])
     if not rows or len(states) == 1:
         figure = _figure(6.4, 4.4)
@@ -116,14 +118,26 @@ def _with_orbits(steps: list[Step], rows: Sequence[tuple[Step, int]]) -> tuple[A
     figure = _figure(9.2, 2.3 * max(2, len(rows)))
     grid = figure.add_gridspec(len(rows), 3)
     axes = figure.add_subplot(grid[:, :2])
-    for k, (step, row) in enumerate(rows):
-        draw_orbit(figure.add_subplot(grid[k, 2]), step, row, states[0], states[1], title(step, row))
+    panels = [figure.add_subplot(grid[k, 2]) for k in range(len(rows))]
+    for panel, (step, row), own in zip(panels, rows, colours, strict=True):
+        draw_orbit(panel, step, row, states[0], states[1], own, title(step, row))
+    _name_segments(panels, rows)
     return figure, axes
+
+
+def _name_segments(panels: Sequence[Any], rows: Sequence[tuple[Step, int]]) -> None:
+    """Put a legend of segments into the first panel whose orbit has several."""
+    for axes, row in zip(panels, rows, strict=True):
+        if several_segments(*row):
+            handles, names = axes.get_legend_handles_labels()
+            unique = dict(zip(names, handles, strict=True))
+            axes.legend(unique.values(), unique.keys(), fontsize=8)
+            return
 
 
 def _finished(figure: Any, axes: Any, tags: Sequence[Tag], handles: Sequence[Any]) -> Any:
     if handles:
-        longest = max(len(handle.get_label()) for handle in handles)
+        longest = max(len(line) for handle in handles for line in handle.get_label().splitlines())
         columns = max(1, min(3, len(handles), int(figure.get_figwidth() * PER_INCH / (longest + 6))))
         figure.legend(handles=handles, loc="outside lower center", ncols=columns, fontsize=8.5)
     place_tags(axes, tags)
@@ -171,13 +185,10 @@ def _orbits(steps: list[Step], view: View) -> Any:
         return _orbits_together(steps, view)
     rows = chosen_rows(steps, view)
     figure, panels = _panels(len(rows))
+    colours = segment_colours(rows)
     for axes, (step, row) in zip(panels, rows, strict=True):
-        draw_orbit(axes, step, row, *_states(step, view), title(step, row))
-    step, row = rows[0]
-    if len(np.unique(step.orbit(row)["segment"])) > 1:
-        handles, names = panels[0].get_legend_handles_labels()
-        unique = dict(zip(names, handles, strict=True))
-        panels[0].legend(unique.values(), unique.keys(), fontsize=8)
+        draw_orbit(axes, step, row, *_states(step, view), colours, title(step, row))
+    _name_segments(panels, rows)
     return figure
 
 
@@ -213,7 +224,7 @@ def _sweep(steps: list[Step], view: View) -> Any:
         figure = _figure(6.4, 5.0)
         axes = figure.subplots()
         return _finished(figure, axes, [], draw_classes(axes, sweeps[-1], view.x or free[0], view.y or free[1]))
-    x, y = view.x or free[0], view.y or sweeps[-1].meta["states"][0]
+    x, y = view.x or free[0], view.y or default_state(sweeps)
     measured = [s for s in sweeps if has_exponents(s)]
     figure = _figure(7.4, 6.6 if measured else 4.6)
     panels = figure.subplots(2 if measured else 1, sharex=True, squeeze=False, height_ratios=[2, 1] if measured else [1])[:, 0]

@@ -9,6 +9,7 @@ import numpy as np
 
 from pddecont.plot.columns import agree, column, free_of
 from pddecont.plot.diagram import special_rows
+from pddecont.plot.limits import size_of, widen
 from pddecont.plot.plane import curve_colour, curve_handles
 from pddecont.plot.stretches import colouring, stretches, style_handles
 from pddecont.plot.style import marker
@@ -56,6 +57,7 @@ def draw_manifold(axes: Any, steps: Sequence[Step], x: str, y: str, z: str) -> t
         for i in special_rows(step):
             axes.plot(*([values[i]] for values in xyz), marker=marker(step.labels[i][:2]), ls="", color="black", ms=4)
             special.append((step.labels[i], [float(values[i]) for values in xyz]))
+    widen(axes, "z", size_of(steps, np.concatenate([column(step, z) for step in steps])))
     for name, put in ((x, axes.set_xlabel), (y, axes.set_ylabel), (z, axes.set_zlabel)):
         put(axis_label(steps, name))
     seen = [(name, proj_transform(*place, axes.get_proj())) for name, place in special]

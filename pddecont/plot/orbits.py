@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from pddecont.errors import ResultsError, suggest
 from pddecont.plot.curves import segments
+from pddecont.plot.limits import size_of, widen
 from pddecont.plot.style import COLOURS, label
 from pddecont.plot.units import axis_label
 from pddecont.results.reader import Step
@@ -23,20 +24,20 @@ def state_index(step: Step, name: str) -> int:
     return states.index(name)
 
 
-def draw_orbit(axes: Any, step: Step, row: int, x: str, y: str, title: str = "") -> None:
-    """Draw the orbit of one point, each segment in its colour, with the event surfaces that show in this plane."""
+def draw_orbit(axes: Any, step: Step, row: int, x: str, y: str, colours: Mapping[str, str], title: str = "") -> None:
+    """Draw the orbit of one point, each segment in the colour of its name, with the event surfaces that show in this plane."""
     i, j = state_index(step, x), state_index(step, y)
-    names = segment_names(step, row)
     arcs = segments(step, row)
-    kinds = list(dict.fromkeys(names))
-    for (_, z), name in zip(arcs, names, strict=True):
-        axes.plot(z[:, i], z[:, j], color=COLOURS[kinds.index(name) % len(COLOURS)], label=name)
+    for (_, z), name in zip(arcs, segment_names(step, row), strict=True):
+        axes.plot(z[:, i], z[:, j], color=colours[name], label=name)
     # A jump at a reset is drawn as a thin line.
     for (_, before), (_, after) in zip(arcs, arcs[1:] + arcs[:1], strict=True):
         ends = np.array([before[-1, [i, j]], after[0, [i, j]]])
         if np.max(np.abs(ends[1] - ends[0])) > 1e-9 * np.max(np.abs(ends), initial=1e-300):
             axes.plot(ends[:, 0], ends[:, 1], color="0.5", lw=0.8, ls="--")
     _draw_surfaces(axes, step, row, i, j)
+    for which, k in (("x", i), ("y", j)):
+        widen(axes, which, size_of([step], step.orbits["states"][:, k]))
     axes.set_xlabel(axis_label(step, x))
     axes.set_ylabel(axis_label(step, y))
     if title:
@@ -53,6 +54,8 @@ def draw_together(axes: Any, steps: Sequence[Step], x: str, y: str, title: str =
         axes.plot(z[:, i], z[:, j], ls="-" if k == 0 else (0, (4, 2)), lw=1.6 if k == 0 else 1.2, color=COLOURS[k % len(COLOURS)],
                   label=step.name)  # fmt: skip
     _draw_surfaces(axes, steps[0], 0, state_index(steps[0], x), state_index(steps[0], y))
+    for which, name in (("x", x), ("y", y)):
+        widen(axes, which, max(size_of([step], step.orbits["states"][:, state_index(step, name)]) for step in steps))
     axes.set_xlabel(axis_label(steps, x))
     axes.set_ylabel(axis_label(steps, y))
     axes.set_title(title, fontsize=9.5)
@@ -91,6 +94,7 @@ def draw_profile(axes: Any, step: Step, row: int, states: list[str], title: str 
     if len(arcs) > 1:
         for t, _ in arcs[1:]:
             axes.axvline(t[0] - start, color="0.7", lw=0.7, zorder=0)
+    widen(axes, "y", max(size_of([step], step.orbits["states"][:, state_index(step, state)]) for state in states))
     axes.set_xlabel(axis_label(step, "t"))
     axes.set_ylabel(", ".join(axis_label(step, s) for s in states))
     if named:
@@ -121,6 +125,7 @@ def draw_trajectory(axes: Any, step: Step, name: str) -> None:
         known = [*states, *signals]
         raise ResultsError(f"step '{step.name}' has no state or signal '{name}'{suggest(name, known)} (there are: {', '.join(known)})")
     axes.plot(rows["time"], values, color=COLOURS[(states + signals).index(name) % len(COLOURS)], lw=0.9)
+    widen(axes, "y", size_of([step], values))
     for t in step.meta.get("changes", []):
         if t >= rows["time"][0]:
             axes.axvline(t, color="0.3", lw=0.9, ls="--")

@@ -23,6 +23,15 @@ _GREEK = {"alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", 
           "sigma", "tau", "phi", "chi", "psi", "omega"}  # fmt: skip
 
 
+def palette(n: int) -> list[str]:
+    """Return ``n`` colours, no two alike: :data:`COLOURS`, then the bright ones of a rainbow."""
+    from matplotlib import colormaps
+    from matplotlib.colors import to_hex
+
+    more = max(0, n - len(COLOURS))
+    return [*COLOURS, *(to_hex(colormaps["turbo"](0.15 + 0.6 * (k + 0.5) / more)) for k in range(more))][:n]
+
+
 def label(name: str) -> str:
     """Return a name as it is written in mathematics: ``tau_d`` with its Greek letter and index."""
     # In a file from somebody else a name may hold anything.

@@ -18,6 +18,8 @@ Integers = NDArray[np.int64]
 APART = 1e-3
 # A motion that goes no farther than so many absolute errors of a step is at rest.
 REST = 1e5
+# A motion that stays away for so many times the longest time between returns, and for the longest delay, does not come back.
+AWAY = 10.0
 
 
 @dataclass(frozen=True)
@@ -113,6 +115,11 @@ def still_moves(a: Array, b: Array) -> bool:
     return bool(np.all(apart) and np.all((ratio > 0.6) & (ratio < 1 / 0.6)))
 
 
+def gone(times: Array, t_end: float, longest: float) -> bool:
+    """Whether a motion with returns at ``times`` (n_returns,) has left the section for good by ``t_end``."""
+    return len(times) > 1 and t_end - float(times[-1]) > max(AWAY * float(np.max(np.diff(times))), longest)
+
+
 def settled(simulator: Simulator, values: Values, memory: Memory, clock: Clock) -> Attractor:
     """Return the attractor that a motion settles to; one that fails on the way is told with its reason."""
     system, n = simulator.system, simulator.system.n
@@ -126,6 +133,10 @@ def settled(simulator: Simulator, values: Values, memory: Memory, clock: Clock) 
         memory = enlarged(memory)
     states, times, hits, number = returns.states, returns.times, returns.hits, int(returns.number[0])
     failed = "" if status in (Status.SECTION, Status.REACHED) else simulator.complaint(memory, Status(status), values.p)
+    if status == Status.REACHED and not clock.period:
+        every = times[np.arange(max(0, number - room), number) % room]
+        if gone(every, t_end, values.longest):
+            failed, period = f"the motion no longer returns to the section after t = {every[-1]:.6g}", 0
     # Of a motion without period the later half of its returns is kept at most: the earlier ones are its way there.
     kept = min(period or min(clock.returns, max(number // 2, 1)), number, room - 1)
     if not failed and number < 2:

@@ -104,7 +104,15 @@ class _Branch:
                 name = done.orbit(i)["signature"].tobytes().decode()
                 names += [name] if names[-1:] != [name] else []
         through = f", through the signatures [{'], ['.join(names)}]" if len(names) > 1 else ""
-        return f"{'down' if way < 0 else 'up'}: {end}{through}"
+        told = replace(end, where=self.bound()) if end.end is End.RANGE else end
+        return f"{'down' if way < 0 else 'up'}: {told}{through}"
+
+    def bound(self) -> str:
+        """Return the free parameter whose range ends at the last point, and there: ``A = 0.05``."""
+        assert self.last is not None
+        values = self.last.state.x[self.last.state.problem.problem.layout.free]
+        return ", ".join(f"{name} = {end:.8g}" for name, value, ends in zip(self.task.body.free, values, self.task.bounds, strict=True)
+                         for end in ends if abs(value - end) <= 1e-9 * (ends[1] - ends[0]))  # fmt: skip
 
 
 def run_continue(context: Context, step: Step, recorded: RecordedStep | None = None) -> None:

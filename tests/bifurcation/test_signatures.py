@@ -43,7 +43,7 @@ def test_from_impacts_to_none_without_user_action(fig4_7):
     step = fig4_7.step("c")
     assert labels(step) == ["GR1", "PD1", "VS1"]
     assert signatures(step) == ["NC C", "NC C NC C", "NC C", "(NC)"]
-    assert step.termination[0] == ("up: reached the end of the range; widen 'range' to go on, through the signatures [NC C], "
+    assert step.termination[0] == ("up: reached the end of the range, K = 0.3; widen 'range' to go on, through the signatures [NC C], "
                                    "[NC C NC C], [NC C], [(NC)]")  # fmt: skip
     assert np.all(step.points["admissible"] == 1)
     assert parameter(step, "K", "GR1") == pytest.approx(CHAIN_GRAZING, abs=1e-10)

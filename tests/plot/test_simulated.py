@@ -8,9 +8,9 @@ from pddecont.plot.basin import basin_colours, draw_basin
 from pddecont.plot.brute_force import classes, draw_branches, draw_returns
 from pddecont.plot.choice import View, choose
 from pddecont.plot.figure import draw, picture
-from pddecont.plot.style import marker
+from pddecont.plot.style import COLOURS, marker, palette
 from pddecont.results.attractors import label_map
-from tests.runs import run
+from tests.runs import run, run_model
 
 RUN = """
 model: ../models/impact_oscillator.yaml
@@ -75,11 +75,50 @@ def test_special_points_of_branches_are_marked_at_every_return(results, axes):
 
 def test_a_basin_shows_each_cell_in_its_attractors_colour(results, axes):
     both = [results.steps["map"], results.steps["other"]]
-    palette = basin_colours(both)
-    assert len(palette) == 2
-    handles = draw_basin(axes, both[0], palette)
+    colours = basin_colours(both)
+    assert len(colours) == 2
+    handles = draw_basin(axes, both[0], colours)
     assert np.array_equal(np.asarray(axes.collections[0].get_array()).reshape(9, 10), label_map(both[0]))
     assert sum(float(h.get_label().split(", ")[-1].removesuffix(" %")) for h in handles) == pytest.approx(100.0, abs=0.11)
+
+
+MANY = """
+name: m
+states: [x, y]
+parameters: {w: 1}
+forcing: {period: w}
+modes: {m: {x': "-sin(2*pi*x)", y': -y}, growing: {x': x, y': -y}, bursting: {x': x**3, y': -y}}
+events: {low: x - 8.8, high: x - 10.8}
+resets: {none: {}}
+segments:
+  grow: {mode: m, event: low, direction: rising, reset: none, to: growing}
+  burst: {mode: m, event: high, direction: rising, reset: none, to: bursting}
+run:
+  steps:
+    - {name: wells, basin: {over: {x: [0.12, 11.92, 60], y: [-1, 1, 3]}, transient: 60}}
+"""
+
+
+def test_a_basin_with_many_attractors_can_be_read(axes, tmp_path):
+    """x settles at 0, 1, .. 12, more attractors than the palette has colours, but for some starts that leave for two reasons."""
+    step = run_model(MANY, tmp_path / "m.h5").step("wells")
+    colours = basin_colours([step])
+    attractors = [colour for (name, _), colour in colours.items() if name != "none"]
+    assert len(set(attractors)) == len(attractors) == 13
+    *named, astray = [h.get_label() for h in draw_basin(axes, step, colours)]
+    assert sorted(name.partition(":")[0] for name in named) == sorted(f"A{k + 1}" for k in range(13))
+    assert " ".join(astray.split()) == ("no attractor recognised, 6.7 % the motion has not settled in the time of the transient "
+                                        "no step is small enough")  # fmt: skip
+
+
+def test_colours_beyond_the_palette_are_like_none_of_it():
+    from matplotlib.colors import to_rgb
+
+    for n in (9, 13, 20, 30):
+        colours = np.array([to_rgb(c) for c in palette(n)])
+        assert tuple(palette(n)[: len(COLOURS)]) == COLOURS
+        gaps = np.linalg.norm(colours[:, None] - colours, axis=-1) + 9 * np.eye(n)
+        assert gaps.min() > 0.05
 
 
 def test_what_a_file_shows_by_itself_and_when_asked(results, tmp_path):

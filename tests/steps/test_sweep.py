@@ -2,12 +2,14 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from pddecont.delay.direct import Direct
 from pddecont.errors import ResultsError, RunError
 from pddecont.model.document import parse_document
 from pddecont.results.attractors import attractor_rows, class_of, return_rows
 from pddecont.results.reader import read_results
+from pddecont.simulate.attractors import gone
 from pddecont.simulate.integrate import simulate
 from pddecont.simulate.simulator import Method
 from pddecont.steps import sweep as sweep_step
@@ -168,6 +170,23 @@ def test_what_fails_is_kept_with_its_reason(tmp_path):
     step = run_model(text, tmp_path / "z.h5").steps["diagram"]
     assert step.labels == ("", "", "")
     assert all("accumulate at t" in r["note"] for r in attractor_rows(step))
+
+
+def test_a_motion_that_leaves_the_section_for_good_is_told(tmp_path):
+    """x = exp(-0.01 t) cos(t) rises through h for the last time where it is below h a turn later."""
+    text = ("name: m\nstates: [x, y]\nparameters: {h: 0.52}\nmodes: {m: {x': -0.01*x - y, y': x - 0.01*y}}\nevents: {hit: x - h}\n"
+            "resets: {none: {}}\nsegments: {s: {mode: m, event: hit, direction: rising, reset: none, to: m}}\ninitial: {x: 1}\n"
+            "run: {steps: [{name: diagram, sweep: {over: {h: [0.52, 0.52, 1]}, section: {event: hit}, transient: 500}}]}\n")  # fmt: skip
+    (row,) = attractor_rows(run_model(text, tmp_path / "z.h5").step("diagram"))
+    last = brentq(lambda t: np.exp(-0.01 * t) * np.cos(t) - 0.52, 19 * np.pi, 20 * np.pi - 0.1)
+    assert row["note"] == f"the motion no longer returns to the section after t = {last:.6g}"
+
+
+@pytest.mark.parametrize(("times", "t_end", "longest", "expected"), [
+    ([1.0, 2.0, 4.0], 23.9, 0.0, False), ([1.0, 2.0, 4.0], 24.1, 0.0, True), ([1.0, 2.0, 4.0], 24.1, 21.0, False), ([4.0], 1e6, 0.0, False)
+])  # fmt: skip
+def test_gone_is_gone_for_long(times, t_end, longest, expected):
+    assert gone(np.array(times), t_end, longest) is expected
 
 
 def test_starts_at_random_are_the_same_every_time(tmp_path):
