@@ -95,7 +95,7 @@ def profile(problem: OrbitProblem, x: Array, function: ArrayFunction, row: int =
     base = make_basis(degree).base
     there = np.arange(mesh.n_intervals) if segments is None else np.flatnonzero(np.isin(mesh.segment, list(segments)))
     parts = stretches(problem, x, there, delays=function.uses_delayed)
-    reads = read(problem, x, parts.places(base), delays=function.uses_delayed)
+    reads = read(problem, x, parts.places(mesh, base), delays=function.uses_delayed)
     values = function.value(reads.t, reads.x, reads.xd, reads.p)[row].reshape(len(parts.interval), -1)
     h = reads.h[parts.interval]
     start = (mesh.start @ reads.theta)[parts.interval] + parts.low * h

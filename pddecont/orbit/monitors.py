@@ -133,7 +133,7 @@ def _amplitude(problem: OrbitProblem, x: Array, function: ArrayFunction) -> floa
 def _mean(problem: OrbitProblem, x: Array, function: ArrayFunction) -> float:
     mesh = problem.mesh
     parts = stretches(problem, x, np.arange(mesh.n_intervals), delays=function.uses_delayed)
-    reads = read(problem, x, parts.places(mesh.basis.nodes), delays=function.uses_delayed)
+    reads = read(problem, x, parts.places(mesh, mesh.basis.nodes), delays=function.uses_delayed)
     values = function.value(reads.t, reads.x, reads.xd, reads.p)[0].reshape(len(parts.interval), -1)
     h = parts.share() * reads.h[parts.interval]
     return float(np.sum(h[:, None] * mesh.basis.weights * values) / np.sum(h))

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.delay.direct import Direct
-from pddecont.orbit.mesh import Places
+from pddecont.orbit.mesh import Mesh, Places
 from pddecont.orbit.problem import OrbitProblem
 
 Array = NDArray[np.float64]
@@ -28,8 +28,10 @@ class Stretches:
     low: Array
     high: Array
 
-    def places(self, sigma: Array) -> Places:
+    def places(self, mesh: Mesh, sigma: Array) -> Places:
         """Return the places at the same ``sigma`` (k,), from 0 to 1, of every stretch; at its ends they are read from within it."""
+        if np.all(self.high - self.low == 1.0):
+            return mesh.grid(sigma, self.interval)
         at = self.low[:, None] + np.outer(self.high - self.low, sigma)
         inward = np.where(sigma <= 0.0, 1.0, np.where(sigma >= 1.0, -1.0, 0.0))
         return Places(np.repeat(self.interval, len(sigma)), at.ravel(), inward=np.tile(inward, len(self.interval)))
