@@ -10,6 +10,7 @@ from typing import Protocol
 from pddecont.errors import suggest
 from pddecont.model.expression import ExpressionError, parse
 from pddecont.model.system import Model
+from pddecont.steps.lengths import wrong_lengths
 from pddecont.steps.plan import as_number
 from pddecont.steps.schema import Basin, Initial, Integration, RunBlock, Step, Sweep
 
@@ -77,18 +78,8 @@ def check_simulate(planner: Checker, path: Path, step: Step, values: Mapping[str
 
 def check_parameters(planner: Checker, path: Path, values: Mapping[str, float]) -> None:
     """Check that delays and the forcing period are what they can be at some parameters."""
-    model = planner.model
-    lengths = [(f"the delay {d}", d, False) for d in model.delays]
-    lengths += [(f"the delay of event {e.name}", e.delay, False) for e in model.events.values() if e.delay is not None]
-    lengths += [("the forcing period", model.period, True)] if model.period is not None else []
-    for what, expr, positive in lengths:
-        try:
-            value = model.evaluate(expr, values)
-        except ExpressionError:
-            value = math.nan
-        if not 0 <= value < math.inf or (positive and value == 0):
-            where = ", ".join(f"{s.name} = {values[s.name]:g}" for s in sorted(expr.free_symbols, key=str) if s.name in values)
-            planner.complain(path, f"{what} is {value:g} at {where}; expected a {'positive' if positive else 'non-negative'} number")
+    for message, _ in wrong_lengths(planner.model, values):
+        planner.complain(path, message)
 
 
 def positive_time(planner: Checker, path: Path, text: str | float, values: Mapping[str, float]) -> float:
