@@ -29,5 +29,6 @@ def wrong_lengths(model: Model, values: Mapping[str, float]) -> list[tuple[str, 
         if not 0 <= value < math.inf or (positive and value == 0):
             names = sorted(s.name for s in expr.free_symbols if s.name in values)
             where = f" at {', '.join(f'{name} = {values[name]:g}' for name in names)}" if names else ""
-            wrong.append((f"{what} is {value:g}{where}; expected a {'positive' if positive else 'non-negative'} number", set(names)))
+            shown = f"{value:g}" if math.isfinite(value) else "not a finite number"
+            wrong.append((f"{what} is {shown}{where}; expected a {'positive' if positive else 'non-negative'} number", set(names)))
     return wrong

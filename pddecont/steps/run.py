@@ -20,6 +20,7 @@ from pddecont.steps.orbit import run_orbit
 from pddecont.steps.plan import Plan
 from pddecont.steps.precision import run_precision
 from pddecont.steps.schema import Step
+from pddecont.steps.sources import check_sources
 from pddecont.version import __version__
 
 PACKAGES = ("numpy", "scipy", "sympy", "h5py", "numba")
@@ -32,8 +33,9 @@ def execute(plan: Plan, path: Path, reporter: Reporter | None = None, *, resume:
 
     Raises
     ------
-    ResultsError
-        If the file exists and neither ``resume`` nor ``overwrite`` is given, or it belongs to another run.
+    RunError, ResultsError
+        If the file exists and neither ``resume`` nor ``overwrite`` is given, or it belongs to another run, or a step has nothing to
+        start from; nothing is written then.
     ConvergenceError
         If a step fails; what was computed before it stays in the file.
     """
@@ -45,9 +47,11 @@ def execute(plan: Plan, path: Path, reporter: Reporter | None = None, *, resume:
 
 
 def _execute(plan: Plan, path: Path, steps: list[Step], reporter: Reporter, workers: Workers, *, resume: bool, overwrite: bool) -> None:
-    if path.exists() and resume:
+    going_on = path.exists() and resume
+    if going_on:
         check_same(plan, path)
-    else:
+    check_sources(plan, steps, path, resume=resume)
+    if not going_on:
         source = plan.source.encode(errors="backslashreplace").decode()
         create(path, plan.model_text, plan.run_text, source, json.dumps(versions()), overwrite=overwrite)
     context = Context(plan, path, reporter, workers)

@@ -215,7 +215,7 @@ def test_info(done):
     ("t_end: 60*pi", "t_end: -1", "14:43", "expected a positive time"),
     ("top: max(x)", "period: max(x)", "12:14", "'period' is a column of every table already"),
     ("top: max(x)", "wall: max(x)", "12:14", "'wall' is a parameter already"),
-    ("  mesh: {degree", "  set: {omega: 0}\n  mesh: {degree", "11:8", "the forcing period is inf"),
+    ("  mesh: {degree", "  set: {omega: 0}\n  mesh: {degree", "11:16", "the forcing period is not a finite number at omega = 0"),
     ("t_end: 60*pi", "t_end: 60*tau", "14:46", "'tau' is not defined"),
     ("free: [wall]", "free: [wall, wall]", "16:52", "stands twice"),
     ("free: [wall]", "stability: 3, free: [wall]", "16:57", "expected true, false, or {multipliers: N}; found 3"),
