@@ -29,7 +29,7 @@ ZERO = ("1 - c*v", "-c*v")
     ([ZERO], "", 400, REST),  # at zero, in ever smaller oscillations of one shape
     ([ZERO, ("c: 0.2", "c: 3")], "", 400, REST),  # at zero, without an oscillation
     ([ZERO], WALL, 400, REST),  # after the last impact
-    ([ZERO], WALL, 10, "too few events to see a period in them; raise 't_end'"),
+    ([ZERO], WALL, 5, "too few events to see a period in them; raise 't_end'"),
     ([ZERO, ("c: 0.2", "c: 0.02")], "", 60, "has not settled to a periodic motion"),
 ])  # fmt: skip
 def test_a_motion_that_comes_to_rest_is_told_from_one_that_is_on_its_way(tmp_path, changes, more, t_end, message):
