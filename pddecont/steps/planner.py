@@ -48,10 +48,15 @@ class Planner:
         self.document, self.prefix, self.run, self.overrides = document, prefix, run, overrides
         self.whole, self.model = model, model
         self.problems: list[Problem] = []
+        self.warnings: list[Problem] = []
 
     def complain(self, path: Sequence[str | int], message: str, *, offset: int = 0, key: bool = False) -> None:
         """Note a problem at a place in the run."""
         self.problems.append(self.document.problem((*self.prefix, *path), message, offset=offset, key=key))
+
+    def warn(self, path: Sequence[str | int], message: str) -> None:
+        """Note a warning at a place in the run."""
+        self.warnings.append(self.document.problem((*self.prefix, *path), message, key=True))
 
     def plan(self, warnings: Sequence[Problem], model_text: str, folder: Path) -> Plan:
         """Return the plan of the run, or raise RunError with all problems."""
@@ -72,7 +77,7 @@ class Planner:
             self.check_step(i, step, values)
         if self.problems:
             raise RunError(self.problems)
-        return Plan(self.run, self.model, numeric, parameters, self.run.monitors, tuple(warnings), model_text,
+        return Plan(self.run, self.model, numeric, parameters, self.run.monitors, (*warnings, *self.warnings), model_text,
                     self.document.text, self.document.path, folder)  # fmt: skip
 
     def formula(self, path: Sequence[str | int], text: str | float, values: Mapping[str, float]) -> float:
