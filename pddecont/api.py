@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 from numpy.typing import NDArray
 
+from pddecont.errors import ResultsError
 from pddecont.results.reader import Results, Step, read_results
 from pddecont.results.summary import summary
 from pddecont.results.tables import table
@@ -78,7 +79,13 @@ class StepResults:
         return arrays(self.step)
 
     def orbit(self, label: str | int = 0) -> dict[str, NDArray[Any]]:
-        """Return an orbit, of a label or an index, as arrays at its base points: ``t``, ``segment`` and each state."""
+        """Return an orbit, of a label or an index, as arrays at its base points: ``t``, ``segment`` and each state.
+
+        Raises
+        ------
+        ResultsError
+            If the step holds no orbits, or none of this label or index.
+        """
         from pddecont.results.arrays import orbit_arrays
 
         return orbit_arrays(self.step, self.step.row(label) if isinstance(label, str) else label)
@@ -134,11 +141,19 @@ class RunResults:
     def plot(self, path: str | Path | None = None, *, view: str | None = None, steps: Sequence[str] = (), x: str | None = None,
              y: str | None = None, z: str | None = None, labels: Sequence[str] = (), indices: Sequence[int] = (),
              style: str | None = None) -> Any:  # fmt: skip
-        """Return a picture as a matplotlib figure or, with ``path``, write it there as ``pddecont plot`` does."""
+        """Return a picture as a matplotlib figure or, with ``path``, write it there as ``pddecont plot`` does.
+
+        Raises
+        ------
+        ResultsError
+            If there is no such view, step, column, label or index, or the file's name ends like no picture's.
+        """
         from pddecont.plot.choice import View
         from pddecont.plot.figure import draw, picture
         from pddecont.plot.look import look
 
+        if any(i < 0 for i in indices):
+            raise ResultsError(f"there is no index {min(indices)}; indices of points begin with 0")
         chosen = View(view, tuple(steps), x, y, z, tuple(labels), tuple(indices))
         if path is not None:
             draw(self.results, chosen, Path(path), style)

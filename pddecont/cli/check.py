@@ -14,6 +14,7 @@ def command(files: tuple[str, ...]) -> int:
     """Report every problem in model and run FILES, with line and column; compute nothing."""
     from pddecont.errors import InputError
     from pddecont.model.builder import parse_model
+    from pddecont.model.starts import starts_beyond
     from pddecont.steps.loading import is_run_file, load_document, load_plan
 
     failed = False
@@ -25,6 +26,8 @@ def command(files: tuple[str, ...]) -> int:
                 warnings, what = plan.warnings, f"{len(plan.run.steps)} steps on model '{plan.model.name}'"
             else:
                 model, found = parse_model(document)
+                beyond = starts_beyond(model)
+                found += [document.problem(("initial",), beyond, key=True)] if beyond else []
                 warnings, what = tuple(found), f"model '{model.name}'"
         except InputError as exc:
             failed = True

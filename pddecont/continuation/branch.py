@@ -12,12 +12,14 @@ from numpy.typing import NDArray
 from pddecont.continuation.arclength import Metric, Problem, correct, correct_at, tangent_of
 from pddecont.continuation.ending import End, Termination
 from pddecont.continuation.locate import Chord, Located
+from pddecont.continuation.margin import Margins
 from pddecont.continuation.newton import NewtonSettings, Solution
 from pddecont.continuation.settling import MAX_MESHES, UNSETTLED, settled
 from pddecont.continuation.special import Seen, Watch, look, specials_between
 from pddecont.errors import ConvergenceError
 
 Array = NDArray[np.float64]
+NO_MARGINS = Margins()
 AT_START = 1e-4
 NEAR = 0.02
 
@@ -104,7 +106,7 @@ class Point:
 
 
 def follow(state: State, bounds: Sequence[tuple[int, float, float]], watch: Watch, settings: StepSettings,
-           emit: Callable[[Point], None], sign: int) -> Termination:  # fmt: skip
+           emit: Callable[[Point], None], sign: int, margins: Margins = NO_MARGINS) -> Termination:  # fmt: skip
     """Follow a branch from ``state`` along its tangent, handing each point to ``emit``; return how it ended.
 
     Parameters
@@ -117,6 +119,8 @@ def follow(state: State, bounds: Sequence[tuple[int, float, float]], watch: Watc
         Test functions, whose changes of sign are located and emitted as special points, and a census, whose changes they explain.
     sign
         Sign given to the arclengths of this direction.
+    margins
+        What cannot become negative; the branch ends where one is used up.
     """
     before: Seen | None = None
     first, lost = True, 0
@@ -124,8 +128,11 @@ def follow(state: State, bounds: Sequence[tuple[int, float, float]], watch: Watc
         state = replace(state, problem=state.problem.rephased(state.x))
         start = Located(state.problem, state.x, None, state.tangent)
         before = before or look(start, watch)
+        ending = margins.used_up(state.problem, state.x, state.tangent)
+        if ending:
+            return Termination(End.LIMIT, ending, lost)
         try:
-            reached, step = _advance(state, settings)
+            reached, step = _advance(state, settings, margins)
         except ConvergenceError as exc:
             return Termination(End.IMPOSSIBLE if isinstance(exc, Impossible) else End.STEP_TOO_SMALL, str(exc), lost)
         crossed = _first_crossing(state.problem.outline(state.x), reached.problem.outline(reached.x), bounds)
@@ -159,21 +166,24 @@ def follow(state: State, bounds: Sequence[tuple[int, float, float]], watch: Watc
         cosine = metric.dot(direction, chord) / length
         state = State(reached.problem, reached.x, direction, state.arclength + sign * length,
                       _next_step(step, reached.n_iterations, cosine, settings), state.n_points + 1)  # fmt: skip
-        emit(Point(state, "" if crossed is None else "EP", reached.n_iterations))
+        ending = margins.used_up(state.problem, state.x, direction)
+        emit(Point(state, "EP" if ending or crossed is not None else "", reached.n_iterations))
         if after.objection and not before.objection:
             return Termination(End.INVALID, after.objection, lost)
+        if ending:
+            return Termination(End.LIMIT, ending, lost)
         if crossed is not None:
             return Termination(End.RANGE, "", lost)
         before, first = after, False
     return Termination(End.MAX_POINTS, "", lost)
 
 
-def _advance(state: State, settings: StepSettings) -> tuple[Located, float]:
+def _advance(state: State, settings: StepSettings, margins: Margins) -> tuple[Located, float]:
     """Return the next point and the step that reached it; halve the step until the corrector converges."""
     step = state.step
     while True:
         try:
-            return _step(state, step, settings), step
+            return _step(state, step, settings, margins), step
         except ConvergenceError as exc:
             # An impossible point is come near to, not crept up to.
             least = max(settings.min, NEAR * settings.initial) if isinstance(exc, Impossible) else settings.min
@@ -182,11 +192,15 @@ def _advance(state: State, settings: StepSettings) -> tuple[Located, float]:
             step = max(0.5 * step, least)
 
 
-def _step(state: State, step: float, settings: StepSettings) -> Located:
+def _step(state: State, step: float, settings: StepSettings, margins: Margins) -> Located:
     """Return the point one step on: predict, make the mesh hold, correct, until the mesh suits what is found."""
     problem, base = state.problem, state.x
     predicted = base + step * state.tangent
     _refuse(problem, predicted)
+    if margins.overdrawn(problem, predicted):
+        last = margins.end(problem, base, predicted, settings.newton)
+        _refuse(last.problem, last.x)
+        return last
     if not problem.holds(predicted):
         problem, predicted, (base,) = problem.refit(predicted, [base], solved=False)
     guess = predicted
@@ -197,6 +211,8 @@ def _step(state: State, step: float, settings: StepSettings) -> Located:
         moved = solution.x - predicted
         if np.sqrt(metric.dot(moved, moved)) > settings.max_turn * step:
             raise ConvergenceError("the branch turns too sharply for this step", solution.history)
+        if margins.overdrawn(problem, solution.x):
+            raise ConvergenceError("the step leads past the end of the branch", solution.history)
         if problem.suits(solution.x):
             return Located(problem, solution.x, solution)
         problem, guess, (predicted, base) = problem.refit(solution.x, [predicted, base], solved=True)

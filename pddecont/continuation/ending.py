@@ -14,6 +14,7 @@ class End(Enum):
     STEP_TOO_SMALL = ("the step fell below 'step: {min}'; look at the last orbits for a grazing, a vanishing segment or a sharp "
                       "fold, refine 'mesh', or lower 'step: {min}'")  # fmt: skip
     IMPOSSIBLE = "can go no further with this signature"
+    LIMIT = "reached a limit of the model"
     SPECIAL = "stopped at a special point where the signature of the orbit changes"
     INVALID = ("the orbit stops being a motion of the model without a special point that was located; take smaller steps "
                "('step: {max}'), or start anew from a simulation beyond")  # fmt: skip

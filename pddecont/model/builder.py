@@ -12,6 +12,7 @@ from pddecont.errors import ModelError, Problem, suggest
 from pddecont.model.document import Document, KeyPath, parse_document, read_text
 from pddecont.model.evaluation import size, value
 from pddecont.model.expression import MAX_SIZE, TIME, ExpressionError, Scope, parse, substituted
+from pddecont.model.periodicity import not_repeating
 from pddecont.model.schema import DelayedEvent, ModelFile
 from pddecont.model.system import IDENTITY, Effect, Event, Model, Segment, delayed_symbol, symbol
 from pddecont.model.validation import validate
@@ -89,6 +90,7 @@ class _Builder:
         used = self.free_symbols(modes, events, resets, period)
         self.check_time(period, used)
         self.check_unused(used, definitions)
+        self.check_repeats(period, modes, events, resets)
         return Model(file.name, file.reference, tuple(file.states), dict(file.parameters), period, modes, events, resets,
                      segments, effects, tuple(self.delays), tuple(self.delayed), mode, history, definitions,
                      units=dict(file.units))  # fmt: skip
@@ -295,6 +297,19 @@ class _Builder:
                                     "'forcing: {period: ...}' with the period of what depends on t", key=True)  # fmt: skip
         if not where and period is not None and not self.problems:
             self.warn(("forcing",), "the model has 'forcing' but 't' appears in no mode, event or reset")
+
+    def check_repeats(self, period: sympy.Expr | None, modes: Mapping[str, Any], events: Mapping[str, Event],
+                      resets: Mapping[str, Any]) -> None:  # fmt: skip
+        """Check that the model repeats after the forcing period, at the parameters' values."""
+        if period is None or self.problems:
+            return
+        states = self.file.states
+        named = [(f"{s}' of mode '{name}'", f) for name, body in modes.items() for s, f in zip(states, body, strict=True)]
+        named += [(f"event '{e.name}'", e.function) for e in events.values() if e.function is not None]
+        named += [(f"{s} of reset '{name}'", g) for name, body in resets.items() for s, g in zip(states, body, strict=True)]
+        found = not_repeating(named, value(period, self.numbers), self.numbers)
+        if found:
+            self.complain(("forcing", "period"), f"{found}; give the period of all that depends on t")
 
     def check_unused(self, used: Mapping[KeyPath, set[sympy.Symbol]], definitions: Mapping[str, sympy.Expr]) -> None:
         """Warn of parameters that nothing uses."""

@@ -93,7 +93,7 @@ class Step:
         if label in self.labels:
             return self.labels.index(label)
         known = [x for x in self.labels if x]
-        raise ResultsError(f"step '{self.name}' has no point '{label}'{suggest(label, known)} (labels: {', '.join(known) or 'none'})")
+        raise ResultsError(f"step '{self.name}' has no point '{label}'{suggest(str(label), known)} (labels: {', '.join(known) or 'none'})")
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +111,8 @@ class Results:
     def step(self, name: str) -> Step:
         """Return a step by name, or raise :class:`ResultsError` with those there are."""
         if name not in self.steps:
-            raise ResultsError(f"{self.path} has no step '{name}'{suggest(name, self.names)} (steps: {', '.join(self.names) or 'none'})")
+            raise ResultsError(f"{self.path} has no step '{name}'{suggest(str(name), self.names)} "
+                               f"(steps: {', '.join(self.names) or 'none'})")  # fmt: skip
         return self.steps[name]
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.errors import ResultsError
+from pddecont.errors import ResultsError, suggest
 from pddecont.results.attractors import attractor_rows, cell_rows, return_rows
 from pddecont.results.precision import precision_rows
 from pddecont.results.reader import Step
@@ -25,11 +25,12 @@ def table(step: Step, name: str, row: int | None = None) -> list[Row]:
     Raises
     ------
     ResultsError
-        If this kind of step has no such table, or the step no such point, or its multipliers were not computed.
+        If there is no such table, or none of this kind of step, or the step no such point, or its multipliers were not computed.
     """
-    if step.kind not in TABLES[name]:
-        has = ", ".join(t for t, kinds in TABLES.items() if step.kind in kinds)
-        raise ResultsError(f"step '{step.name}' is a {step.kind} step and has no table '{name}' (it has: {has})")
+    if step.kind not in TABLES.get(name, ()):
+        has = [t for t, kinds in TABLES.items() if step.kind in kinds]
+        raise ResultsError(f"step '{step.name}' is a {step.kind} step and has no table '{name}'{suggest(str(name), has)} "
+                           f"(it has: {', '.join(has)})")  # fmt: skip
     if step.kind in ATTRACTORS:
         return {"points": attractor_rows, "returns": return_rows, "cells": cell_rows}[name](step)
     if name in ("points", "special"):
@@ -119,7 +120,7 @@ def event_rows(step: Step, i: int) -> list[Row]:
 
 
 def _check(step: Step, i: int) -> None:
-    if i >= len(step):
+    if not 0 <= i < len(step):
         raise ResultsError(f"step '{step.name}' has {len(step)} points, no index {i}")
 
 

@@ -16,6 +16,10 @@ Array = NDArray[np.float64]
 MAX_PERIODS = 64
 OFF_CENTRE = 0.4789
 CLOSE = 1e-4
+# A motion that is smaller than this part of what it was, or of where it is, has come to rest.
+STILL = 1e-6
+AT_REST = ("the motion comes to rest: the trajectory settles to an equilibrium, and there is no periodic motion to find. Change the "
+           "parameters so that it oscillates, keep the effects that drive it, or start elsewhere ('initial')")  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +48,7 @@ def recognise(numeric: NumericModel, p: Array, trajectory: Trajectory) -> Cycle:
     Raises
     ------
     SignatureError
-        If the trajectory has not settled to a periodic motion, with the nearest return found and what to try.
+        If the trajectory has not settled to a periodic motion, with the nearest return found and what to try; if it has come to rest.
     """
     if numeric.model.forced:
         cycle = _forced(trajectory, float(numeric.period.value(p)[0]))
@@ -80,7 +84,7 @@ def _forced(trajectory: Trajectory, period: float) -> Cycle:
             cycle = _cycle_of(trajectory, end, k * period, k)
             if cycle is not None:
                 return cycle
-    _refuse(distances, [k * period for k in range(1, most + 1)], "forcing periods")
+    _refuse(trajectory, distances, [k * period for k in range(1, most + 1)], "forcing periods")
     raise AssertionError
 
 
@@ -137,7 +141,7 @@ def _by_events(trajectory: Trajectory) -> Cycle:
         lengths.append(float(events.t[-1] - events.t[-1 - q]))
         if distance < CLOSE:
             return _from_events(trajectory, len(events) - 1 - q, len(events) - 1, 1)
-    _refuse(distances, lengths, "events")
+    _refuse(trajectory, distances, lengths, "events")
     raise AssertionError
 
 
@@ -146,9 +150,8 @@ def _by_section(trajectory: Trajectory) -> Cycle:
     t, x, _ = trajectory.sampled()
     late = t > t[0] + 0.5 * (t[-1] - t[0])
     swing = np.ptp(x[late], axis=0)
-    if np.max(swing) < 1e-6 * (1e-300 + np.max(np.abs(x[late]))):
-        raise SignatureError("the trajectory settles to an equilibrium, not to a periodic orbit; change the parameters so that it "
-                             "oscillates, or start elsewhere ('initial')")  # fmt: skip
+    if np.max(swing) < STILL * (1e-300 + np.max(np.abs(x[late]))):
+        raise SignatureError(AT_REST)
     state = int(np.argmax(swing / (np.max(np.abs(x[late]), axis=0) + 1e-300)))
     level = 0.5 * (x[late, state].min() + x[late, state].max())
     up = np.flatnonzero(late[:-1] & (x[:-1, state] < level) & (x[1:, state] >= level))
@@ -173,7 +176,7 @@ def _by_section(trajectory: Trajectory) -> Cycle:
         if distance < CLOSE:
             times = np.array([passages[-1] - length, passages[-1]])
             return Cycle((), times, (int(trajectory.arc[-1]),), 1, trajectory.mode[-1], trajectory)
-    _refuse(distances, lengths, "passages")
+    _refuse(trajectory, distances, lengths, "passages")
     raise AssertionError
 
 
@@ -185,7 +188,16 @@ def _distance(a: Array, b: Array, size: Array) -> float:
     return float(np.max(np.abs(a - b) / (size + 1e-300)))
 
 
-def _refuse(distances: list[float], lengths: list[float], what: str) -> None:
+def _rests(trajectory: Trajectory) -> bool:
+    """Whether hardly anything moves in the last tenth of a trajectory, compared with all of it."""
+    t, x, _ = trajectory.sampled()
+    late = t > t[-1] - 0.1 * (t[-1] - t[0])
+    return bool(np.all(np.ptp(x[late], axis=0) <= STILL * np.ptp(x, axis=0)))
+
+
+def _refuse(trajectory: Trajectory, distances: list[float], lengths: list[float], what: str) -> None:
+    if _rests(trajectory):
+        raise SignatureError(AT_REST)
     if not distances:
         raise SignatureError(f"the trajectory holds too few {what} to see a period in them; raise 't_end'")
     best = int(np.argmin(distances))

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from pddecont.continuation.linear import Factors, Matrix, factor, row_maxima, scale_matrix
 from pddecont.delay.operator import DelayOperator, FullWeights, LocalWeights
+from pddecont.errors import ConvergenceError
 from pddecont.orbit.jacobian import Blocks, Equations, Evaluation
 from pddecont.orbit.problem import OrbitProblem, Reads, read
 from pddecont.stability.lags import LaggedMesh, deepest
@@ -182,6 +183,8 @@ def linearise(problem: OrbitProblem, x: Array, blocks: LaggedBlocks | None = Non
     """Return the linearised map of the orbit ``x``, its parameters fixed; ``blocks`` of an earlier one are used where they fit."""
     problem, x = problem.with_free(x, ())
     sites = read(problem, x, problem.mesh.sites)
+    if any(np.min(op.weights.wraps) < 0 for op in sites.operators if isinstance(op.weights, LocalWeights)):
+        raise ConvergenceError("a delay is negative here, and an orbit that reads its future has no multipliers")
     lines = {k: _line(problem, sites, k) for k, op in enumerate(sites.operators) if isinstance(op.weights, FullWeights)}
     operators = [replace(op, weights=FullWeights(lines[k].weights)) if k in lines else op for k, op in enumerate(sites.operators)]
     if blocks is None or lines or not blocks.serves(problem, operators):

@@ -15,6 +15,7 @@ from pddecont.continuation.branch import Point, State, StepSettings, follow
 from pddecont.continuation.ending import End, Termination
 from pddecont.errors import ConvergenceError
 from pddecont.orbit.curve import Curve
+from pddecont.orbit.delays import DELAYS
 from pddecont.orbit.guess import timers_of
 from pddecont.orbit.monitors import Monitor, parse_monitor
 from pddecont.orbit.problem import OrbitProblem
@@ -78,7 +79,7 @@ class _Branch:
         rule = self.task.context.rule_of(self.task.step)
         for _ in range(MAX_SIGNATURES):
             self.last, self.ordinary = Point(state, "", 0), state
-            end = follow(state, self.limits(state), watch_of(self.task, state), self.settings, self.record, way)
+            end = follow(state, self.limits(state), watch_of(self.task, state), self.settings, self.record, way, DELAYS)
             if end.end not in (End.SPECIAL, End.IMPOSSIBLE) or self.task.body.signature_change == "stop":
                 break
             if end.end is End.IMPOSSIBLE and not self.task.asks(tangency.KIND):

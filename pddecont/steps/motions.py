@@ -9,7 +9,9 @@ from typing import Protocol
 
 from pddecont.errors import suggest
 from pddecont.model.expression import ExpressionError, parse
+from pddecont.model.starts import beyond_an_event
 from pddecont.model.system import Model
+from pddecont.steps.lengths import wrong_lengths
 from pddecont.steps.plan import as_number
 from pddecont.steps.schema import Basin, Initial, Integration, RunBlock, Step, Sweep
 
@@ -28,6 +30,10 @@ class Checker(Protocol):
         """Note a problem at a place in the run."""
         ...
 
+    def warn(self, path: Sequence[str | int], message: str) -> None:
+        """Note a warning at a place in the run."""
+        ...
+
     def check_settable(self, path: Sequence[str | int], name: str, values: Mapping[str, float], *, key: bool = True) -> bool:
         """Check that a name is a parameter that can be given a value."""
         ...
@@ -43,6 +49,7 @@ def check_simulate(planner: Checker, path: Path, step: Step, values: Mapping[str
     body = step.simulate
     t_end = positive_time(planner, (*path, "t_end"), body.t_end, values)
     check_initial(planner, (*path, "initial"), body.initial, values)
+    check_start(planner, path, body.initial, values)
     check_integration(planner, path, step, body, values)
     later = dict(values)
     times = {text: planner.formula((*path, "at", text), as_number(text), values) for text in body.at}
@@ -77,18 +84,8 @@ def check_simulate(planner: Checker, path: Path, step: Step, values: Mapping[str
 
 def check_parameters(planner: Checker, path: Path, values: Mapping[str, float]) -> None:
     """Check that delays and the forcing period are what they can be at some parameters."""
-    model = planner.model
-    lengths = [(f"the delay {d}", d, False) for d in model.delays]
-    lengths += [(f"the delay of event {e.name}", e.delay, False) for e in model.events.values() if e.delay is not None]
-    lengths += [("the forcing period", model.period, True)] if model.period is not None else []
-    for what, expr, positive in lengths:
-        try:
-            value = model.evaluate(expr, values)
-        except ExpressionError:
-            value = math.nan
-        if not 0 <= value < math.inf or (positive and value == 0):
-            where = ", ".join(f"{s.name} = {values[s.name]:g}" for s in sorted(expr.free_symbols, key=str) if s.name in values)
-            planner.complain(path, f"{what} is {value:g} at {where}; expected a {'positive' if positive else 'non-negative'} number")
+    for message, _ in wrong_lengths(planner.model, values):
+        planner.complain(path, message)
 
 
 def positive_time(planner: Checker, path: Path, text: str | float, values: Mapping[str, float]) -> float:
@@ -120,6 +117,21 @@ def check_initial(planner: Checker, path: Path, initial: Initial, values: Mappin
             parse(text, planner.model.history_scope())
         except ExpressionError as exc:
             planner.complain(here, str(exc), offset=exc.offset)
+
+
+def check_start(planner: Checker, path: Path, initial: Initial, values: Mapping[str, float]) -> None:
+    """Warn of a motion that starts beyond an event that ends its mode."""
+    model = planner.model
+    if isinstance(initial.history, Mapping):
+        return
+    try:
+        states = [model.evaluate(parse(initial.states[s], model.parameter_scope("a run file")), values) if s in initial.states
+                  else model.evaluate(e, values, 0.0) for s, e in zip(model.states, model.history, strict=True)]  # fmt: skip
+    except ExpressionError:
+        return
+    message = beyond_an_event(model, initial.mode or model.initial_mode, states, values)
+    if message:
+        planner.warn((*path, "initial") if initial.states else path, message)
 
 
 def check_integration(planner: Checker, path: Path, step: Step, body: Integration, values: Mapping[str, float]) -> None:

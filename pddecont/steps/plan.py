@@ -18,6 +18,7 @@ from pddecont.model.codegen import NumericModel
 from pddecont.model.expression import ExpressionError, parse
 from pddecont.model.system import Model
 from pddecont.orbit.meshing import MeshRule
+from pddecont.steps.lengths import wrong_lengths
 from pddecont.steps.schema import Delay, Mesh, RunBlock, Step
 
 Array = NDArray[np.float64]
@@ -39,11 +40,20 @@ class Plan:
     base: Path
 
     def step_parameters(self, step: Step, start: Array | None = None) -> Array:
-        """Return the parameter values of ``step``: those of the run (or ``start``), then the step's own."""
+        """Return the parameter values of ``step``: those of the run (or ``start``), then the step's own.
+
+        Raises
+        ------
+        RunError
+            If a delay is negative with them, or the forcing period is no length of time.
+        """
         p = (self.parameters if start is None else start).copy()
         for name, text in step.set.items():
             p[self.numeric.parameter_index(name)] = self.number(text, p)
-        return self.numeric.with_fixed(p)
+        p = self.numeric.with_fixed(p)
+        for message, _ in wrong_lengths(self.model, dict(zip(self.model.parameters, p.tolist(), strict=True))):
+            raise RunError.at(self.source, 0, 0, f"step '{step.name}': {message}")
+        return p
 
     def number(self, text: str | float, p: Array | None = None) -> float:
         """Return the number that an expression of the run file stands for at parameters ``p``."""

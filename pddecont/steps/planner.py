@@ -18,6 +18,7 @@ from pddecont.model.effects import without
 from pddecont.model.expression import ExpressionError, parse
 from pddecont.model.system import Model, check_signature
 from pddecont.steps.comparisons import check_precision
+from pddecont.steps.lengths import wrong_lengths
 from pddecont.steps.motions import check_basin, check_simulate, check_sweep
 from pddecont.steps.named import named_in
 from pddecont.steps.plan import Plan, as_number
@@ -47,10 +48,15 @@ class Planner:
         self.document, self.prefix, self.run, self.overrides = document, prefix, run, overrides
         self.whole, self.model = model, model
         self.problems: list[Problem] = []
+        self.warnings: list[Problem] = []
 
     def complain(self, path: Sequence[str | int], message: str, *, offset: int = 0, key: bool = False) -> None:
         """Note a problem at a place in the run."""
         self.problems.append(self.document.problem((*self.prefix, *path), message, offset=offset, key=key))
+
+    def warn(self, path: Sequence[str | int], message: str) -> None:
+        """Note a warning at a place in the run."""
+        self.warnings.append(self.document.problem((*self.prefix, *path), message, key=True))
 
     def plan(self, warnings: Sequence[Problem], model_text: str, folder: Path) -> Plan:
         """Return the plan of the run, or raise RunError with all problems."""
@@ -64,14 +70,14 @@ class Planner:
             self.complain(("effects", "off", *([] if place is None else [place])), str(exc))
         numeric = NumericModel(self.model)
         parameters = self.parameters(numeric)
-        self.check_delays(numeric, parameters)
-        self.check_period(numeric, parameters)
+        values = dict(zip(self.model.parameters, parameters.tolist(), strict=True))
+        self.check_lengths(values)
         self.check_monitors(numeric)
         for i, step in enumerate(self.run.steps):
-            self.check_step(i, step, dict(zip(self.model.parameters, parameters.tolist(), strict=True)))
+            self.check_step(i, step, values)
         if self.problems:
             raise RunError(self.problems)
-        return Plan(self.run, self.model, numeric, parameters, self.run.monitors, tuple(warnings), model_text,
+        return Plan(self.run, self.model, numeric, parameters, self.run.monitors, (*warnings, *self.warnings), model_text,
                     self.document.text, self.document.path, folder)  # fmt: skip
 
     def formula(self, path: Sequence[str | int], text: str | float, values: Mapping[str, float]) -> float:
@@ -114,20 +120,21 @@ class Planner:
             self.complain(path, self.fixed(name), key=key)
         return name in values and name not in self.model.fixed
 
-    def check_delays(self, numeric: NumericModel, parameters: Array) -> None:
-        """Check that no delay is negative."""
-        for delay, value in zip(self.model.delays, numeric.delays.value(parameters), strict=True):
-            if not value >= 0:
-                self.complain(("set",), f"the delay {delay} is {value:g} with these parameters; a delay is positive or zero")
+    def check_lengths(self, values: Mapping[str, float]) -> None:
+        """Check that delays and the forcing period are lengths of time, with what the file and the command line set."""
+        for message, names in wrong_lengths(self.model, values):
+            option = next((f"--set {name}={given}" for name, given in self.overrides.set if name in names), None)
+            if option is not None:
+                raise RunError.at(option, 0, 0, message)
+            at = next((name for name in self.run.set if name in names), None)
+            self.complain(("set", *([] if at is None else [at])), message)
 
-    def check_period(self, numeric: NumericModel, parameters: Array) -> None:
-        """Check the forcing period."""
-        if not self.model.forced:
-            return
-        with np.errstate(all="ignore"):
-            period = float(numeric.period.value(parameters)[0])
-        if not 0 < period < np.inf:
-            self.complain(("set",), f"the forcing period is {period:g} with these parameters; expected a positive number")
+    def check_step_lengths(self, path: tuple[str | int, ...], step: Step, values: Mapping[str, float]) -> None:
+        """Check the same of a step, as far as it does not depend on parameters that the step takes from where it starts."""
+        for message, names in wrong_lengths(self.model, values):
+            own = [name for name in step.set if name in names]
+            if own and (step.source is None or names <= set(own)):
+                self.complain((*path, own[0]), message)
 
     def check_monitors(self, numeric: NumericModel) -> None:
         """Check that monitors can be read and have names of their own."""
@@ -152,6 +159,7 @@ class Planner:
         for name, text in step.set.items():
             if self.check_settable((*path, "set", name), name, values):
                 values[name] = self.formula((*path, "set", name), text, values)
+        self.check_step_lengths((*path, "set"), step, values)
         self.check_source((*path, step.kind, "from"), step, earlier)
         if step.simulate:
             check_simulate(self, (*path, "simulate"), step, values)

@@ -6,8 +6,10 @@ import importlib.metadata
 import json
 import platform
 from pathlib import Path
+from typing import Any
 
-from pddecont.errors import ResultsError, RunError, suggest
+from pddecont.errors import PddecontError, ResultsError, RunError, suggest
+from pddecont.model.document import parse_document
 from pddecont.results.lock import writing
 from pddecont.results.reader import Step as RecordedStep
 from pddecont.results.reader import read_results
@@ -20,6 +22,7 @@ from pddecont.steps.orbit import run_orbit
 from pddecont.steps.plan import Plan
 from pddecont.steps.precision import run_precision
 from pddecont.steps.schema import Step
+from pddecont.steps.sources import check_sources
 from pddecont.version import __version__
 
 PACKAGES = ("numpy", "scipy", "sympy", "h5py", "numba")
@@ -32,8 +35,9 @@ def execute(plan: Plan, path: Path, reporter: Reporter | None = None, *, resume:
 
     Raises
     ------
-    ResultsError
-        If the file exists and neither ``resume`` nor ``overwrite`` is given, or it belongs to another run.
+    RunError, ResultsError
+        If the file exists and neither ``resume`` nor ``overwrite`` is given, or it belongs to another run, or a step has nothing to
+        start from; nothing is written then.
     ConvergenceError
         If a step fails; what was computed before it stays in the file.
     """
@@ -45,9 +49,11 @@ def execute(plan: Plan, path: Path, reporter: Reporter | None = None, *, resume:
 
 
 def _execute(plan: Plan, path: Path, steps: list[Step], reporter: Reporter, workers: Workers, *, resume: bool, overwrite: bool) -> None:
-    if path.exists() and resume:
+    going_on = path.exists() and resume
+    if going_on:
         check_same(plan, path)
-    else:
+    check_sources(plan, steps, path, resume=resume)
+    if not going_on:
         source = plan.source.encode(errors="backslashreplace").decode()
         create(path, plan.model_text, plan.run_text, source, json.dumps(versions()), overwrite=overwrite)
     context = Context(plan, path, reporter, workers)
@@ -113,8 +119,21 @@ def check_same(plan: Plan, path: Path) -> None:
     recorded = read_results(path)
     for what, here, there in (("model", plan.model_text, recorded.model_text), ("run file", plan.run_text, recorded.run_text)):
         if here != there:
+            if what == "model" and _apart_from_run(here) == _apart_from_run(there):
+                raise ResultsError(f"{path} was made by another run of this model: what has changed is the model file's 'run' block, or "
+                                   "how the file is written. The results are left as they are. Give --overwrite to replace them, or "
+                                   "another -o; to go on with them, put the file back as it was")  # fmt: skip
             raise ResultsError(f"{path} was made from another {what} than the one given now; it is left as it is. Give --overwrite to "
                                "replace it, or another -o")  # fmt: skip
+
+
+def _apart_from_run(model_text: str) -> dict[str, Any]:
+    """Return what a model file says, its 'run' block left out."""
+    try:
+        data = parse_document(model_text, "the model").data
+    except PddecontError:
+        return {"text": model_text}
+    return {key: value for key, value in data.items() if key != "run"}
 
 
 def versions() -> dict[str, str]:

@@ -71,6 +71,25 @@ def test_multipliers_are_in_the_data_set():
     assert bool(ds["stable"].item())
 
 
+@pytest.mark.parametrize(("ask", "message"), [
+    (lambda r: r["nothing"], r"has no step 'nothing' \(steps: transient, orbit, in_growth\)"),
+    (lambda r: r[0], r"has no step '0' \(steps: "),
+    (lambda r: r.branch("in_growht"), "has no step 'in_growht'; did you mean 'in_growth'"),
+    (lambda r: r["in_growth"].table("foo"), r"has no table 'foo' \(it has: points, special, orbit, multipliers\)$"),
+    (lambda r: r["in_growth"].table("point"), r"has no table 'point'; did you mean 'points'\? \(it has: "),
+    (lambda r: r["transient"].table("points"), r"has no table 'points' \(it has: trajectory, events\)$"),
+    (lambda r: r["in_growth"].table("orbit", "LP3"), r"has no point 'LP3' \(labels: EP1, EP2\)"),
+    (lambda r: r["in_growth"].orbit("LP3"), r"has no point 'LP3'"),
+    (lambda r: r["in_growth"].orbit(1000), r"points, no index 1000"),
+    (lambda r: r["in_growth"].orbit(-1), r"points, no index -1"),
+    (lambda r: r["transient"].orbit(), "is a simulate step and holds no orbits"),
+    (lambda r: r.plot(view="profile", indices=[-1]), "there is no index -1"),
+])  # fmt: skip
+def test_what_is_not_there_is_a_results_error(relay, ask, message):
+    with pytest.raises(ResultsError, match=message):
+        ask(relay)
+
+
 def test_a_trajectory_is_a_data_set_over_time(relay):
     ds = relay["transient"].dataset()
     assert ds.t.values[[0, -1]] == pytest.approx([0, 60])

@@ -101,12 +101,19 @@ def test_resume_of_a_finished_run_changes_nothing(done):
     assert np.array_equal(read_results(folder / "quick.h5").step("branch").points["parameters"], before)
 
 
-def test_resume_refuses_another_model(done, tmp_path):
+@pytest.mark.parametrize(("old", "new", "words"), [
+    ("range: {wall: [0.15", "range: {wall: [0.16", "by another run of this model: what has changed is the model file's 'run' block"),
+    ("r: 0.8", "r: 0.9", "was made from another model than the one given now"),
+])  # fmt: skip
+def test_resume_refuses_another_run_or_model(done, tmp_path, old, new, words):
     folder, _ = done
-    (tmp_path / "quick.yaml").write_text(QUICK.replace("0.15", "0.16"))
+    assert old in QUICK
+    before = (folder / "quick.h5").read_bytes()
+    (tmp_path / "quick.yaml").write_text(QUICK.replace(old, new))
     code, _, err = call("run", tmp_path / "quick.yaml", "-o", folder / "quick.h5", "--resume")
     assert code == 1
-    assert "was made from another" in err
+    assert words in err
+    assert (folder / "quick.h5").read_bytes() == before
 
 
 @pytest.mark.parametrize("keep", [1, 2, 5, 9, 14])
@@ -215,7 +222,7 @@ def test_info(done):
     ("t_end: 60*pi", "t_end: -1", "14:43", "expected a positive time"),
     ("top: max(x)", "period: max(x)", "12:14", "'period' is a column of every table already"),
     ("top: max(x)", "wall: max(x)", "12:14", "'wall' is a parameter already"),
-    ("  mesh: {degree", "  set: {omega: 0}\n  mesh: {degree", "11:8", "the forcing period is inf"),
+    ("  mesh: {degree", "  set: {omega: 0}\n  mesh: {degree", "11:16", "the forcing period is not a finite number at omega = 0"),
     ("t_end: 60*pi", "t_end: 60*tau", "14:46", "'tau' is not defined"),
     ("free: [wall]", "free: [wall, wall]", "16:52", "stands twice"),
     ("free: [wall]", "stability: 3, free: [wall]", "16:57", "expected true, false, or {multipliers: N}; found 3"),

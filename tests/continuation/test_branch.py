@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from pddecont.continuation.arclength import Metric, tangent
-from pddecont.continuation.branch import State, StepSettings, follow
+from pddecont.continuation.branch import NO_MARGINS, State, StepSettings, follow
 from pddecont.continuation.ending import End
+from pddecont.continuation.margin import Margins
 from pddecont.continuation.newton import newton
 from pddecont.continuation.special import Census, TestFunction, Watch
 from pddecont.errors import ConvergenceError
@@ -45,12 +46,13 @@ class Circle:
         return self
 
 
-def run(bounds, tests=(), sign=1, census=None, **settings):
+def run(bounds, tests=(), sign=1, census=None, margins=NO_MARGINS, **settings):
     problem, points = Circle(), []
     x = np.array([-1.0, 0.0])
     direction = tangent(problem, x, problem.metric(), np.array([0.0, sign]))
     options = StepSettings(max_points=settings.pop("max_points", 200), **settings)
-    end = follow(State(problem, x, direction, 0.0, options.initial, 1), bounds, Watch(list(tests), census), options, points.append, sign)
+    state, watch = State(problem, x, direction, 0.0, options.initial, 1), Watch(list(tests), census)
+    end = follow(state, bounds, watch, options, points.append, sign, margins)
     return points, end
 
 
@@ -71,6 +73,32 @@ def test_it_passes_folds_and_ends_exactly_at_the_bound():
     assert points[-1].kind == "EP"
     assert points[-1].state.x == pytest.approx([math.sqrt(0.75), -0.5], abs=1e-12)
     assert max(p.state.x[1] for p in points) > 0.99
+
+
+MARGIN = Margins(lambda _, x: (np.array([x[0] ** 2 + x[1]]), np.array([[2 * x[0], 1.0]])), lambda _, x, k: f"margin {k} is used up")
+
+
+@pytest.mark.parametrize(("sign", "side"), [(1, 1), (-1, -1)])
+def test_a_branch_ends_exactly_where_a_margin_is_used_up(sign, side):
+    """Where x0**2 + x1 = 0 on the circle, x1 = (1 - sqrt(5)) / 2, on the way round from x = (-1, 0)."""
+    points, end = run([(0, -2.0, 2.0)], sign=sign, margins=MARGIN)
+    assert (end.end, end.detail) == (End.LIMIT, "margin 0 is used up")
+    low = 0.5 * (1 - math.sqrt(5))
+    assert points[-1].kind == "EP"
+    assert points[-1].state.x == pytest.approx([side * math.sqrt(1 - low**2), low], abs=1e-12)
+    assert all(p.state.x[0] ** 2 + p.state.x[1] > -1e-12 for p in points)
+
+
+def test_a_bound_before_the_end_of_a_margin_counts_first():
+    points, end = run([(1, -0.6, 2.0)], margins=MARGIN, initial=0.3, max=0.3)
+    assert end.end is End.RANGE
+    assert points[-1].state.x[1] == pytest.approx(-0.6, abs=1e-12)
+
+
+def test_a_branch_that_starts_where_a_margin_is_used_up_has_no_other_point():
+    used = Margins(lambda _, x: (x[1:], np.array([[0.0, 1.0]])))
+    points, end = run([(0, -2.0, 2.0)], sign=-1, margins=used)
+    assert (end.end, points) == (End.LIMIT, [])
 
 
 def test_a_test_function_is_located():

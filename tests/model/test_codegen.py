@@ -49,7 +49,7 @@ def test_derivatives_agree_with_complex_steps(path):
 
 def test_delays_and_period_have_their_derivatives():
     numeric = numeric_from("name: m\nstates: [x]\nparameters: {a: 2, b: 3}\nforcing: {period: a**2*b}\n"
-                           "modes: {m: {x': x(t - a*b) + sin(t)}}\n")  # fmt: skip
+                           "modes: {m: {x': x(t - a*b) + sin(2*pi*t/(a**2*b))}}\n")  # fmt: skip
     p = numeric.parameter_values
     assert numeric.delays.value(p) == pytest.approx([6])
     assert numeric.delays.derivatives(p, (0, 1)) == pytest.approx(np.array([[3, 2]]))

@@ -81,7 +81,7 @@ states: [x, y]
 parameters: {a: 1.5, tau: 0.7, sigma: 1.1, w: 2}
 forcing: {period: 2*pi/w}
 modes: {m: {x': y(t - tau)*x - a*sin(w*t), y': x(t - sigma) - y + x(t - tau)}}
-events: {e: x(t - tau) - a*y + 0.1*sin(t)}
+events: {e: x(t - tau) - a*y + 0.1*sin(w*t)}
 resets: {g: {x: x + y(t - sigma)*a, y: -a*y*cos(w*t)}}
 segments: {s: {mode: m, event: e, reset: g, to: m}}
 """)
