@@ -7,10 +7,15 @@ import os
 import signal
 import sys
 
+import mpmath
+import sympy
+
 # What Python reports of itself when code is run, processes are started, files are changed or the network is used.
 FORBIDDEN = ("os.system", "os.exec", "os.posix_spawn", "os.spawn", "os.fork", "os.remove", "os.rename", "os.mkdir", "os.rmdir", "os.chmod",
              "os.link", "os.symlink", "os.truncate", "subprocess.Popen", "socket.", "ctypes.dlopen", "shutil.", "urllib.Request", "import",
              "pickle.find_class")  # fmt: skip
+# These load parts of themselves when they are first needed.
+LIBRARIES = tuple(f"{os.path.dirname(library.__file__)}{os.sep}" for library in (sympy, mpmath))
 WRITES = os.O_WRONLY | os.O_RDWR | os.O_CREAT
 _watch = {"on": False}
 _seen: list[str] = []
@@ -21,10 +26,10 @@ def _hear(event, args):
         return
     if event == "open" and not (isinstance(args[1], str) and set(args[1]) <= set("rbt")) and args[2] & WRITES:
         _seen.append(f"open {args}")
-    elif event == "exec" and getattr(args[0], "co_filename", "") != "<generated>":
+    elif event == "exec" and not getattr(args[0], "co_filename", "").startswith(("<generated>", *LIBRARIES)):
         _seen.append(f"exec {args}")
     elif event == "import" and args[0].startswith(("sympy", "mpmath")):
-        return  # the library loads parts of itself when they are first needed
+        return
     elif event.startswith(FORBIDDEN):
         _seen.append(f"{event} {args}")
 
