@@ -287,7 +287,7 @@ def steps(repeats=25) -> None:
 def basin(size=500, lines=20) -> None:
     """Print what the basins of figure 4.1 at beta = 29 cost on a grid, from some of its lines."""
     numeric, p = numeric_model("impact_oscillator")
-    model, _ = without(numeric.model, ["feedback"])
+    model = without(numeric.model, ["feedback"])
     period = 2 * math.pi / 0.8
     task = Task(model, Direct(), Method(1e-6, 1e-8), Section(), None, "benchmark")
     clock = Clock(period, 0.0, 400 * period, 16, 64)
