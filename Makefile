@@ -4,7 +4,8 @@ ENV := .venv
 BIN := $(ENV)/bin
 OUT := out
 
-.PHONY: setup demo figures test reliability check docs reference bench cost tracking chain-order schema clean
+.PHONY: setup demo figures test reliability check docs reference layers bench cost tracking chain-order schema clean \
+  distclean
 setup: $(ENV)/ready
 
 $(ENV)/ready: pyproject.toml
@@ -28,6 +29,7 @@ reliability: setup   ## docs/reliability.md, from the suite itself
 	$(BIN)/python -m tests.reliability $(OUT)/reliability.json docs/reliability.md
 
 check: setup
+	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 
@@ -54,14 +56,21 @@ chain-order: setup   ## grazing by chains of several orders against the delay eq
 reference: setup     ## pages of docs/reference from the schemas and the commands
 	$(BIN)/python docs/generate.py
 
+layers: setup        ## the picture in docs/architecture.md of which folder imports which
+	$(BIN)/python docs/layers.py
+
 docs: setup          ## the pages of docs/ as a site in out/site; warnings are errors
 	$(BIN)/python -m pip install --quiet -e ".[docs]"
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet --site-dir $(OUT)/site
 
-include configs/figures.mk
+include docs/figures.mk
 
 schema: setup        ## JSON Schemas of both file formats, for editors
-	$(BIN)/python -m pddecont.shipped.schemas
+	$(BIN)/python -m pddecont.steps.json_schema pddecont/data
 
-clean:
-	rm -rf $(ENV) $(OUT)
+clean:               ## all that was computed, and caches; the environment stays
+	rm -rf $(OUT) .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	find . -path ./$(ENV) -prune -o -type d -name __pycache__ -prune -exec rm -rf {} +
+
+distclean: clean     ## the environment too
+	rm -rf $(ENV)

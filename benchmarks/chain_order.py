@@ -1,4 +1,6 @@
-"""The grazing of figure 4.7 by chains of several orders and lengths, against the delay equation's: ``make chain-order``."""
+"""The grazing of figure 4.7 by chains of several orders and lengths, against the delay equation's: ``make
+chain-order``.
+"""
 
 from __future__ import annotations
 
@@ -7,10 +9,10 @@ import tempfile
 from itertools import pairwise
 from pathlib import Path
 
-from pddecont.model.document import parse_document
-from pddecont.results.reader import read_results
-from pddecont.steps.loading import load_plan
-from pddecont.steps.run import execute
+from pddecont.model import parse_document
+from pddecont.results import read_results
+from pddecont.steps import load_run_plan
+from pddecont.steps.execution import execute
 
 BASE = Path(__file__).parent.parent / "configs" / "chain_order.yaml"
 START = """\
@@ -30,13 +32,14 @@ steps:
   - {name: in_gain, continue: {from: orbit, free: [K], range: {K: [0.1, 0.3]}, direction: up}}
 """
 LENGTHS = {1: (200, 400, 800), 2: (20, 40, 80), 3: (10, 20, 40), 4: (8, 12, 16)}
-# Order 4 doubles, with every step, what the orbit holds at the frequency 2.45 n / tau: the kinks at impacts keep it from converging.
+# Order 4 doubles, with every step, what the orbit holds at the frequency 2.45 n / tau: the kinks at impacts keep it
+# from converging.
 INTERVALS = dict.fromkeys(LENGTHS, 30)
 
 
 def grazing(text: str, path: Path) -> float:
     """Return the gain at which the branch of a run grazes."""
-    execute(load_plan(parse_document(text, str(BASE))), path, overwrite=True)
+    execute(load_run_plan(parse_document(text, str(BASE))), path, overwrite=True)
     step = read_results(path).step("in_gain")
     return float(step.points["parameters"][step.row("GR1"), step.meta["parameters"].index("K")])
 
@@ -48,7 +51,11 @@ def table(lengths: dict[int, tuple[int, ...]]) -> tuple[float, dict[int, list[tu
         exact = grazing(START, start)
         found = {}
         for order, ns in lengths.items():
-            chain = CHAIN.replace("ORDER", str(order)).replace("FILE", str(start)).replace("INTERVALS", str(INTERVALS[order]))
+            chain = (
+                CHAIN.replace("ORDER", str(order))
+                .replace("FILE", str(start))
+                .replace("INTERVALS", str(INTERVALS[order]))
+            )
             texts = {n: chain.replace("LENGTH", str(n)) for n in ns}
             found[order] = [(n, grazing(text, Path(folder) / "chain.h5")) for n, text in texts.items()]
     return exact, found
@@ -56,8 +63,7 @@ def table(lengths: dict[int, tuple[int, ...]]) -> tuple[float, dict[int, list[tu
 
 def orders(exact: float, values: list[tuple[int, float]]) -> list[float]:
     """Return the order between neighbouring lengths."""
-    return [math.log(abs(a - exact) / abs(b - exact)) / math.log(m / n)
-            for (n, a), (m, b) in pairwise(values)]  # fmt: skip
+    return [math.log(abs(a - exact) / abs(b - exact)) / math.log(m / n) for (n, a), (m, b) in pairwise(values)]
 
 
 def main() -> None:

@@ -18,20 +18,25 @@ import numpy as np
 
 from benchmarks.timing import growth, timed
 from models.oscillator_chain import chain
-from pddecont.continuation import newton as newton_module
-from pddecont.delay.direct import Direct
-from pddecont.model.builder import parse_model
-from pddecont.model.codegen import ArrayFunction, NumericModel
-from pddecont.model.document import parse_document
-from pddecont.orbit.curve import Curve, settle, sizes_of
-from pddecont.orbit.guess import orbit_from_cycle
-from pddecont.orbit.meshing import MeshRule, remeshed
-from pddecont.orbit.reshape import Part, reshape
-from pddecont.results.reader import read_results
-from pddecont.simulate.integrate import simulate
-from pddecont.simulate.recognise import recognise
-from pddecont.steps.loading import load_plan
-from pddecont.steps.run import execute
+from pddecont.codegen import ArrayFunction, NumericModel
+from pddecont.collocation import MeshRule
+from pddecont.continuation import NewtonSettings, correct_component, equilibrate
+from pddecont.delay import Direct
+from pddecont.model import parse_document, parse_model
+from pddecont.orbit import (
+    OrbitEvaluation,
+    PeriodicOrbitSystem,
+    SegmentSpan,
+    adapt_mesh,
+    guess_from_cycle,
+    measure_orbit,
+    resegment,
+    solve_orbit,
+)
+from pddecont.results import read_results
+from pddecont.simulate import detect_period, simulate
+from pddecont.steps import load_run_plan
+from pddecont.steps.execution import execute
 
 ROOT = Path(__file__).parent.parent
 BRANCH = """
@@ -49,8 +54,8 @@ steps:
 def ran(text, folder, name):
     """Return the results of a run file's text, and the CPU seconds of each step."""
     path, seconds = Path(folder) / f"{name}.h5", {}
-    plan = load_plan(parse_document(text, str(ROOT / "configs" / "bench.yaml")))
-    for i, step in enumerate(plan.run.steps):
+    plan = load_run_plan(parse_document(text, str(ROOT / "configs" / "bench.yaml")))
+    for i, step in enumerate(plan.steps):
         start = time.process_time()
         execute(plan, path, until=step.name, resume=i > 0, overwrite=i == 0)
         seconds[step.name] = time.process_time() - start
@@ -71,8 +76,10 @@ def points(folder):
         recorded = results.step(name)
         grazing, exact = (s.points["parameters"][s.row("GR1"), -1] for s in (recorded, fine))
         what = "with multipliers" if name == "stable" else "without"
-        print(f"  {what:18} {len(recorded):4} points, {1e3 * best[name] / len(recorded):6.1f} ms of CPU time a point, "
-              f"grazing off by {abs(grazing - exact):.1e}")  # fmt: skip
+        print(
+            f"  {what:18} {len(recorded):4} points, {1e3 * best[name] / len(recorded):6.1f} ms of CPU time a point, "
+            f"grazing off by {abs(grazing - exact):.1e}"
+        )
     print(f"  ratio {best['stable'] / best['plain']:.2f}\n")
 
 
@@ -95,15 +102,13 @@ def clock(owner, name, spent):
         setattr(owner, name, original)
 
 
-def orbit_of(text, rule, periods=60, **delay):
+def orbit_of(text, rule, periods=60):
     """Return the orbit that a model's motion settles to."""
     numeric = NumericModel(parse_model(parse_document(text, "m.yaml"))[0])
     p = numeric.parameter_values
     period = float(numeric.period.value(p)[0])
-    cycle = recognise(numeric, p, simulate(numeric, p, Direct(), periods * period))
-    problem, guess = orbit_from_cycle(numeric, p, Direct(), cycle, rule)
-    problem, solution = settle(problem, guess, rule)
-    return problem, solution.x
+    cycle = detect_period(numeric, p, simulate(numeric, p, Direct(), periods * period))
+    return solve_orbit(guess_from_cycle(numeric, p, Direct(), cycle, rule), rule).at.orbit
 
 
 def impact(rule):
@@ -111,31 +116,32 @@ def impact(rule):
     return orbit_of((ROOT / "models" / "impact_oscillator.yaml").read_text(), rule)
 
 
-def solver(problem, x, free):
+def solver(orbit, free):
     """Return a function that takes one Newton step at the orbit."""
-    problem, x = problem.with_free(x, (free,))
-    curve = Curve(problem, sizes_of(problem, x, (1.0,)))
-    row, level = np.zeros(len(x)), x[-1]
-    row[-1] = 1.0
-    settings = newton_module.NewtonSettings(step_tol=np.inf, residual_tol=np.inf, max_iterations=1)
-    from pddecont.continuation.arclength import bordered
-
-    return lambda: bordered(curve, row, level, x.copy(), curve.metric(), settings)
+    orbit = orbit.with_free((free,))
+    system, last = PeriodicOrbitSystem(orbit.problem, measure_orbit(orbit, (1.0,))), len(orbit.x) - 1
+    settings = NewtonSettings(step_tol=np.inf, residual_tol=np.inf, max_iterations=1)
+    return lambda: correct_component(system, orbit.x.copy(), last, orbit.x[last], settings)
 
 
 def split():
     """Print where the time of a Newton step goes."""
     print("Newton step of the impact oscillator, delay equation, parts of its time (%)")
     print(f"{'unknowns':>10} {'generated code':>15} {'assembly':>10} {'factorisation':>14} {'rest':>8} {'ms':>8}")
-    problem, x = impact(MeshRule(6, intervals=20))
+    orbit, matrix = impact(MeshRule(6, intervals=20)), type(equilibrate(np.eye(1)))
     for intervals in (20, 80, 320, 1280):
-        other, guess = remeshed(problem, x, MeshRule(6, intervals=intervals))
-        step, spent = solver(other, guess, "tau_d"), {name: [0.0] for name in ("value", "derivatives", "jacobian", "residual", "factor")}
+        other = adapt_mesh(orbit, MeshRule(6, intervals=intervals))
+        step = solver(other, "tau_d")
+        spent = {name: [0.0] for name in ("value", "derivatives", "jacobian", "residual", "factor")}
         step()
         n = 20
-        with clock(ArrayFunction, "value", spent["value"]), clock(ArrayFunction, "derivatives", spent["derivatives"]), \
-                clock(Curve, "jacobian", spent["jacobian"]), clock(Curve, "residual", spent["residual"]), \
-                clock(newton_module, "factor", spent["factor"]):  # fmt: skip
+        with (
+            clock(ArrayFunction, "value", spent["value"]),
+            clock(ArrayFunction, "derivatives", spent["derivatives"]),
+            clock(OrbitEvaluation, "jacobian", spent["jacobian"]),
+            clock(vars(OrbitEvaluation)["residual"], "func", spent["residual"]),
+            clock(matrix, "factor", spent["factor"]),
+        ):
             start = time.perf_counter()
             for _ in range(n):
                 step()
@@ -144,7 +150,10 @@ def split():
         assembly = spent["jacobian"][0] + spent["residual"][0] - code
         factor = spent["factor"][0]
         parts = [100 * t / total for t in (code, assembly, factor, total - code - assembly - factor)]
-        print(f"{len(guess):10} {parts[0]:15.0f} {parts[1]:10.0f} {parts[2]:14.0f} {parts[3]:8.0f} {1e3 * total / n:8.2f}")
+        print(
+            f"{len(other.x):10} {parts[0]:15.0f} {parts[1]:10.0f} {parts[2]:14.0f} {parts[3]:8.0f} "
+            f"{1e3 * total / n:8.2f}"
+        )
     print()
 
 
@@ -155,13 +164,11 @@ def table(title, steps, sizes):
     print(f"  {title:38} {', '.join(f'{k}: {1e3 * t:.2f}' for k, t in times.items())} ms; exponent {order:.2f}")
 
 
-def taken_often(problem, x, k, rule):
+def take_often(orbit, k, rule):
     """Return an orbit taken ``k`` times as one orbit of k times as many segments."""
-    _, durations, _, _ = problem.layout.split(x)
-    period = float(np.sum(durations))
-    ends = np.concatenate([[0.0], np.cumsum(np.tile(durations, k))])
-    parts = [Part(s, float(a % period), float(a % period + b - a)) for s, a, b in zip(problem.segments * k, ends, ends[1:], strict=False)]
-    return reshape(problem, x, parts, rule, problem.n_periods * k)
+    ends = np.concatenate([[0.0], np.cumsum(np.tile(orbit.durations, k))])
+    spans = [SegmentSpan(s, *ends[i : i + 2]) for i, s in enumerate(orbit.problem.segments * k)]
+    return resegment(orbit, spans, rule, orbit.problem.n_periods * k)
 
 
 def delays(k):
@@ -181,17 +188,17 @@ segments: {{s: {{mode: m, event: hit, direction: rising, reset: bounce, to: m}}}
 def sizes():
     """Print how a Newton step grows with everything that makes a problem large."""
     print("Newton steps (ms) and the exponent of their growth")
-    problem, x = impact(MeshRule(6, intervals=20))
-    meshes = {n: remeshed(problem, x, MeshRule(6, intervals=n)) for n in (20, 80, 320, 1280)}
-    steps = {len(y): solver(p, y, "tau_d") for p, y in meshes.values()}
+    orbit = impact(MeshRule(6, intervals=20))
+    meshes = [adapt_mesh(orbit, MeshRule(6, intervals=n)) for n in (20, 80, 320, 1280)]
+    steps = {len(other.x): solver(other, "tau_d") for other in meshes}
     table("unknowns", steps, {n: n for n in steps})
-    often = {k: taken_often(problem, x, k, MeshRule(6, intervals=20 * k)) for k in (1, 2, 4, 8)}
-    table("segments (unknowns in proportion)", {len(p.segments): solver(p, y, "tau_d") for p, y in often.values()},
-          {len(p.segments): len(p.segments) for p, _ in often.values()})  # fmt: skip
+    often = [take_often(orbit, k, MeshRule(6, intervals=20 * k)) for k in (1, 2, 4, 8)]
+    steps = {len(other.signature): solver(other, "tau_d") for other in often}
+    table("segments (unknowns in proportion)", steps, {n: n for n in steps})
     chains = {2 * n: orbit_of(chain(n), MeshRule(6, intervals=40)) for n in (2, 5, 10, 25, 50)}
-    table("states (chain of oscillators)", {n: solver(*o, "K") for n, o in chains.items()}, {n: n for n in chains})
+    table("states (chain of oscillators)", {n: solver(o, "K") for n, o in chains.items()}, {n: n for n in chains})
     many = {k: orbit_of(delays(k), MeshRule(6, intervals=160)) for k in (1, 2, 4, 8)}
-    table("delays (160 intervals)", {k: solver(*o, "K") for k, o in many.items()}, {k: k for k in many})
+    table("delays (160 intervals)", {k: solver(o, "K") for k, o in many.items()}, {k: k for k in many})
     print()
 
 
@@ -199,12 +206,17 @@ def long_branches(folder):
     """Print how the cost of a point and the memory change along a branch."""
     print("A branch of many points (impact oscillator, degree 6, 10 intervals)")
     for n in (250, 500, 1000, 2000):
-        text = BRANCH.format(degree=6, tol=1e-6, step=f"step: {{initial: {0.5 / n}, max: {0.5 / n}}}, max_points: {n}, direction: up")
+        text = BRANCH.format(
+            degree=6, tol=1e-6, step=f"step: {{initial: {0.5 / n}, max: {0.5 / n}}}, max_points: {n}, direction: up"
+        )
         text = "\n".join(line for line in text.splitlines() if "name: stable" not in line)
         results, seconds = ran(text, folder, f"long{n}")
         memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
         recorded = len(results.step("plain"))
-        print(f"  {recorded:5} points: {1e3 * seconds['plain'] / recorded:6.2f} ms of CPU time a point, at most {memory:.0f} MiB so far")
+        print(
+            f"  {recorded:5} points: {1e3 * seconds['plain'] / recorded:6.2f} ms of CPU time a point, at most "
+            f"{memory:.0f} MiB so far"
+        )
     print()
 
 
@@ -212,10 +224,25 @@ def start_up():
     """Print how long commands take to start, against Python alone."""
     program = [sys.executable, "-m", "pddecont"]
     model = str(ROOT / "models" / "impact_oscillator.yaml")
-    commands = {"python": [sys.executable, "-c", "pass"], "--help": [*program, "--help"], "check": [*program, "check", model],
-                "info": [*program, "info", model]}  # fmt: skip
-    times = timed({name: lambda c=command: subprocess.run(c, capture_output=True, check=True) for name, command in commands.items()}, 5)
-    print("Start-up: " + ", ".join(f"{name} {1e3 * t:.0f} ms ({t / times['python']:.0f} times Python's own)" for name, t in times.items()))
+    commands = {
+        "python": [sys.executable, "-c", "pass"],
+        "--help": [*program, "--help"],
+        "check": [*program, "check", model],
+        "info": [*program, "info", model],
+    }
+    times = timed(
+        {
+            name: lambda c=command: subprocess.run(c, capture_output=True, check=True)
+            for name, command in commands.items()
+        },
+        5,
+    )
+    print(
+        "Start-up: "
+        + ", ".join(
+            f"{name} {1e3 * t:.0f} ms ({t / times['python']:.0f} times Python's own)" for name, t in times.items()
+        )
+    )
 
 
 def main():

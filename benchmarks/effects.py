@@ -1,7 +1,8 @@
-"""What each effect of a full model costs, and that without them all it costs what the hand-written linear oscillator does.
+"""What each effect of a full model costs, and that without them all it costs what the hand-written linear oscillator
+does.
 
-Run as ``python -m benchmarks.effects``. All models take turns in one process; the times are medians, the ratios are medians of the ratios
-within a turn.
+Run as ``python -m benchmarks.effects``. All models take turns in one process; the times are medians, the ratios are
+medians of the ratios within a turn.
 """
 
 from __future__ import annotations
@@ -16,16 +17,11 @@ import tempfile
 import time
 from pathlib import Path
 
-from pddecont.model.document import parse_document
-from pddecont.results.reader import read_results
-from pddecont.results.writer import create
-from pddecont.simulate.simulator import Simulator
-from pddecont.steps.context import Context, Silent
-from pddecont.steps.continuation import run_continue
-from pddecont.steps.loading import load_plan
-from pddecont.steps.orbit import run_orbit
-from pddecont.steps.planner import Overrides
-from pddecont.steps.simulate import integrate
+from pddecont.model import parse_document
+from pddecont.results import create_results, read_results
+from pddecont.runfile import Overrides, PlannedStep
+from pddecont.simulate import Simulator, Workers
+from pddecont.steps import Context, Silent, list_step_kinds, load_run_plan
 
 ROOT = Path(__file__).parent.parent
 # In the order in which they are left out, one after another.
@@ -38,31 +34,44 @@ TURNS = 5
 def context_of(model: str, off: tuple[str, ...], path: Path) -> Context:
     """Return a model's own run without some effects, its transient done."""
     source = ROOT / "models" / f"{model}.yaml"
-    plan = load_plan(parse_document(source.read_text(), str(source)), Overrides(without=off))
-    context = Context(plan, path, Silent())
-    integrate(context, plan.run.steps[0])
+    plan = load_run_plan(parse_document(source.read_text(), str(source)), Overrides(without=off))
+    context = Context(plan, path, Silent(), Workers())
+    begin(context)
+    do_step(context, plan.steps[0])
     return context
+
+
+def begin(context: Context) -> None:
+    """Begin a new file."""
+    plan = context.plan
+    create_results(context.path, plan.model_text, plan.run_text, plan.source, "{}", overwrite=True)
+
+
+def do_step(context: Context, step: PlannedStep) -> None:
+    """Do a step; trajectories stay in memory for the steps that start from them."""
+    list_step_kinds()[step.kind].load()(context, step, None)
 
 
 def followed(context: Context) -> None:
     """Find the orbit and follow its branch, into a new file."""
-    plan = context.plan
-    create(context.path, plan.model_text, plan.run_text, plan.source, "{}", overwrite=True)
-    run_orbit(context, plan.run.steps[1])
-    run_continue(context, plan.run.steps[2])
+    begin(context)
+    for step in context.plan.steps[1:]:
+        do_step(context, step)
 
 
 def simulated(context: Context):
     """Return a function that integrates ``PERIODS`` periods."""
     plan = context.plan
-    simulator = Simulator(plan.numeric, plan.delay_method(plan.run.steps[0]))
+    simulator = Simulator(plan.numeric, plan.steps[0].delay)
     values = simulator.values(plan.parameters)
     t_end = PERIODS * float(plan.numeric.period.value(plan.parameters)[0])
     return lambda: simulator.advance(values, simulator.start(values), t_end)
 
 
 def turns(functions, n: int) -> dict[str, list[float]]:
-    """Return the times of ``n`` calls of each function; they take turns, one way and back, so that what disturbs one disturbs all."""
+    """Return the times of ``n`` calls of each function; they take turns, one way and back, so that what disturbs one
+    disturbs all.
+    """
     for f in functions.values():
         f()
     times: dict[str, list[float]] = {name: [] for name in functions}
@@ -82,26 +91,40 @@ def ratio(times: dict[str, list[float]], name: str, to: str) -> float:
 def main() -> int:
     """Print the table; return 1 if the lean model's times are not those of the hand-written one to within 5 %."""
     with tempfile.TemporaryDirectory() as folder:
-        contexts = {f"without {', '.join(EFFECTS[:k])}" if k else "full": ("full_oscillator", EFFECTS[:k]) for k in range(len(EFFECTS) + 1)}
+        contexts = {
+            f"without {', '.join(EFFECTS[:k])}" if k else "full": ("full_oscillator", EFFECTS[:k])
+            for k in range(len(EFFECTS) + 1)
+        }
         contexts["by hand"] = (HAND, ())
-        made = {name: context_of(model, off, Path(folder) / f"{i}.h5") for i, (name, (model, off)) in enumerate(contexts.items())}
+        made = {
+            name: context_of(model, off, Path(folder) / f"{i}.h5")
+            for i, (name, (model, off)) in enumerate(contexts.items())
+        }
         follow = turns({name: lambda c=c: followed(c) for name, c in made.items()}, TURNS)
         integration = turns({name: simulated(c) for name, c in made.items()}, 10 * TURNS)
-        print(f"full_oscillator without one effect after another; {PERIODS} periods simulated, orbit and branch with multipliers")
-        heads = f"{'states':>6} {'delayed':>7} {'modes':>5} {'unknowns':>8} {'points':>6} {'orbit+branch':>13} {'simulation':>11}"
+        print(
+            f"full_oscillator without one effect after another; {PERIODS} periods simulated, orbit and branch with "
+            f"multipliers"
+        )
+        counts = f"{'states':>6} {'delayed':>7} {'modes':>5} {'unknowns':>8} {'points':>6}"
+        heads = f"{counts} {'orbit+branch':>13} {'simulation':>11}"
         print(f"{'time / by hand':52} {heads}")
         for name, context in made.items():
             model, branch = context.plan.model, read_results(context.path).step("branch")
             unknowns = int(branch.points["n_unknowns"][0])
             sizes = f"{len(model.states):6} {len(model.delayed):7} {len(model.modes):5} {unknowns:8} {len(branch):6}"
-            print(f"{name:52} {sizes} {ratio(follow, name, 'by hand'):13.3f} {ratio(integration, name, 'by hand'):11.3f}")
+            print(
+                f"{name:52} {sizes} {ratio(follow, name, 'by hand'):13.3f} {ratio(integration, name, 'by hand'):11.3f}"
+            )
         for what, times in (("orbit + branch", follow), ("simulation", integration)):
             print(f"by hand, {what}: {1e3 * statistics.median(times['by hand']):.3g} ms")
         # The lean model and the hand-written one alone, many more times.
         lean = list(made)[-2]
         pair = {name: simulated(made[name]) for name in (lean, "by hand")}
-        closer = {"orbit + branch": turns({name: lambda c=made[name]: followed(c) for name in pair}, 3 * TURNS),
-                  "simulation": turns(pair, 50 * TURNS)}  # fmt: skip
+        closer = {
+            "orbit + branch": turns({name: lambda c=made[name]: followed(c) for name in pair}, 3 * TURNS),
+            "simulation": turns(pair, 50 * TURNS),
+        }
         off_by = {what: abs(ratio(times, lean, "by hand") - 1.0) for what, times in closer.items()}
         print("lean against by hand: " + ", ".join(f"{what} {100 * x:.2f} % apart" for what, x in off_by.items()))
         return int(max(off_by.values()) > 0.05)

@@ -1,7 +1,7 @@
 """The simulator against a loop over scipy's solve_ivp and against JiTCDDE, at equal error, and what its steps cost.
 
-Run as ``python -m benchmarks.simulator``. All ratios are measured in one process, whose compiled code starts from nothing: it is
-kept in a folder of its own, so that compiling it can be timed.
+Run as ``python -m benchmarks.simulator``. All ratios are measured in one process, whose compiled code starts from
+nothing: it is kept in a folder of its own, so that compiling it can be timed.
 """
 
 from __future__ import annotations
@@ -29,16 +29,23 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from benchmarks.timing import timed
-from pddecont.delay.direct import Direct
-from pddecont.model.builder import load_model
-from pddecont.model.codegen import NumericModel
-from pddecont.model.effects import without
-from pddecont.simulate.attractors import Clock
-from pddecont.simulate.basin import Line, basin_line, first_look
-from pddecont.simulate.integrate import follow, simulate
-from pddecont.simulate.kernel.tables import N_REJECTED, N_STEPS
-from pddecont.simulate.simulator import Method, Section, Simulator
-from pddecont.simulate.task import Start, Task
+from pddecont.codegen import NumericModel
+from pddecont.delay import Direct
+from pddecont.model import leave_out_effects, load_model
+from pddecont.simulate import (
+    BasinRow,
+    InitialState,
+    Method,
+    MotionTask,
+    ReturnSection,
+    ReturnSettings,
+    Simulator,
+    classify_row,
+    record_trajectory,
+    simulate,
+    survey_attractors,
+)
+from pddecont.simulate.integrator import N_REJECTED, N_STEPS
 
 ROOT = Path(__file__).parent.parent
 REFERENCE, SECOND = 1e-13, 3e-13
@@ -46,19 +53,16 @@ REFERENCE, SECOND = 1e-13, 3e-13
 ATOL = 1e-2
 PERIODS = 30
 HEADER = f"  {'':32} {'rtol':>9} {'error':>9} {'ms':>10} {'ratio':>10}"
-# Jumps that the loop over solve_ivp steps on: an event's, and its echoes up to so many delays later. Of 0 to 7 this is fastest at
-# equal error, if not by much.
+# Jumps that the loop over solve_ivp steps on: an event's, and its echoes up to so many delays later. Of 0 to 7 this is
+# fastest at equal error, if not by much.
 ECHOES = 3
 
 FIRST_OF_A_PROCESS = """
 import time
-from pddecont.delay.direct import Direct
-from pddecont.model.codegen import NumericModel
-from pddecont.model.effects import without
-from pddecont.model.builder import load_model
-from pddecont.simulate.attractors import Clock
-from pddecont.simulate.basin import Line, basin_line, first_look
-from pddecont.simulate.integrate import simulate
+from pddecont.delay import Direct
+from pddecont.codegen import NumericModel
+from pddecont.model import load_model
+from pddecont.simulate import BasinRow, ReturnSettings, classify_row, simulate, survey_attractors
 
 numeric = NumericModel(load_model("models/impact_oscillator.yaml")[0])
 start = time.perf_counter()
@@ -86,8 +90,8 @@ def plain_run(simulator: Simulator, p, t_end: float) -> Callable[[], int]:
     values = simulator.values(p)
 
     def run():
-        memory, _ = simulator.advance(values, simulator.start(values), t_end)
-        return int(memory.count[N_STEPS] + memory.count[N_REJECTED])
+        state, _ = simulator.advance(values, simulator.start(values), t_end)
+        return int(state.count[N_STEPS] + state.count[N_REJECTED])
 
     run()
     return run
@@ -96,7 +100,7 @@ def plain_run(simulator: Simulator, p, t_end: float) -> Callable[[], int]:
 def kept_run(simulator: Simulator, p, t_end: float):
     """Return a function that integrates from 0 to ``t_end`` and returns the trajectory."""
     values = simulator.values(p)
-    return lambda: follow(simulator, p, simulator.start(values), t_end)
+    return lambda: record_trajectory(simulator, p, simulator.start(values), t_end)
 
 
 def solve_ivp_run(values: dict[str, float], t_end: float, rtol: float, echoes: int = ECHOES):
@@ -134,8 +138,17 @@ def solve_ivp_run(values: dict[str, float], t_end: float, rtol: float, echoes: i
                 if level < echoes:
                     heapq.heappush(stops, (at + tau, level + 1))
             stop = min(t_end, t + tau, stops[0][0] if stops else math.inf)
-            solution = solve_ivp(field, (t, stop), y, method="DOP853", events=impact, dense_output=True, rtol=rtol, atol=ATOL * rtol,
-                                 first_step=None if step is None else min(step, stop - t))  # fmt: skip
+            solution = solve_ivp(
+                field,
+                (t, stop),
+                y,
+                method="DOP853",
+                events=impact,
+                dense_output=True,
+                rtol=rtol,
+                atol=ATOL * rtol,
+                first_step=None if step is None else min(step, stop - t),
+            )
             starts.extend(solution.sol.ts[:-1])
             stored.extend(solution.sol.interpolants)
             t, y = solution.t[-1], solution.y[:, -1]
@@ -150,7 +163,9 @@ def solve_ivp_run(values: dict[str, float], t_end: float, rtol: float, echoes: i
 
 
 def jitcdde_runs(n: float, delay: float, t_end: float):
-    """Return JiTCDDE's compilation time of Mackey-Glass and a function from a tolerance to a run of it; None if it is missing."""
+    """Return JiTCDDE's compilation time of Mackey-Glass and a function from a tolerance to a run of it; None if it is
+    missing.
+    """
     try:
         from jitcdde import jitcdde, t, y
     except ImportError:
@@ -204,7 +219,10 @@ def compare(rows: dict[str, dict[str, object]], repeats: int) -> dict[str, float
     times = timed({name: rows[name]["run"] for name in names}, repeats)
     for name in names:
         row = rows[name]
-        print(f"  {name:32} {row['rtol']:9.1e} {row['error']:9.1e} {1e3 * times[name]:10.2f} {times[name] / times[names[0]]:10.1f}")
+        print(
+            f"  {name:32} {row['rtol']:9.1e} {row['error']:9.1e} {1e3 * times[name]:10.2f} "
+            f"{times[name] / times[names[0]]:10.1f}"
+        )
     return times
 
 
@@ -219,17 +237,25 @@ def against_solve_ivp(targets=(1e-5, 1e-7, 1e-9), repeats=9) -> None:
     second = distance(exact, simulate(numeric, p, Direct(), t_end, method(SECOND))(times))
     other = distance(exact, solve_ivp_run(values, t_end, REFERENCE, 7)()(times))
     print(f"Impact oscillator, direct delay, {PERIODS} periods; errors are the largest over the last ten.")
-    print(f"  reference: rtol {REFERENCE:.0e}, {second:.0e} from rtol {SECOND:.0e}, {other:.0e} from solve_ivp at rtol {REFERENCE:.0e}")
-    ours = {rtol: distance(exact, simulate(numeric, p, Direct(), t_end, method(rtol))(times)) for rtol in decades(-12, -3)}
+    print(
+        f"  reference: rtol {REFERENCE:.0e}, {second:.0e} from rtol {SECOND:.0e}, {other:.0e} from solve_ivp at rtol "
+        f"{REFERENCE:.0e}"
+    )
+    ours = {
+        rtol: distance(exact, simulate(numeric, p, Direct(), t_end, method(rtol))(times)) for rtol in decades(-12, -3)
+    }
     theirs = {rtol: distance(exact, solve_ivp_run(values, t_end, rtol)()(times)) for rtol in decades(-11.5, -3)}
     print(HEADER)
     for target in targets:
         a, b = tolerance_for(target, ours), tolerance_for(target, theirs)
         simulator = Simulator(numeric, Direct(), method(a))
-        compare({
-            "trajectory kept": {"run": kept_run(simulator, p, t_end), "rtol": a, "error": ours[a]},
-            "solve_ivp, DOP853": {"run": solve_ivp_run(values, t_end, b), "rtol": b, "error": theirs[b]},
-        }, repeats)  # fmt: skip
+        compare(
+            {
+                "trajectory kept": {"run": kept_run(simulator, p, t_end), "rtol": a, "error": ours[a]},
+                "solve_ivp, DOP853": {"run": solve_ivp_run(values, t_end, b), "rtol": b, "error": theirs[b]},
+            },
+            repeats,
+        )
     print()
 
 
@@ -246,22 +272,35 @@ def against_jitcdde(n=5.5, delay=2.0, t_end=1000.0, targets=(1e-3, 1e-5, 1e-7), 
     times = np.linspace(t_end - 10, t_end, 21)
     exact = simulate(numeric, p, Direct(), t_end, method(REFERENCE))(times)
     second = distance(exact, simulate(numeric, p, Direct(), t_end, method(SECOND))(times))
-    print(f"Mackey-Glass, n = {n}, tau = {delay}, to t = {t_end}, on a cycle; errors are the largest over the last ten units of time.")
-    ours = {rtol: distance(exact, simulate(numeric, p, Direct(), t_end, method(rtol))(times)) for rtol in decades(-12, -2)}
+    print(
+        f"Mackey-Glass, n = {n}, tau = {delay}, to t = {t_end}, on a cycle; errors are the largest over the last ten "
+        f"units of time."
+    )
+    ours = {
+        rtol: distance(exact, simulate(numeric, p, Direct(), t_end, method(rtol))(times)) for rtol in decades(-12, -2)
+    }
     theirs = {rtol: distance(exact, run(rtol, times)) for rtol in decades(-10, -3)}
     tightest = min(theirs)
-    print(f"  reference: rtol {REFERENCE:.0e}, {second:.0e} from rtol {SECOND:.0e}, "
-          f"{theirs[tightest]:.0e} from JiTCDDE at rtol {tightest:.0e}")  # fmt: skip
+    print(
+        f"  reference: rtol {REFERENCE:.0e}, {second:.0e} from rtol {SECOND:.0e}, "
+        f"{theirs[tightest]:.0e} from JiTCDDE at rtol {tightest:.0e}"
+    )
     print(f"  compilation: {seconds:.2f} s for the model's functions, {compiling:.2f} s for JiTCDDE's module")
     print(HEADER)
     for target in targets:
         a, b = tolerance_for(target, ours), tolerance_for(target, theirs)
         rows = {
-            "nothing kept": {"run": plain_run(Simulator(numeric, Direct(), method(a)), p, t_end), "rtol": a, "error": ours[a]},
+            "nothing kept": {
+                "run": plain_run(Simulator(numeric, Direct(), method(a)), p, t_end),
+                "rtol": a,
+                "error": ours[a],
+            },
             "JiTCDDE": {"run": partial(run, b), "rtol": b, "error": theirs[b]},
         }
         medians = compare(rows, repeats)
-        print(f"  {'':54} with compilation {(compiling + medians['JiTCDDE']) / (seconds + medians['nothing kept']):10.1f}")
+        print(
+            f"  {'':54} with compilation {(compiling + medians['JiTCDDE']) / (seconds + medians['nothing kept']):10.1f}"
+        )
     print()
 
 
@@ -269,12 +308,19 @@ def steps(repeats=25) -> None:
     """Print what steps cost."""
     print("Steps at the default tolerances; rejected ones count.")
     print(f"  {'':47} {'steps':>8} {'ns / step':>10} {'steps / s':>10} {'ratio':>8}")
-    for name, t_end, parameters in (("impact_oscillator", 50 * 2 * math.pi / 0.8, {}), ("mackey_glass", 500.0, {"n": 5.5, "tau": 2.0})):
+    for name, t_end, parameters in (
+        ("impact_oscillator", 50 * 2 * math.pi / 0.8, {}),
+        ("mackey_glass", 500.0, {"n": 5.5, "tau": 2.0}),
+    ):
         numeric, p = numeric_model(name, **parameters)
         explicit, stiff = (Simulator(numeric, Direct(), Method(stiff=s)) for s in (False, True))
         plain, implicit = plain_run(explicit, p, t_end), plain_run(stiff, p, t_end)
-        runs = {"explicit": plain, "explicit, trajectory kept": kept_run(explicit, p, t_end),
-                "explicit, a call of simulate": partial(simulate, numeric, p, Direct(), t_end), "stiff": implicit}  # fmt: skip
+        runs = {
+            "explicit": plain,
+            "explicit, trajectory kept": kept_run(explicit, p, t_end),
+            "explicit, a call of simulate": partial(simulate, numeric, p, Direct(), t_end),
+            "stiff": implicit,
+        }
         counts = {kind: implicit() if kind == "stiff" else plain() for kind in runs}
         times = timed(runs, repeats)
         for kind, n_steps in counts.items():
@@ -287,21 +333,26 @@ def steps(repeats=25) -> None:
 def basin(size=500, lines=20) -> None:
     """Print what the basins of figure 4.1 at beta = 29 cost on a grid, from some of its lines."""
     numeric, p = numeric_model("impact_oscillator")
-    model = without(numeric.model, ["feedback"])
+    model = leave_out_effects(numeric.model, ["feedback"])
     period = 2 * math.pi / 0.8
-    task = Task(model, Direct(), Method(1e-6, 1e-8), Section(), None, "benchmark")
-    clock = Clock(period, 0.0, 400 * period, 16, 64)
-    start = Start(np.zeros(2), "NC", True)
+    task = MotionTask(NumericModel(model), Direct(), Method(1e-6, 1e-8), ReturnSection())
+    settings = ReturnSettings(period, 0.0, 400 * period, 16, 64)
+    start = InitialState(np.zeros(2), "NC", True)
     xs, vs = np.linspace(-2, 1.26, size), np.linspace(-2, 2, size)
     coarse = np.stack(np.meshgrid(xs[:: size // 6], vs[:: size // 6]), axis=-1).reshape(-1, 2)
-    known = tuple(first_look(task, p, clock, coarse, start))
-    chosen = [Line(task, p, clock, np.stack([xs, np.full(size, v)], axis=-1), start, known) for v in vs[:: size // lines]]
-    basin_line(chosen[0])
+    known = tuple(survey_attractors(task, p, settings, coarse, start))
+    chosen = [
+        BasinRow(p, settings, np.stack([xs, np.full(size, v)], axis=-1), start, known) for v in vs[:: size // lines]
+    ]
+    classify_row(task, chosen[0])
     begin = time.perf_counter()
     for line in chosen:
-        basin_line(line)
+        classify_row(task, line)
     seconds = (time.perf_counter() - begin) / len(chosen) * size
-    print(f"Basins of figure 4.1 at beta = 29, {len(known)} attractors: {seconds:.0f} s on one core for {size} x {size} initial states,")
+    print(
+        f"Basins of figure 4.1 at beta = 29, {len(known)} attractors: {seconds:.0f} s on one core for {size} x {size} "
+        f"initial states,"
+    )
     print(f"from {len(chosen)} of its lines; {1e3 * seconds / size**2:.2f} ms each.")
     print()
 
@@ -312,9 +363,14 @@ def compilation() -> None:
     start = time.perf_counter()
     simulate(numeric, p, Direct(), 0.1)
     compiling = time.perf_counter() - start
-    seconds = subprocess.run([sys.executable, "-c", FIRST_OF_A_PROCESS], cwd=ROOT, check=True, capture_output=True, text=True).stdout
+    seconds = subprocess.run(
+        [sys.executable, "-c", FIRST_OF_A_PROCESS], cwd=ROOT, check=True, capture_output=True, text=True
+    ).stdout
     loading = float(seconds)
-    print(f"The first simulation of an installation compiles for {compiling:.1f} s, the first of a process loads for {loading:.2f} s;")
+    print(
+        f"The first simulation of an installation compiles for {compiling:.1f} s, the first of a process loads for "
+        f"{loading:.2f} s;"
+    )
     print("both are left out of all times below.")
     print()
 

@@ -9,17 +9,12 @@ from pathlib import Path
 
 import numpy as np
 
-from pddecont.delay.direct import Direct
-from pddecont.model.builder import load_model, parse_model
-from pddecont.model.codegen import NumericModel
-from pddecont.model.document import parse_document
-from pddecont.orbit.curve import settle
-from pddecont.orbit.guess import orbit_from_cycle
-from pddecont.orbit.mesh import Mesh, Places
-from pddecont.orbit.meshing import MeshRule, on_mesh, remeshed, transfer
-from pddecont.orbit.problem import OrbitProblem, read
-from pddecont.simulate.integrate import simulate
-from pddecont.simulate.recognise import recognise
+from pddecont.codegen import NumericModel
+from pddecont.collocation import Mesh, MeshPoints, MeshRule, transfer
+from pddecont.delay import Direct
+from pddecont.model import load_model, parse_document, parse_model
+from pddecont.orbit import Orbit, adapt_mesh, guess_from_cycle, solve_orbit, transfer_orbit
+from pddecont.simulate import detect_period, simulate
 
 ROOT = Path(__file__).parent.parent
 HARD = """\
@@ -34,43 +29,43 @@ segments: {flight: {mode: free, event: hit, direction: rising, reset: bounce, to
 """
 
 
-def fine_orbit(numeric: NumericModel, t_end: float) -> tuple[OrbitProblem, np.ndarray]:
+def fine_orbit(numeric: NumericModel, t_end: float) -> Orbit:
     """Return the orbit that a model settles to, on a mesh of degree 10 to a tolerance of 1e-12."""
     p = numeric.parameter_values
     rule = MeshRule(10, tol=1e-12)
-    cycle = recognise(numeric, p, simulate(numeric, p, Direct(), t_end))
-    problem, solution = settle(*orbit_from_cycle(numeric, p, Direct(), cycle, rule), rule)
-    return problem, solution.x
+    cycle = detect_period(numeric, p, simulate(numeric, p, Direct(), t_end))
+    return solve_orbit(guess_from_cycle(numeric, p, Direct(), cycle, rule), rule).at.orbit
 
 
-def soft() -> tuple[OrbitProblem, np.ndarray]:
+def soft() -> Orbit:
     """Return the impact oscillator's orbit."""
-    return fine_orbit(NumericModel(load_model(str(ROOT / "models" / "impact_oscillator.yaml"))[0]), 50 * 2 * math.pi / 0.8)
+    return fine_orbit(
+        NumericModel(load_model(str(ROOT / "models" / "impact_oscillator.yaml"))[0]), 50 * 2 * math.pi / 0.8
+    )
 
 
-def hard() -> tuple[OrbitProblem, np.ndarray]:
+def hard() -> Orbit:
     """Return the orbit of an oscillator that bounces off a wall, with delayed feedback."""
     return fine_orbit(NumericModel(parse_model(parse_document(HARD, "hard"))[0]), 60 * math.pi)
 
 
-def errors_on_refinement(fine: tuple[OrbitProblem, np.ndarray], degree: int, track: bool, counts: tuple[int, ...]):
-    """Return (unknowns, largest error at any time) on meshes whose pieces are cut into each of ``counts`` equal intervals."""
-    problem, x = fine
-    theta, found = problem.theta(x), []
-    values = problem.layout.split(x)[0]
+def errors_on_refinement(fine: Orbit, degree: int, track: bool, counts: tuple[int, ...]) -> list[tuple[int, float]]:
+    """Return (unknowns, largest error at any time) on meshes whose pieces are cut into each of ``counts`` equal
+    intervals.
+    """
+    found, other = [], Orbit(replace(fine.problem, delay=Direct(track)), fine.x)
     for count in counts:
-        other = replace(problem, delay=Direct(track))
-        pieces = remeshed(other, x, MeshRule(degree, intervals=1))[0].mesh.pieces
+        pieces = adapt_mesh(other, MeshRule(degree, intervals=1)).mesh.pieces
         cut = tuple(replace(p, cuts=np.linspace(0, 1, count + 1)) for p in pieces)
-        coarse, guess = on_mesh(other, x, Mesh(degree, problem.mesh.n_segments, cut, theta))
-        coarse, solution = settle(coarse, guess, MeshRule(degree, intervals=count))
-        mesh = coarse.mesh
-        places = Places(np.repeat(np.arange(mesh.n_intervals), 7), np.tile(np.linspace(0.07, 0.93, 7), mesh.n_intervals))
-        reads = read(coarse, solution.x, places, delays=False)
+        guess = transfer_orbit(other, Mesh(degree, fine.mesh.n_segments, cut, fine.theta))
+        coarse = solve_orbit(guess, MeshRule(degree, intervals=count)).at.orbit
+        mesh, inside = coarse.mesh, np.linspace(0.07, 0.93, 7)
+        points = MeshPoints(np.repeat(np.arange(mesh.n_intervals), 7), np.tile(inside, mesh.n_intervals))
+        reads = coarse.read(points, delays=False)
         # The fine orbit at the same fractions of its segments.
-        dense = Mesh(12, mesh.n_segments, mesh.pieces, mesh.anchor)
-        exact = dense.at(transfer(problem.mesh, theta, values, dense, reads.theta), places)
-        found.append((len(solution.x), float(np.max(np.abs(reads.x.T - exact)))))
+        dense = Mesh(12, mesh.n_segments, mesh.pieces, mesh.reference_theta)
+        values = transfer(fine.mesh, fine.theta, fine.values, dense, coarse.theta)
+        found.append((len(coarse.x), float(np.max(np.abs(reads.x.T - dense.interpolate(values, points))))))
     return found
 
 
@@ -93,8 +88,14 @@ def main(folder: Path) -> None:
                 cells = "; ".join(f"{n}: {e:.1e}" for n, e in found)
                 print(f"| {name} | {degree} | {'yes' if track else 'no'} | {cells} | {order:.1f} |", flush=True)
                 unknowns, errors = zip(*found, strict=True)
-                axes.loglog(unknowns, errors, "o-" if track else "s:", color=f"C{degree // 2 - 2}", ms=4,
-                            label=f"degree {degree}{'' if track else ', not tracked'}")  # fmt: skip
+                axes.loglog(
+                    unknowns,
+                    errors,
+                    "o-" if track else "s:",
+                    color=f"C{degree // 2 - 2}",
+                    ms=4,
+                    label=f"degree {degree}{'' if track else ', not tracked'}",
+                )
         axes.set_title(f"{name} impact", fontsize=10)
         axes.set_xlabel("unknowns")
         axes.grid(alpha=0.3)

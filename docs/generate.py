@@ -8,24 +8,29 @@ from typing import Any
 from click.testing import CliRunner
 
 from pddecont.cli import COMMANDS, group
-from pddecont.shipped.schemas import schemas
+from pddecont.steps.json_schema import make_schemas
 
 FOLDER = Path(__file__).parent / "reference"
 FORMULA = "number or expression"
 MODEL_NOTE = """\
-What `pddecont run` and `pddecont check` read as a model. The run block `run:` has the keys of a [run file](run_file.md) but `model`.
-Expressions: numbers, declared names, `+ - * / **`, parentheses, `pi`, `t`, delayed values `name(t - delay)`, and `sin cos tan asin acos
-atan atan2 sinh cosh tanh exp log sqrt`. A mapping takes names that you choose to what is said."""
+What `pddecont run` and `pddecont check` read as a model. The run block `run:` has the keys of a
+[run file](run_file.md) but `model`. Expressions: numbers, declared names, `+ - * / **`, parentheses, `pi`, `t`, delayed
+values `name(t - delay)`, and `sin cos tan asin acos atan atan2 sinh cosh tanh exp log sqrt`. A mapping takes names that
+you choose to what is said."""
 RUN_NOTE = """\
-What `pddecont run` reads as a run. A number may be an expression in the parameters where the table says so. `from` takes the name of a
-step, or a mapping to be more exact. A mapping takes names that you choose to what is said."""
+What `pddecont run` reads as a run. A number may be an expression in the parameters where the table says so. `from`
+takes the name of a step, or a mapping to be more exact. A mapping takes names that you choose to what is said."""
+
+RUN_BLOCK = "A run without its model: what stands under ``run`` in a model file."
+STEP = "One step of a run; exactly one of its kinds."
 
 
 def pages() -> dict[str, str]:
     """Return the text of every generated page by the name of its file."""
-    made = schemas()
+    made = make_schemas()
     model, run = made["model.schema.json"], made["run.schema.json"]
-    model["properties"]["run"] = {"description": model["properties"]["run"]["description"], "type": "run block"}
+    model["properties"]["run"] = {"description": RUN_BLOCK, "type": "run block"}
+    join_steps(run)
     return {
         "model_file.md": file_page("Model file", MODEL_NOTE, model),
         "run_file.md": file_page("Run file", RUN_NOTE, run),
@@ -33,16 +38,31 @@ def pages() -> dict[str, str]:
     }
 
 
+def join_steps(run: dict[str, Any]) -> None:
+    """Put one definition of a step in place of those of each kind, which differ in the kind's own key alone."""
+    names = names_in(run["properties"]["steps"])
+    kinds = [run["$defs"].pop(name) for name in names]
+    keys = {key: value for kind in kinds for key, value in kind["properties"].items()}
+    needed = [key for key in keys if all(key in kind["required"] for kind in kinds)]
+    run["$defs"]["Step"] = {"description": STEP, "properties": keys, "required": needed}
+    run["properties"]["steps"]["items"] = {"$ref": "#/$defs/Step"}
+
+
 def file_page(name: str, note: str, schema: dict[str, Any]) -> str:
     """Return the page of a file format: its keys, then the keys of every mapping in it, in the order they are met."""
     definitions = schema.get("$defs", {})
-    parts = [f"# {name}\n\nWritten from the schema by `make reference`.\n\n{note}\n\n## Top level\n\n{table(schema, definitions)}"]
+    parts = [
+        f"# {name}\n\nWritten from the schema by `make reference`.\n\n{note}\n\n## Top "
+        f"level\n\n{table(schema, definitions)}"
+    ]
     waiting, seen = names_in(schema["properties"]), set()
     while waiting:
         key = waiting.pop(0)
         if key not in seen:
             seen.add(key)
-            parts.append(f"## {key}\n\n{ticked(definitions[key]['description'])}\n\n{table(definitions[key], definitions)}")
+            parts.append(
+                f"## {key}\n\n{ticked(definitions[key]['description'])}\n\n{table(definitions[key], definitions)}"
+            )
             waiting = names_in(definitions[key].get("properties", {})) + waiting
     return "\n\n".join(parts) + "\n"
 
@@ -125,7 +145,9 @@ def commands_page() -> str:
 
 def help_of(*words: str) -> str:
     """Return what ``pddecont WORDS --help`` prints, 100 columns wide."""
-    result = CliRunner().invoke(group, [*words, "--help"], prog_name="pddecont", terminal_width=100, max_content_width=100)
+    result = CliRunner().invoke(
+        group, [*words, "--help"], prog_name="pddecont", terminal_width=100, max_content_width=100
+    )
     return f"```text\n{result.output.rstrip()}\n```"
 
 

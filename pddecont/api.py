@@ -20,15 +20,11 @@ from typing import TYPE_CHECKING, Any
 from numpy.typing import NDArray
 
 from pddecont.errors import ResultsError
-from pddecont.results.reader import Results, Step, read_results
-from pddecont.results.summary import summary
-from pddecont.results.tables import table
-from pddecont.steps.context import Reporter
-from pddecont.steps.loading import load_plan
-from pddecont.steps.plan import Plan
-from pddecont.steps.planner import Overrides
-from pddecont.steps.run import execute
-from pddecont.steps.written import written_run
+from pddecont.results import Results, Step, read_results
+from pddecont.runfile import Overrides, Plan, write_run
+from pddecont.steps import Reporter, load_run_plan
+from pddecont.steps.execution import execute
+from pddecont.tables import make_arrays, make_dataset, make_orbit_arrays, make_table, summarise
 
 if TYPE_CHECKING:
     import xarray
@@ -70,13 +66,14 @@ class StepResults:
         ResultsError
             If this kind of step has no such table, or the step no point ``label``.
         """
-        return table(self.step, name, None if label is None else self.step.row(label))
+        return make_table(self.step, name, None if label is None else self.step.row(label))
 
     def arrays(self) -> dict[str, NDArray[Any]]:
-        """Return the step's main table as arrays by column: points in order along a branch, or times of a trajectory."""
-        from pddecont.results.arrays import arrays
+        """Return the step's main table as arrays by column.
 
-        return arrays(self.step)
+        Its rows are points in order along a branch, or times of a trajectory.
+        """
+        return make_arrays(self.step)
 
     def orbit(self, label: str | int = 0) -> dict[str, NDArray[Any]]:
         """Return an orbit, of a label or an index, as arrays at its base points: ``t``, ``segment`` and each state.
@@ -86,9 +83,7 @@ class StepResults:
         ResultsError
             If the step holds no orbits, or none of this label or index.
         """
-        from pddecont.results.arrays import orbit_arrays
-
-        return orbit_arrays(self.step, self.step.row(label) if isinstance(label, str) else label)
+        return make_orbit_arrays(self.step, self.step.row(label) if isinstance(label, str) else label)
 
     def dataset(self) -> xarray.Dataset:
         """Return :meth:`arrays` as a data set with units; the free parameters and labels are coordinates. Needs xarray.
@@ -98,9 +93,7 @@ class StepResults:
         ResultsError
             If xarray is not installed.
         """
-        from pddecont.results.arrays import dataset
-
-        return dataset(self.step)
+        return make_dataset(self.step)
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,11 +129,21 @@ class RunResults:
 
     def summary(self) -> dict[str, Any]:
         """Return what ``pddecont info --json`` says."""
-        return summary(self.results)
+        return summarise(self.results)
 
-    def plot(self, path: str | Path | None = None, *, view: str | None = None, steps: Sequence[str] = (), x: str | None = None,
-             y: str | None = None, z: str | None = None, labels: Sequence[str] = (), indices: Sequence[int] = (),
-             style: str | None = None) -> Any:  # fmt: skip
+    def plot(
+        self,
+        path: str | Path | None = None,
+        *,
+        view: str | None = None,
+        steps: Sequence[str] = (),
+        x: str | None = None,
+        y: str | None = None,
+        z: str | None = None,
+        labels: Sequence[str] = (),
+        indices: Sequence[int] = (),
+        style: str | None = None,
+    ) -> Any:
         """Return a picture as a matplotlib figure or, with ``path``, write it there as ``pddecont plot`` does.
 
         Raises
@@ -148,18 +151,16 @@ class RunResults:
         ResultsError
             If there is no such view, step, column, label or index, or the file's name ends like no picture's.
         """
-        from pddecont.plot.choice import View
-        from pddecont.plot.figure import draw, picture
-        from pddecont.plot.look import look
+        from pddecont.plot import ViewRequest, apply_style, draw_picture, save_picture
 
         if any(i < 0 for i in indices):
             raise ResultsError(f"there is no index {min(indices)}; indices of points begin with 0")
-        chosen = View(view, tuple(steps), x, y, z, tuple(labels), tuple(indices))
+        request = ViewRequest(view, tuple(steps), x, y, z, tuple(labels), tuple(indices))
         if path is not None:
-            draw(self.results, chosen, Path(path), style)
+            save_picture(self.results, request, Path(path), style)
             return None
-        with look(style):
-            return picture(self.results, chosen)
+        with apply_style(style):
+            return draw_picture(self.results, request)
 
 
 def load(path: str | Path) -> RunResults:
@@ -173,16 +174,33 @@ def load(path: str | Path) -> RunResults:
     return RunResults(read_results(path))
 
 
-def plan(model: str | Path | Mapping[str, Any], *, steps: Sequence[Mapping[str, Any]] | None = None, overrides: Overrides | None = None,
-         **run_keys: Any) -> Plan:  # fmt: skip
+def plan(
+    model: str | Path | Mapping[str, Any],
+    *,
+    steps: Sequence[Mapping[str, Any]] | None = None,
+    overrides: Overrides | None = None,
+    **run_keys: Any,
+) -> Plan:
     """Return the checked run that :func:`run` does; raise ModelError or RunError with all that is wrong."""
-    return load_plan(written_run(model, steps, run_keys), overrides)
+    return load_run_plan(write_run(model, steps, run_keys), overrides)
 
 
-def run(model: str | Path | Mapping[str, Any], *, steps: Sequence[Mapping[str, Any]] | None = None, output: str | Path | None = None,
-        set: Mapping[str, str | float] | None = None, without: Sequence[str] = (), only: str | None = None, until: str | None = None,
-        resume: bool = False, overwrite: bool = False, workers: int = 1, scheduler: str | None = None, reporter: Reporter | None = None,
-        **run_keys: Any) -> RunResults:  # fmt: skip
+def run(
+    model: str | Path | Mapping[str, Any],
+    *,
+    steps: Sequence[Mapping[str, Any]] | None = None,
+    output: str | Path | None = None,
+    set: Mapping[str, str | float] | None = None,
+    without: Sequence[str] = (),
+    only: str | None = None,
+    until: str | None = None,
+    resume: bool = False,
+    overwrite: bool = False,
+    workers: int = 1,
+    scheduler: str | None = None,
+    reporter: Reporter | None = None,
+    **run_keys: Any,
+) -> RunResults:
     """Do a run and return its results.
 
     Parameters
@@ -200,7 +218,8 @@ def run(model: str | Path | Mapping[str, Any], *, steps: Sequence[Mapping[str, A
     reporter
         Hears how the run goes.
     **run_keys
-        Other keys of a run file in place of the run's own: ``delay``, ``mesh``, ``monitors``, ``effects``, ``accuracy``.
+        Other keys of a run file in place of the run's own: ``delay``, ``mesh``, ``monitors``, ``effects``,
+        ``accuracy``.
 
     Raises
     ------
@@ -220,8 +239,14 @@ def run(model: str | Path | Mapping[str, Any], *, steps: Sequence[Mapping[str, A
     checked = plan(model, steps=steps, overrides=Overrides(values, tuple(without)), **run_keys)
     for warning in checked.warnings:
         warnings.warn(str(warning), stacklevel=2)
-    options: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "only": only, "until": until, "workers": workers,
-                               "scheduler": scheduler}  # fmt: skip
+    options: dict[str, Any] = {
+        "resume": resume,
+        "overwrite": overwrite,
+        "only": only,
+        "until": until,
+        "workers": workers,
+        "scheduler": scheduler,
+    }
     if output is not None:
         return compute(checked, Path(output), reporter, **options)
     with tempfile.TemporaryDirectory(prefix="pddecont-") as folder:
@@ -229,6 +254,9 @@ def run(model: str | Path | Mapping[str, Any], *, steps: Sequence[Mapping[str, A
 
 
 def compute(checked: Plan, path: Path, reporter: Reporter | None = None, **options: Any) -> RunResults:
-    """Do a checked run into the file at ``path``, with the options of :func:`pddecont.steps.run.execute`, and return its results."""
+    """Do a checked run into the file at ``path`` and return its results.
+
+    The options are those of :func:`pddecont.steps.execution.execute`.
+    """
     execute(checked, path, reporter, **options)
     return load(path)

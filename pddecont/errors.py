@@ -24,7 +24,7 @@ class Problem:
 
     def __str__(self) -> str:
         place = f"{self.path}:{self.line}:{self.column}" if self.line else self.path
-        return f"{place}: {shortened(self.message)}"
+        return f"{place}: {shorten_message(self.message)}"
 
 
 class PddecontError(Exception):
@@ -38,7 +38,10 @@ class InputError(PddecontError):
         found = sorted(problems)
         if len(found) > MAX_PROBLEMS:
             left = len(found) - MAX_PROBLEMS
-            found = [*found[:MAX_PROBLEMS], Problem(found[-1].path, 0, 0, f"and {left} more problems, which are not listed")]
+            found = [
+                *found[:MAX_PROBLEMS],
+                Problem(found[-1].path, 0, 0, f"and {left} more problems, which are not listed"),
+            ]
         self.problems = tuple(found)
         super().__init__("\n".join(map(str, self.problems)))
 
@@ -80,7 +83,7 @@ def suggest(name: str, known: Collection[str]) -> str:
     return f"; did you mean '{close[0]}'?" if close else ""
 
 
-def shortened(message: str) -> str:
+def shorten_message(message: str) -> str:
     """Return a message with its middle left out where it is too long to be read."""
     if len(message) <= MAX_MESSAGE:
         return message

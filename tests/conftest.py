@@ -5,10 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pddecont.model.builder import load_model, parse_model
-from pddecont.model.codegen import NumericModel
-from pddecont.model.document import parse_document
-from pddecont.model.system import Model
+from pddecont.codegen import NumericModel
+from pddecont.model import Model, load_model, parse_document, parse_model
+from tests.runs import to_yaml
 
 pytest_plugins = ["tests.reliability"]
 ROOT = Path(__file__).parent.parent
@@ -18,12 +17,14 @@ MODELS = [p for p in SHIPPED if not p.stem.startswith("oscillator_chain")]
 CONFIGS = sorted((ROOT / "configs").glob("*.yaml"))
 
 
-def model_from(text: str, path: str = "m.yaml") -> Model:
+def model_from(model: str | dict, path: str = "m.yaml") -> Model:
+    """Return a model written as text or as a mapping."""
+    text = model if isinstance(model, str) else to_yaml(model)
     return parse_model(parse_document(text, path))[0]
 
 
-def numeric_from(text: str) -> NumericModel:
-    return NumericModel(model_from(text))
+def numeric_from(model: str | dict) -> NumericModel:
+    return NumericModel(model_from(model))
 
 
 def shipped(name: str) -> NumericModel:

@@ -1,4 +1,4 @@
-"""Orbits of shipped models as problems and unknowns, and how fast simulated motions return to them."""
+"""Orbits of models, and how fast simulated motions return to them."""
 
 from __future__ import annotations
 
@@ -6,34 +6,47 @@ from pathlib import Path
 
 import numpy as np
 
-from pddecont.model.document import parse_document
-from pddecont.orbit.curve import settle
-from pddecont.simulate.integrate import simulate
-from pddecont.simulate.simulator import Method
-from pddecont.steps.context import Context, Silent
-from pddecont.steps.loading import load_plan
-from pddecont.steps.orbit import first_guess
-from tests.conftest import ROOT
+from pddecont.collocation import Piece
+from pddecont.orbit import solve_orbit
+from pddecont.simulate import Method, Workers, simulate
+from pddecont.steps import Context, Silent
+from pddecont.steps.execution.orbit import make_guess
+from tests.runs import plan
+
+FINE = {"degree": 10, "tol": 1e-11}
 
 
-def orbit(model, changes="", t_end=60, *, mesh="degree: 10, tol: 1e-11", delay="method: direct", initial=""):
-    """Return problem and unknowns of the orbit that a model settles to."""
-    start = f", initial: {{{initial}}}" if initial else ""
-    text = (f"model: {model}\nset: {{{changes}}}\nmesh: {{{mesh}}}\ndelay: {{{delay}}}\nsteps:\n"
-            f"  - {{name: t, simulate: {{t_end: {t_end}{start}}}}}\n  - {{name: o, orbit: {{from: t}}}}\n")  # fmt: skip
-    context = Context(load_plan(parse_document(text, str(ROOT / "configs" / "test.yaml"))), Path("none.h5"), Silent())
-    step = context.plan.run.steps[1]
-    problem, solution = settle(*first_guess(context, step), context.rule_of(step))
-    return problem, solution.x
+def settle_to_orbit(model, changes=None, t_end=60, *, mesh=FINE, delay=None, initial=None):
+    """Return the orbit that a model (a shipped one's name, or a mapping) settles to in a time."""
+    steps = [
+        {"name": "t", "simulate": {"t_end": t_end, "initial": initial or {}}},
+        {"name": "o", "orbit": {"from": "t"}},
+    ]
+    keys = {"set": changes or {}, "mesh": mesh, "delay": delay or {"method": "direct"}, "steps": steps}
+    checked = plan({**model, "run": keys} if isinstance(model, dict) else {"model": model, **keys})
+    context = Context(checked, Path("none.h5"), Silent(), Workers())
+    step = checked.steps[1]
+    return solve_orbit(make_guess(context, step), step.rule).at.orbit
 
 
-def decay(problem, x, n_periods):
+def segment_pieces(n_segments, n_theta, cuts):
+    """Return one piece a segment, cut at the fractions in ``cuts``."""
+    ends = np.zeros((n_segments + 1, n_theta))
+    for s in range(n_segments):
+        ends[s + 1, : s + 1] = 1.0
+    return tuple(Piece(s, ends[s], ends[s + 1], np.asarray(c)) for s, c in enumerate(cuts))
+
+
+def measure_decay(orbit, n_periods):
     """Return the leading multipliers that a simulated motion shows on its way to the orbit.
 
-    Its distances d_k from where it ends, one period apart, obey d_{k+1} = r d_k, or where two multipliers show d_{k+2} = s d_{k+1} - p d_k.
+    Its distances d_k from where it ends, one period apart, obey d_{k+1} = r d_k, or where two multipliers show d_{k+2}
+    = s d_{k+1} - p d_k.
     """
-    period = problem.period(x)
-    trajectory = simulate(problem.numeric, problem.parameters, problem.delay, (n_periods + 0.4) * period, Method(1e-11, 1e-13))
+    period, problem = orbit.period, orbit.problem
+    trajectory = simulate(
+        orbit.numeric, problem.parameters, problem.delay, (n_periods + 0.4) * period, Method(1e-11, 1e-13)
+    )
     z = np.array([trajectory((k + 0.37) * period) for k in range(n_periods)])
     d = z - z[-1]
     size = np.max(np.abs(d), axis=1)

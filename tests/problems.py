@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 
-# Wall x <= .2, v+ = -.8 v-, x'' + .1 x' + x = cos 2t, period pi. The flight is a linear oscillation with two constants, fixed
-# by x = .2 at both ends and v(end) = -v(start)/.8; root of the remaining scalar equation. (shared validation table)
+# Wall x <= .2, v+ = -.8 v-, x'' + .1 x' + x = cos 2t, period pi. The flight is a linear oscillation with two constants,
+# fixed by x = .2 at both ends and v(end) = -v(start)/.8; root of the remaining scalar equation. (shared validation
+# table)
 WALL = {"t_hit": 1.0849389538, "v_out": -2.4554898724}
 
-# Bouncing ball on a table A sin(wt), G = A w^2/g. A flight of one table period leaves at relative speed pi (units g/w) with the
-# table's own speed G cos(phi) left out: pi - G cos = r (pi + G cos), so cos(phi) = pi (1-r) / ((1+r) G).
-BALL_FOLD = math.pi * (1 - 0.8) / (1 + 0.8)
+# Bouncing ball on a table A sin(wt), G = A w^2/g. A flight of one table period leaves at relative speed pi (units g/w)
+# with the table's own speed G cos(phi) left out: pi - G cos = r (pi + G cos), so cos(phi) = pi (1-r) / ((1+r) G).
 
 
 def ball_phase(G: float, r: float) -> float:
@@ -26,13 +26,16 @@ SCHEME_GR_K = 0.174746955
 
 
 def chain_transfer(omega: float, tau: float, order: int, n: int) -> complex:
-    """Return what the chain of order M and length n does to exp(i omega t): (sum_{k<=M} (i omega tau/n)^k / k!)^(-n)."""
+    """Return what the chain of order M and length n does to exp(i omega t).
+
+    It is (sum_{k<=M} (i omega tau/n)^k / k!)^(-n).
+    """
     z = 1j * omega * tau / n
     return sum(z**k / math.factorial(k) for k in range(order + 1)) ** (-n)
 
 
-# The impact oscillator as a delay equation, tau_d = 3.8, K = 0.12: velocity at impact (direct collocation of degree 10, agreeing
-# with a prototype on three meshes); multiplied out in the shared design, section 5.1.
+# The impact oscillator as a delay equation, tau_d = 3.8, K = 0.12: velocity at impact (direct collocation of degree 10,
+# agreeing with a prototype on three meshes).
 IMPACT_SPEED = 0.734426370925
 
 
@@ -46,7 +49,10 @@ GRAZING_TAU = (4.7007576118, 6.3261672235)
 
 
 def relay(a: float, tau: float) -> tuple[float, float]:
-    """Return period and amplitude of x' = a x - sgn x(t - tau): arcs of exponentials from 0 to their extremum tau later."""
+    """Return period and amplitude of x' = a x - sgn x(t - tau).
+
+    They are arcs of exponentials from 0 to their extremum tau later.
+    """
     return 2 * (tau - math.log(2 - math.exp(a * tau)) / a), (math.exp(a * tau) - 1) / a
 
 
@@ -59,7 +65,7 @@ def on_off(U: float, L: float, theta: float, tau: float) -> tuple[float, float, 
 def neuron(drive: float, kick: float, tau: float) -> float:
     """Return the period of the neuron that kicks itself tau after each spike: the kick falls at phase tau mod T."""
     for wraps in range(100):
-        # T = phi + ln((drive exp(-phi) - kick) / (drive - 1)) with phi = tau - wraps T: decreasing right side, so bisect.
+        # T = phi + ln((drive exp(-phi) - kick) / (drive - 1)) with phi = tau - wraps T: the right side falls.
         def miss(T: float, wraps: int = wraps) -> float:
             phi = tau - wraps * T
             return phi + math.log((drive * math.exp(-phi) - kick) / (drive - 1)) - T
@@ -84,9 +90,9 @@ def neuron(drive: float, kick: float, tau: float) -> float:
     raise AssertionError("no period")
 
 
-# Smooth equations (shared validation table; independent integrators and root finders).
-# Wright's maximum: the table prints 1.9018147463, which a maximum over samples gives. At the maximum x' = 0, so x(t - 1) = 0; the
-# method of steps (DOP853, rtol 3e-14) evaluated one delay after that zero gives the value below, as does collocation.
+# Smooth equations (shared validation table; independent integrators and root finders). Wright's maximum: the table
+# prints 1.9018147463, which a maximum over samples gives. At the maximum x' = 0, so x(t - 1) = 0; the method of steps
+# (DOP853, rtol 3e-14) evaluated one delay after that zero gives the value below, as does collocation.
 WRIGHT = {"period": 4.4027436513, "highest": 1.9018147825846923}
 MACKEY_GLASS_PD = {"tau": 1.3249215258, "period": 3.9196496081}
 

@@ -1,6 +1,7 @@
 """What the suite reaches, as a table: tests hand in rows, and ``make reliability`` prints them as docs/reliability.md.
 
-Run as a module it turns the rows of a run of the suite into the page: ``python -m tests.reliability ROWS.json PAGE.md``.
+Run as a module it turns the rows of a run of the suite into the page: ``python -m tests.reliability ROWS.json
+PAGE.md``.
 """
 
 from __future__ import annotations
@@ -19,20 +20,28 @@ CASES = "Hard cases"
 ESTIMATES = "Error estimates"
 INTRODUCTION = {
     CASES: """\
-Each case with what it is compared with, the error reached and the limit that its test asserts; what is hard and why stands in
-[hard_cases.md](hard_cases.md). An error of 0 is a refusal, with the message that is due, or an exact equality.""",
+Each case with what it is compared with, the error reached and the limit that its test asserts; what is hard and why
+stands in [hard_cases.md](hard_cases.md). An error of 0 is a refusal, with the message that is due, or an exact
+equality.""",
     ESTIMATES: """\
-True error over `error_estimate`, for every model that has an orbit: on meshes of several fineness and degrees, the delay read directly
-(tracked or not) or through delay lines, and along branches. The true error is measured against a solution of far higher order, itself
-confirmed on a second mesh.""",
+True error over `error_estimate`, for every model that has an orbit: on meshes of several fineness and degrees, the
+delay read directly (tracked or not) or through delay lines, and along branches. The true error is measured against a
+solution of far higher order, itself confirmed on a second mesh.""",
 }
 # Sections that count, by the name that tests give: heading, introduction.
 TITLES = {
-    "faults": ("Faults tried and survived", """\
-What happened to a run, what it did, and how often that was tried. "The same file" is the file that a run gives which nobody disturbed."""),
-    "inputs": ("Inputs tried and refused", """\
-Texts and files as strangers might send them, and how often each was refused with a message or read. None ended the process, ran code or
-touched another file; [security.md](security.md) says what is promised."""),
+    "faults": (
+        "Faults tried and survived",
+        """\
+What happened to a run, what it did, and how often that was tried. "The same file" is the file that a run gives which
+nobody disturbed.""",
+    ),
+    "inputs": (
+        "Inputs tried and refused",
+        """\
+Texts and files as strangers might send them, and how often each was refused with a message or read. None ended the
+process, ran code or touched another file; [security.md](security.md) says what is promised.""",
+    ),
     "batch": ("Batch use", "Many runs at once, and what scripts rely on."),
 }
 
@@ -72,7 +81,15 @@ def record(request):
     section = request.module.__doc__.splitlines()[0].rstrip(".")
 
     def row(case, reference, error, limit):
-        keep(request, section=CASES, family=section, case=case, reference=reference, error=float(error), limit=float(limit))
+        keep(
+            request,
+            section=CASES,
+            family=section,
+            case=case,
+            reference=reference,
+            error=float(error),
+            limit=float(limit),
+        )
         assert error <= limit, f"{case}: error {error:.3g} against {reference}, limit {limit:.3g}"
 
     return row
@@ -101,7 +118,10 @@ def tally(request):
 def page(rows):
     """Return the page that the rows make."""
     parts = ["# Reliability", "Made by `make reliability` from what the tests record."]
-    parts += [*_cases([r for r in rows if r["section"] == CASES]), *_estimates([r for r in rows if r["section"] == ESTIMATES])]
+    parts += [
+        *_cases([r for r in rows if r["section"] == CASES]),
+        *_estimates([r for r in rows if r["section"] == ESTIMATES]),
+    ]
     parts += _tallies([r for r in rows if r["section"] == TALLIES])
     return "\n\n".join(parts) + "\n"
 
@@ -121,8 +141,10 @@ def _cases(rows):
         families[row["family"]].append(row)
     for family, members in sorted(families.items()):
         yield f"### {family}"
-        yield _table(["case", "reference", "error", "limit"],
-                     ([r["case"], r["reference"], f"{r['error']:.1e}", f"{r['limit']:.0e}"] for r in members))  # fmt: skip
+        yield _table(
+            ["case", "reference", "error", "limit"],
+            ([r["case"], r["reference"], f"{r['error']:.1e}", f"{r['limit']:.0e}"] for r in members),
+        )
 
 
 def _estimates(rows):
@@ -134,9 +156,19 @@ def _estimates(rows):
     ratios["all"] = [r for members in list(ratios.values()) for r in members]
     yield f"## {ESTIMATES}"
     yield INTRODUCTION[ESTIMATES]
-    yield _table(["model", "orbits", "within a factor of 10", "within a factor of 2", "smallest", "largest"],
-                 ([name, str(len(r)), *(f"{100 * sum(1 / f <= q <= f for q in r) / len(r):.1f} %" for f in (10, 2)), f"{min(r):.2g}",
-                   f"{max(r):.2g}"] for name, r in ratios.items()))  # fmt: skip
+    yield _table(
+        ["model", "orbits", "within a factor of 10", "within a factor of 2", "smallest", "largest"],
+        (
+            [
+                name,
+                str(len(r)),
+                *(f"{100 * sum(1 / f <= q <= f for q in r) / len(r):.1f} %" for f in (10, 2)),
+                f"{min(r):.2g}",
+                f"{max(r):.2g}",
+            ]
+            for name, r in ratios.items()
+        ),
+    )
 
 
 def _tallies(rows):

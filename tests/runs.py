@@ -1,23 +1,23 @@
-"""Runs on shipped models, written in a few lines, and what tests look up in their results."""
+"""Runs written as mappings, and what tests look up in their results."""
 
 from __future__ import annotations
 
-from pddecont.model.document import parse_document
-from pddecont.results.reader import read_results
-from pddecont.steps.loading import load_plan
-from pddecont.steps.run import execute
-from tests.conftest import ROOT
+import yaml
+
+from pddecont.results import read_results
+from pddecont.runfile import write_run
+from pddecont.steps import load_run_plan
+from pddecont.steps.execution import execute
 
 
-def run(text, path, *, resume=False):
-    """Execute a run file's text, as if it stood in ``configs/``, and return its results."""
-    execute(load_plan(parse_document(text, str(ROOT / "configs" / "test.yaml"))), path, resume=resume, overwrite=not resume)
-    return read_results(path)
+def plan(run):
+    """Return the plan of a run: a mapping with a run file's keys (or a model's, with a ``run`` block), or text."""
+    return load_run_plan(write_run(run, None, {}))
 
 
-def run_model(text, path):
-    """Execute the run that a model's text holds itself and return its results."""
-    execute(load_plan(parse_document(text, "m.yaml")), path, overwrite=True)
+def run(run, path, *, resume=False):
+    """Execute a run and return its results; shipped models are meant by their names."""
+    execute(plan(run), path, resume=resume, overwrite=not resume)
     return read_results(path)
 
 
@@ -46,7 +46,7 @@ def labels(step):
 
 def break_after(monkeypatch, module, number):
     """Let the work of a step's module be broken off after so many results; return what it was, to be put back."""
-    whole = module.in_order
+    whole = module.map_in_order
 
     def breaking(workers, work, chunks):
         for done, result in enumerate(whole(workers, work, chunks)):
@@ -54,5 +54,26 @@ def break_after(monkeypatch, module, number):
                 raise KeyboardInterrupt
             yield result
 
-    monkeypatch.setattr(module, "in_order", breaking)
+    monkeypatch.setattr(module, "map_in_order", breaking)
     return whole
+
+
+def to_yaml(data):
+    """Return a run or a model as the text of its file."""
+    return yaml.safe_dump(data, sort_keys=False, width=1000)
+
+
+def change(data, path, value):
+    """Return a copy of a run or a model with another value at a place such as ``run.steps.1.orbit.from``."""
+    first, _, rest = path.partition(".")
+    key = int(first) if isinstance(data, list) else first
+    result = list(data) if isinstance(data, list) else dict(data)
+    result[key] = change(data[key], rest, value) if rest else value
+    return result
+
+
+def add_step(data, step):
+    """Return a copy of a run, or of a model with a run, with one step more."""
+    if "run" in data:
+        return {**data, "run": add_step(data["run"], step)}
+    return {**data, "steps": [*data["steps"], step]}

@@ -1,8 +1,8 @@
 """What the README and the docs show is run as written.
 
-A page is one session in an empty folder. ```` ```yaml title="FILE" ```` writes a file, further blocks of the same title go on with it;
-```` ```console ```` runs what stands after ``$ `` and looks for the lines below it in what was printed (``...`` stands for anything);
-```` ```python ```` is run.
+A page is one session in an empty folder. ```` ```yaml title="FILE" ```` writes a file, further blocks of the same title
+go on with it; ```` ```console ```` runs what stands after ``$ `` and looks for the lines below it in what was printed
+(``...`` stands for anything); ```` ```python ```` is run.
 """
 
 import importlib.util
@@ -17,13 +17,15 @@ import pytest
 import yaml
 
 from pddecont.cli import COMMANDS
-from pddecont.results.reader import read_results
+from pddecont.results import BASIN, CONTINUE, ORBIT, PRECISION, SIMULATE, SWEEP, read_results
+from pddecont.results.format import FORMAT_VERSION
 from tests.cli.test_cli import call
 from tests.conftest import MODELS, ROOT
 
 DOCS = ROOT / "docs"
 PAGES = [ROOT / "README.md", *sorted(DOCS.rglob("*.md"))]
-SESSIONS = [ROOT / "README.md", DOCS / "tutorial.md", DOCS / "pictures.md", *sorted((DOCS / "howto").glob("*.md"))]
+SESSIONS = [ROOT / "README.md", DOCS / "tutorial.md", DOCS / "pictures.md", DOCS / "architecture.md"]
+SESSIONS += sorted((DOCS / "howto").glob("*.md"))
 BLOCK = re.compile(r"^```(\w+)(?: title=\"([\w.]+)\")?\n(.*?)^```$", re.M | re.S)
 NEEDS_SHELL = re.compile(r"[|<>;&$*]")
 
@@ -93,7 +95,9 @@ def test_the_readmes_commands_run(in_folder):
 
 
 def test_the_tutorials_grazing_has_its_closed_form():
-    """The numbers that the tutorial states: the linear orbit's amplitude is a / |1 - w^2 + i w (c + K (1 - exp(-i w tau)))|."""
+    """The numbers that the tutorial states: the linear orbit's amplitude is a / |1 - w^2 + i w (c + K (1 - exp(-i w
+    tau)))|.
+    """
     text = (DOCS / "tutorial.md").read_text()
     w, c, damping, tau = 1.3, 0.05, 0.1, 1.0
     exact = abs(1 - w**2 + 1j * w * (c + damping * (1 - np.exp(-1j * w * tau))))
@@ -127,11 +131,39 @@ def test_every_command_and_option_is_in_the_reference():
         assert (DOCS / "reference" / page).read_text() == text, "run 'make reference'"
 
 
-def generated():
-    spec = importlib.util.spec_from_file_location("generate", DOCS / "generate.py")
+def script(name):
+    spec = importlib.util.spec_from_file_location(name, DOCS / f"{name}.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    return module.pages()
+    return module
+
+
+def generated():
+    return script("generate").pages()
+
+
+def test_every_door_is_in_the_python_reference():
+    doors = {".".join(path.parent.relative_to(ROOT).parts) for path in (ROOT / "pddecont").rglob("__init__.pyi")}
+    page = (DOCS / "reference" / "python_api.md").read_text()
+    named = re.findall(r"^::: ([\w.]+)$", page, re.M)
+    assert named[:3] == ["pddecont.api", "pddecont.errors", "pddecont.reasons"]
+    assert doors <= {*named}
+
+
+def test_every_folder_is_in_the_picture_of_layers_and_in_the_list():
+    layers = script("layers")
+    drawn = layers.find_layers(layers.read_imports())
+    folders = {path.parent.name for path in (ROOT / "pddecont").glob("*/__init__.py")}
+    assert folders <= {*drawn} <= {*folders, "api", *layers.OWN}
+    listed = re.findall(r"^\| `([\w/]+)` \|", (DOCS / "architecture.md").read_text(), re.M)
+    assert sorted(listed) == sorted(name.replace(".", "/") for name in drawn if name != "api")
+
+
+@pytest.mark.parametrize("step_format", [SIMULATE, ORBIT, CONTINUE, SWEEP, BASIN, PRECISION], ids=lambda f: f.kind)
+def test_every_column_of_results_files_is_described(step_format):
+    page = (DOCS / "results.md").read_text()
+    assert f"HDF5, format {FORMAT_VERSION}." in page
+    assert not [name for name in (*step_format.points, *step_format.orbits) if f"`{name}`" not in page]
 
 
 def test_every_page_is_in_the_sites_navigation():

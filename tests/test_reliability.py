@@ -6,7 +6,14 @@ from tests.reliability import CASES, ESTIMATES, TALLIES, page
 
 def test_rows_become_tables():
     rows = [
-        {"section": CASES, "family": "Walls", "case": "stiff", "reference": "closed form", "error": 2e-11, "limit": 1e-10},
+        {
+            "section": CASES,
+            "family": "Walls",
+            "case": "stiff",
+            "reference": "closed form",
+            "error": 2e-11,
+            "limit": 1e-10,
+        },
         {"section": ESTIMATES, "model": "relay", "errors": [1e-6, 3e-5], "estimates": [1e-6, 1e-6]},
         {"section": ESTIMATES, "model": "wright", "errors": [1e-6, 2e-6], "estimates": [1e-6, 1e-6]},
         {"section": TALLIES, "title": "faults", "what": "killed", "outcome": "resumed", "number": 25},
@@ -15,9 +22,17 @@ def test_rows_become_tables():
         {"section": TALLIES, "title": "inputs", "what": "bombs", "outcome": "accepted", "number": 3},
     ]
     text = page(rows)
-    for line in ("## Hard cases", "### Walls", "| stiff | closed form | 2.0e-11 | 1e-10 |", "| relay | 2 | 50.0 % | 50.0 % | 1 | 30 |",
-                 "| all | 4 | 75.0 % | 75.0 % | 1 | 30 |", "## Inputs tried and refused",
-                 "| killed | resumed | 25 |", "| bombs | refused | 1,042 |", "| all |  | 1,045 |"):  # fmt: skip
+    for line in (
+        "## Hard cases",
+        "### Walls",
+        "| stiff | closed form | 2.0e-11 | 1e-10 |",
+        "| relay | 2 | 50.0 % | 50.0 % | 1 | 30 |",
+        "| all | 4 | 75.0 % | 75.0 % | 1 | 30 |",
+        "## Inputs tried and refused",
+        "| killed | resumed | 25 |",
+        "| bombs | refused | 1,042 |",
+        "| all |  | 1,045 |",
+    ):
         assert line in text.splitlines()
 
 

@@ -1,112 +1,224 @@
-"""The import rules of the design, and that shipped files are in order."""
+"""Which way imports go, through which doors, and that shipped files are in order."""
 
 import ast
+import graphlib
 import json
 from pathlib import Path
 
 import pytest
 
 import pddecont
-from pddecont.shipped import schemas
-from pddecont.shipped.find import find, folders
+from pddecont.data import find_shipped_folders
+from pddecont.model import parse_document
+from pddecont.runfile.find import find_file
+from pddecont.steps.json_schema import format_schema, make_schemas
 from tests.conftest import CONFIGS, MODELS, ROOT
 
 PACKAGE = Path(pddecont.__file__).parent
-# What each folder may import of the others.
+# What each folder may import besides what anyone may: the modules beside the folders that import nothing.
 ALLOWED = {
-    "cli": {"steps", "model", "results", "plot", "report", "shipped"},
-    "model": set(),
-    "delay": {"orbit"},
-    "orbit": {"model", "delay", "continuation", "simulate"},
-    "continuation": set(),
-    "stability": {"model", "delay", "orbit", "continuation"},
-    "bifurcation": {"model", "orbit", "continuation", "stability"},
-    "simulate": {"model", "delay"},
-    "results": set(),
-    "plot": {"results"},
-    "report": {"results", "plot"},
-    "steps": {"model", "delay", "orbit", "stability", "continuation", "bifurcation", "simulate", "results", "shipped"},
-    "shipped": {"model", "steps"},
+    "collocation": {},
+    "continuation": {},
+    "model": {},
+    "results": {},
+    "data": {},
+    "codegen": {"model"},
+    "delay": {"collocation", "model"},
+    "simulate.integrator": {"codegen"},
+    "simulate": {"simulate.integrator", "codegen", "delay", "model"},
+    "orbit": {"codegen", "collocation", "continuation", "delay", "model", "simulate"},
+    "stability": {"collocation", "continuation", "delay", "orbit"},
+    "bifurcation": {"collocation", "continuation", "model", "orbit", "stability"},
+    "runfile": {"codegen", "collocation", "data", "delay", "model", "orbit"},
+    "steps": {"bifurcation", "codegen", "collocation", "model", "orbit", "results", "runfile", "simulate"},
+    "tables": {"results", "simulate"},
+    "steps.execution": {
+        "bifurcation",
+        "codegen",
+        "collocation",
+        "continuation",
+        "delay",
+        "model",
+        "orbit",
+        "results",
+        "runfile",
+        "simulate",
+        "stability",
+        "steps",
+        "tables",
+    },
+    "plot": {"collocation", "results", "tables"},
+    "plot.views": {"plot", "results", "tables"},
+    "report": {"plot", "results", "tables"},
+    "api": {"plot", "results", "runfile", "steps", "steps.execution", "tables"},
+    "cli": {"api", "data", "model", "plot", "report", "results", "runfile", "steps", "tables"},
+    "__init__": {"api"},
+    "__main__": {"cli"},
 }
+BASE = {"errors", "reasons", "version"}
+# Where each library may be imported.
+ROOMS = {
+    "h5py": {"results"},
+    "matplotlib": {"plot"},
+    "mpl_toolkits": {"plot"},
+    "click": {"cli"},
+    "rich": {"cli"},
+    "jinja2": {"report"},
+    "numba": {"codegen", "simulate"},
+    "llvmlite": {"simulate"},
+    "distributed": {"simulate"},
+}
+FOLDERS = {".".join(p.parent.relative_to(PACKAGE).parts) for p in PACKAGE.rglob("__init__.py")} - {""}
 
 
 def modules():
-    return {".".join(("pddecont", *path.relative_to(PACKAGE).with_suffix("").parts)).removesuffix(".__init__"): path
-            for path in PACKAGE.rglob("*.py")}  # fmt: skip
+    """Return all modules: names within the package, and where they lie."""
+    return {".".join(path.relative_to(PACKAGE).with_suffix("").parts): path for path in PACKAGE.rglob("*.py")}
 
 
 def imports(path):
+    """Yield what a module imports, whenever it does: module, and name in it (empty: the module itself)."""
     for node in ast.walk(ast.parse(path.read_text())):
-        if isinstance(node, ast.ImportFrom) and node.module:
-            yield node.module
-            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+        if isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path} imports by a relative name"
+            yield from ((node.module, alias.name) for alias in node.names)
         elif isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
+            yield from ((alias.name, "") for alias in node.names)
 
 
-def test_every_arrow_goes_one_way():
+def inner_imports(path):
+    """Yield what a module imports of this package: module within it, and name in that."""
+    for module, name in imports(path):
+        if module.split(".")[0] == "pddecont":
+            yield module.removeprefix("pddecont").removeprefix("."), name
+
+
+def folder_of(module):
+    """Return the folder that a module lies in, or the module itself if it lies beside the folders."""
+    while module and module not in FOLDERS and "." in module:
+        module = module.rpartition(".")[0]
+    return module or "__init__"
+
+
+def find_arrows():
+    """Return which folders, or modules beside them, each imports."""
+    arrows = {}
     for name, path in modules().items():
-        parts = name.split(".")
-        if len(parts) < 3:
-            continue
-        for target in imports(path):
-            other = target.split(".")
-            if other[0] == "pddecont" and len(other) > 2 and other[1] in ALLOWED and other[1] != parts[1]:
-                assert other[1] in ALLOWED[parts[1]], f"{name} imports {target}"
+        targets = {folder_of(module) if module else folder_of(imported) for module, imported in inner_imports(path)}
+        arrows.setdefault(folder_of(name), set()).update(targets - {folder_of(name)} - BASE)
+    return arrows
+
+
+def check_order(arrows):
+    """Fail on arrows that lead round in a circle."""
+    try:
+        tuple(graphlib.TopologicalSorter(arrows).static_order())
+    except graphlib.CycleError as exc:
+        pytest.fail(f"a cycle: {' -> '.join(exc.args[1])}")
+
+
+def list_past_doors(name, path):
+    """Return what a module imports from inside another folder instead of through that folder's door."""
+    own = name.split(".")[0]
+    return [
+        f"{module}.{imported}"
+        for module, imported in inner_imports(path)
+        if module not in FOLDERS and folder_of(module) in FOLDERS and module.split(".")[0] != own
+    ]
+
+
+def test_what_is_allowed_has_an_order():
+    check_order(ALLOWED)
+
+
+@pytest.mark.parametrize("arrows", [{"a": {"b"}, "b": {"c"}, "c": {"a"}}, {"a": {"b"}, "b": {"a"}}])
+def test_a_cycle_cannot_be_allowed(arrows):
+    with pytest.raises(pytest.fail.Exception, match="a cycle"):
+        check_order(arrows)
+
+
+def test_folders_import_what_they_may():
+    for folder, targets in find_arrows().items():
+        assert targets <= set(ALLOWED.get(folder, {})), f"{folder} imports {targets - set(ALLOWED.get(folder, {}))}"
+
+
+def test_nothing_is_allowed_that_is_not_needed():
+    arrows = find_arrows()
+    assert {name: set(targets) for name, targets in ALLOWED.items() if targets} == {
+        name: targets for name, targets in arrows.items() if targets
+    }
 
 
 def test_no_module_imports_itself_in_a_circle():
     known = modules()
-    graph = {name: {t for t in imports(path) if t in known and t != name} for name, path in known.items()}
-    done, path = set(), []
-
-    def visit(name):
-        assert name not in path, " -> ".join([*path[path.index(name):], name])
-        if name not in done:
-            path.append(name)
-            for other in graph[name]:
-                visit(other)
-            path.pop()
-            done.add(name)
-
-    for name in graph:
-        visit(name)
+    graph = {}
+    for name, path in known.items():
+        targets = {t for module, imported in inner_imports(path) for t in (module, f"{module}.{imported}")}
+        graph[name] = targets & set(known) - {name}
+    check_order(graph)
 
 
-@pytest.mark.parametrize(("library", "folder"), [("h5py", "results"), ("matplotlib", "plot"), ("click", "cli"), ("rich", "cli")])
-def test_libraries_stay_in_their_room(library, folder):
-    for name, path in modules().items():
-        if not name.startswith(f"pddecont.{folder}"):
-            assert not any(t.split(".")[0] == library for t in imports(path)), name
+def test_folders_are_entered_by_their_doors():
+    past = {name: list_past_doors(name, path) for name, path in modules().items()}
+    assert {name: found for name, found in past.items() if found} == {}
+
+
+def test_an_import_past_a_door_is_seen(tmp_path):
+    path = tmp_path / "m.py"
+    path.write_text("from pddecont.orbit.problem import OrbitProblem\nfrom pddecont.orbit import Orbit\n")
+    assert list_past_doors("plot.m", path) == ["orbit.problem.OrbitProblem"]
+    assert list_past_doors("orbit.m", path) == []
+
+
+@pytest.mark.parametrize("folder", sorted(FOLDERS))
+def test_a_door_names_what_is_there_and_no_module_hides_it(folder):
+    door = PACKAGE.joinpath(*folder.split("."), "__init__.pyi")
+    if not door.exists():
+        assert not list(door.parent.glob("[!_]*.py")) or folder in {"cli", "plot.views", "data.starters"}
+        return
+    package = __import__(f"pddecont.{folder}", fromlist=["_"])
+    for node in ast.parse(door.read_text()).body:
+        for alias in node.names:
+            assert alias.name == alias.asname
+            assert not (door.parent / f"{alias.name}.py").exists(), f"module {alias.name} hides a name of the door"
+            assert getattr(package, alias.name) is not None
+
+
+@pytest.mark.parametrize(("library", "folders"), ROOMS.items())
+def test_libraries_stay_in_their_room(library, folders):
+    users = {name for name, path in modules().items() for m, _ in imports(path) if m.split(".")[0] == library}
+    assert {name.split(".")[0] for name in users} == folders, users
 
 
 def test_only_the_command_line_prints_or_exits():
     for name, path in modules().items():
-        if not name.startswith("pddecont.cli"):
+        if not name.startswith("cli."):
             calls = [n.func for n in ast.walk(ast.parse(path.read_text())) if isinstance(n, ast.Call)]
-            names = {f.id for f in calls if isinstance(f, ast.Name)} | {f.attr for f in calls if isinstance(f, ast.Attribute)}
+            names = {f.id for f in calls if isinstance(f, ast.Name)} | {
+                f.attr for f in calls if isinstance(f, ast.Attribute)
+            }
             assert not names & {"print", "exit", "eval"}, name
 
 
 def test_shipped_schemas_are_those_of_the_code():
-    for name, schema in schemas.schemas().items():
-        assert (PACKAGE / "shipped" / name).read_text() == schemas.text_of(schema), "run 'make schema'"
+    for name, schema in make_schemas().items():
+        assert (PACKAGE / "data" / name).read_text() == format_schema(schema), "run 'make schema'"
 
 
 @pytest.mark.parametrize("path", [*MODELS, *CONFIGS], ids=lambda p: p.stem)
 def test_shipped_files_fit_the_schema(path):
-    from pddecont.model.document import parse_document
-
     data = parse_document(path.read_text(), str(path)).data
-    schema = json.loads((PACKAGE / "shipped" / ("model.schema.json" if "states" in data else "run.schema.json")).read_text())
+    schema = json.loads(
+        (PACKAGE / "data" / ("model.schema.json" if "states" in data else "run.schema.json")).read_text()
+    )
     assert set(data) <= set(schema["properties"])
     assert set(schema["required"]) <= set(data)
 
 
 def test_shipped_files_are_found_by_name(in_folder):
-    assert find("impact_oscillator").samefile(ROOT / "models" / "impact_oscillator.yaml")
-    assert find("fig4_6").name == "fig4_6.yaml"
-    assert len(folders()) == 2
+    assert find_file("impact_oscillator").samefile(ROOT / "models" / "impact_oscillator.yaml")
+    assert find_file("fig4_6").name == "fig4_6.yaml"
+    assert len(find_shipped_folders()) == 2
 
 
 def test_the_version_is_in_the_changelog():

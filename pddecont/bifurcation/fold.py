@@ -1,13 +1,14 @@
 """Fold (LP): a branch turns back in its parameter; a multiplier is +1.
 
-Along a branch the test function is the free parameter's component of the tangent, which is smooth and needs no multipliers. On a
-curve in two parameters the fold is where the Jacobian J of the orbit's equations at fixed parameters is singular: with b and c near
-its null vectors,
+Along a branch the test function is the free parameter's component of the tangent, which is smooth and needs no
+multipliers. On a curve in two parameters the fold is where the Jacobian J of the orbit's equations at fixed parameters
+is singular: with b and c near its null vectors,
 
     [J   b] [v]   [0]
     [c^T 0] [g] = [1]
 
-is regular, and g = 0 exactly where J is singular. v is then the null vector, and a cusp is where g does not change along it.
+is regular, and g = 0 exactly where J is singular. v is then the null vector, and a cusp is where g does not change
+along it.
 
 Reference: Govaerts, Numerical Methods for Bifurcations of Dynamical Equilibria (2000), sections 3.2 and 4.1.
 """
@@ -20,80 +21,114 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from pddecont.continuation.linear import Matrix, add_row, factor, row_maxima, scale_matrix
-from pddecont.continuation.locate import Located
-from pddecont.orbit.curve import Curve
-from pddecont.orbit.jacobian import Assembler
-from pddecont.orbit.problem import OrbitProblem
+from pddecont.bifurcation.extended_system import DefiningFunction, ExtendedEvaluation
+from pddecont.bifurcation.kinds import SpecialPointKind
+from pddecont.bifurcation.settings import BranchSettings
+from pddecont.continuation import CurvePoint, Matrix, TestFunction, add_row, equilibrate, factor, scale_matrix
+from pddecont.orbit import OrbitEvaluation
+from pddecont.reasons import Reason
+from pddecont.stability import Multipliers, remove_known
 
 Array = NDArray[np.float64]
-KIND = "LP"
+LABEL = "LP"
+# Inverse iterations for the null vectors; each gains the ratio of the two smallest singular values.
+N_ITERATIONS = 3
 
 
-def turning(point: Located) -> float:
+def parameter_tangent(point: CurvePoint[OrbitEvaluation]) -> float:
     """Return the rate at which the (first) free parameter changes along the branch."""
-    return float(point.tangent[point.problem.problem.layout.free][0])
+    return float(point.tangent[point.at.orbit.problem.unknowns.free][0])
 
 
-def _jacobian(problem: OrbitProblem, x: Array) -> Matrix:
-    """Return the Jacobian in the orbit's own unknowns."""
-    return Assembler(problem)(x)[:, : problem.layout.free.start]
+def _fixed_jacobian(at: OrbitEvaluation) -> Matrix:
+    """Return the Jacobian in the orbit's own unknowns, without the free parameters."""
+    return at.jacobian()[:, : at.orbit.problem.unknowns.free.start]
 
 
-def _bordered(matrix: Matrix, b: Array, c: Array) -> Matrix:
+def _border(matrix: Matrix, b: Array, c: Array) -> Matrix:
     wide = sp.csc_matrix(sp.hstack([matrix, b[:, None]])) if sp.issparse(matrix) else np.hstack([matrix, b[:, None]])
     return add_row(wide, np.append(c, 0.0))
 
 
+def _last_unit(n: int) -> Array:
+    unit = np.zeros(n)
+    unit[-1] = 1.0
+    return unit
+
+
 @dataclass(frozen=True, eq=False)
-class Fold:
-    """The condition g = 0, with the vectors b and c that border the Jacobian and the rows' scales."""
+class FoldFunction:
+    """The function g, with the vectors b and c that border the Jacobian and the rows' scales."""
 
     b: Array
     c: Array
     rows: Array
-    kind: str = KIND
+    kind: str = LABEL
 
-    def value(self, curve: Curve, x: Array) -> float:
-        """Return g at the orbit ``x``."""
-        return float(self.null(curve, x)[1])
+    def evaluate(self, at: OrbitEvaluation) -> float:
+        """Return g at an orbit."""
+        return self.find_null(at)[1]
 
-    def null(self, curve: Curve, x: Array) -> tuple[Array, float]:
+    def find_null(self, at: OrbitEvaluation) -> tuple[Array, float]:
         """Return the vector v (in scaled unknowns) and g."""
-        n = curve.problem.layout.free.start
-        matrix = scale_matrix(_jacobian(curve.problem, x), self.rows, curve.metric().scale[:n])
-        last = np.zeros(n + 1)
-        last[-1] = 1.0
-        solved = factor(_bordered(matrix, self.b, self.c)).solve(last)
+        n = at.orbit.problem.unknowns.free.start
+        matrix = scale_matrix(_fixed_jacobian(at), self.rows, at.system.scaling.scale[:n])
+        solved = factor(_border(matrix, self.b, self.c))(_last_unit(n + 1))
         return solved[:-1], float(solved[-1])
 
-    def framed(self, curve: Curve, x: Array) -> Fold:
-        """Return the same condition with vectors fit for the orbit ``x``."""
-        return fold_at(curve, x, self)
+    def update_at(self, at: OrbitEvaluation) -> FoldFunction:
+        """Return the same function with vectors fit for an orbit, of the same signs."""
+        new = define_fold(at)
+        same_c = len(self.c) != len(new.c) or self.c @ new.c >= 0.0
+        same_b = len(self.b) != len(new.b) or self.b @ new.b >= 0.0
+        return FoldFunction(new.b if same_b else -new.b, new.c if same_c else -new.c, new.rows)
 
 
-def fold_at(curve: Curve, x: Array, near: Fold | None = None) -> Fold:
-    """Return the condition with b and c the left and right null vectors at ``x``, found by inverse iteration.
-
-    ``near`` keeps their sign.
-    """
-    n = curve.problem.layout.free.start
-    matrix = scale_matrix(_jacobian(curve.problem, x), np.ones(n), curve.metric().scale[:n])
-    rows = 1.0 / row_maxima(matrix)
-    matrix = scale_matrix(matrix, rows, np.ones(n))
+def define_fold(at: OrbitEvaluation) -> FoldFunction:
+    """Return the function with b and c the left and right null vectors at an orbit, found by inverse iteration."""
+    n = at.orbit.problem.unknowns.free.start
+    scaled = equilibrate(_fixed_jacobian(at), at.system.scaling.scale[:n])
     rng = np.random.default_rng(1)
-    b, c = rng.standard_normal(n), rng.standard_normal(n)
-    last = np.zeros(n + 1)
-    last[-1] = 1.0
-    for _ in range(3):
+    b, c, last = rng.standard_normal(n), rng.standard_normal(n), _last_unit(n + 1)
+    for _ in range(N_ITERATIONS):
         b, c = b / np.linalg.norm(b), c / np.linalg.norm(c)
-        whole = _bordered(matrix, b, c)
-        right = factor(whole).solve(last)[:-1]
-        left = factor(sp.csc_matrix(whole.T) if sp.issparse(whole) else whole.T).solve(last)[:-1]
+        whole = _border(scaled.matrix, b, c)
+        right = factor(whole)(last)[:-1]
+        left = factor(sp.csc_matrix(whole.T) if sp.issparse(whole) else whole.T)(last)[:-1]
         b, c = left, right
-    b, c = b / np.linalg.norm(b), c / np.linalg.norm(c)
-    if near is not None and len(near.c) == n and near.c @ c < 0.0:
-        c = -c
-    if near is not None and len(near.b) == n and near.b @ b < 0.0:
-        b = -b
-    return Fold(b, c, rows)
+    return FoldFunction(b / np.linalg.norm(b), c / np.linalg.norm(c), scaled.rows)
+
+
+def cusp_function(point: CurvePoint[ExtendedEvaluation]) -> float:
+    """Return how the fold function changes along the null vector: zero at a cusp."""
+    at = point.at
+    assert isinstance(at.system.defining, FoldFunction)
+    null, _ = at.system.defining.find_null(at.inner)
+    scaling = at.system.scaling
+    direction = np.zeros(len(at.x))
+    direction[: len(null)] = null * scaling.scale[: len(null)]
+    return float(at.rates_along(scaling.normalise(direction)[None])[0])
+
+
+def _define(at: OrbitEvaluation, settings: BranchSettings, reason: Reason) -> DefiningFunction:
+    return define_fold(at)
+
+
+def remove_fold_multiplier(m: Multipliers) -> NDArray[np.complex128]:
+    """Return the multipliers without the +1 of a fold or a branch point."""
+    return remove_known(m.nontrivial, 1.0)
+
+
+def _cusp_tests(at: ExtendedEvaluation, settings: BranchSettings) -> list[TestFunction[ExtendedEvaluation]]:
+    return [TestFunction(CUSP.label, cusp_function)] if isinstance(at.system.defining, FoldFunction) else []
+
+
+FOLD = SpecialPointKind(
+    LABEL,
+    "fold",
+    on_branches=True,
+    define=_define,
+    crossings=("R1", "FF", "FT"),
+    remove_critical=remove_fold_multiplier,
+)
+CUSP = SpecialPointKind("CP", "cusp", on_curves=True, curve_tests=_cusp_tests)

@@ -1,7 +1,8 @@
 """Period doubling (PD): a multiplier is -1.
 
-The eigenvector of -1 alternates from period to period, so the orbit taken twice plus and minus a little of it is a first guess of the
-doubled orbit. The other way round, a branch of doubled orbits meets the single one where its two halves become equal.
+The eigenvector of -1 alternates from period to period, so the orbit taken twice plus and minus a little of it is a
+first guess of the doubled orbit. The other way round, a branch of doubled orbits meets the single one where its two
+halves become equal.
 """
 
 from __future__ import annotations
@@ -11,147 +12,232 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.bifurcation.conditioned import solve_special
-from pddecont.continuation.arclength import Metric, tangent
-from pddecont.continuation.locate import Located
+from pddecont.bifurcation.branch_start import BranchStart, find_forward_tangent
+from pddecont.bifurcation.extended_system import DefiningFunction, solve_special_orbit
+from pddecont.bifurcation.kinds import OrbitTest, SpecialPointKind
+from pddecont.bifurcation.settings import BranchSettings
+from pddecont.collocation import MeshRule
+from pddecont.continuation import BranchPoint, BranchState, CurvePoint, End, Scaling, TestFunction
 from pddecont.errors import ConvergenceError
-from pddecont.orbit.curve import Curve, settle
-from pddecont.orbit.mesh import Places
-from pddecont.orbit.meshing import MeshRule
-from pddecont.orbit.problem import OrbitProblem
-from pddecont.orbit.reshape import Part, reshape, sampled
-from pddecont.stability.multipliers import Known, Multipliers, eigenvector
+from pddecont.orbit import (
+    Orbit,
+    OrbitEvaluation,
+    PeriodicOrbitSystem,
+    SegmentSpan,
+    resegment,
+    sample_spans,
+    solve_orbit,
+)
+from pddecont.reasons import Reason, make_reason
+from pddecont.stability import MultiplierCache, Multipliers, find_eigenvector, remove_known
 
 Array = NDArray[np.float64]
-KIND = "PD"
+Complex = NDArray[np.complex128]
+LABEL = "PD"
+HALVES_EQUAL = "halves_equal"
+# Halves that differ by less than this, relative to the orbit's size, are equal.
 EQUAL = 1e-5
+# Multipliers this near to -1 enter the defining function, so that it stays smooth when they meet.
 NEAR = 0.3
+# The cosine beyond which the differences of halves at two points count as opposite.
 OPPOSITE = 0.8
+# How many times the difference of the halves a single orbit may lie away, in scaled unknowns, and still be met.
 FAR = 3.0
 
 
-def passing(m: Multipliers) -> float:
+def test_function(m: Multipliers) -> float:
     """Return the distance to -1 of the real multiplier nearest to it, with the sign of the parity of those beyond."""
-    real = m.own[m.own.imag == 0.0].real
+    real = m.nontrivial[m.nontrivial.imag == 0.0].real
     if not len(real):
         return float("nan")
     return float((-1.0) ** np.sum(real < -1.0) * np.min(np.abs(real + 1.0)))
 
 
 @dataclass(frozen=True, eq=False)
-class Doubling:
-    """The condition that a multiplier is -1: the product of 1 + mu over the ``n`` nearest to it is zero.
+class DoublingFunction:
+    """The product of 1 + mu over the ``n`` multipliers nearest to -1."""
 
-    More than one are taken where several are near, so that the condition stays smooth when they meet.
-    """
-
-    known: Known
+    multipliers: MultiplierCache
     n: int = 1
-    kind: str = KIND
+    kind: str = LABEL
 
-    def value(self, curve: Curve, x: Array) -> float:
-        """Return the product at the orbit ``x``."""
-        own = self.known(curve.problem, x).own
-        nearest = own[np.argsort(np.abs(own + 1.0))][: self.n]
+    def evaluate(self, at: OrbitEvaluation) -> float:
+        """Return the product at an orbit; NaN if it has no multipliers."""
+        values = self.multipliers.find(at.orbit).nontrivial
+        nearest = values[np.argsort(np.abs(values + 1.0))][: self.n]
         return float(np.prod(1.0 + nearest).real) if len(nearest) else float("nan")
 
-    def framed(self, curve: Curve, x: Array) -> Doubling:
-        """Return the same condition over the multipliers that are near -1 at ``x``."""
-        return replace(self, n=max(1, int(np.sum(np.abs(self.known(curve.problem, x).own + 1.0) < NEAR))))
+    def update_at(self, at: OrbitEvaluation) -> DoublingFunction:
+        """Return the same function over the multipliers that are near -1 at an orbit."""
+        values = self.multipliers.find(at.orbit).nontrivial
+        return replace(self, n=max(1, int(np.sum(np.abs(values + 1.0) < NEAR))))
 
 
-def doubled(problem: OrbitProblem, x: Array, rule: MeshRule) -> tuple[OrbitProblem, Array, Array]:
-    """Return the orbit ``x`` taken twice as a problem, its unknowns, and the direction in which the doubled orbits leave it."""
-    bare, x = problem.with_free(x, ())
-    durations = bare.layout.split(x)[1]
-    ends = np.concatenate([[0.0], np.cumsum(durations)])
-    period = ends[-1]
-    parts = [Part(segment, k * period + ends[s], k * period + ends[s + 1]) for k in (0, 1) for s, segment in enumerate(bare.segments)]
-    if not bare.segments[0].event:
-        parts = [Part(bare.segments[0], 0.0, 2 * period)]
-    twice, guess = reshape(bare, x, parts, rule, 2 * bare.n_periods)
-    values, own, start, _ = bare.layout.split(eigenvector(bare, x, -1.0))
-    direction = np.zeros(twice.layout.size)
-    sign = np.where(twice.mesh.base_times(twice.theta(guess)) < period * (1.0 - 1e-12), 1.0, -1.0)
-    if len(parts) > 1:
-        sign = np.repeat([1.0, -1.0], [twice.mesh.first_base[len(durations)], twice.mesh.n_base - twice.mesh.first_base[len(durations)]])
-        direction[twice.layout.durations] = np.concatenate([own, -own])
-    direction[twice.layout.values] = (sign[:, None] * sampled(bare, x, values, parts, twice, guess)).ravel()
-    direction[twice.layout.start] = start
-    return twice, guess, direction
+def guess_doubled_orbit(orbit: Orbit, rule: MeshRule) -> tuple[Orbit, Array]:
+    """Return an orbit taken twice, and the direction in its unknowns in which the doubled orbits leave it."""
+    bare = orbit.with_free(())
+    ends, period = bare.event_times, bare.period
+    spans = [
+        SegmentSpan(segment, k * period + ends[s], k * period + ends[s + 1])
+        for k in (0, 1)
+        for s, segment in enumerate(bare.signature.segments)
+    ]
+    if not bare.signature.has_events:
+        spans = [SegmentSpan(bare.signature.segments[0], 0.0, 2 * period)]
+    twice = resegment(bare, spans, rule, 2 * bare.problem.n_periods)
+    change = Orbit(bare.problem, find_eigenvector(bare, -1.0))
+    unknowns, mesh = twice.problem.unknowns, twice.mesh
+    direction = np.zeros(unknowns.size)
+    sign = np.where(mesh.base_times(twice.theta) < period * (1.0 - 1e-12), 1.0, -1.0)
+    if len(spans) > 1:
+        first_half = mesh.first_base[len(bare.durations)]
+        sign = np.repeat([1.0, -1.0], [first_half, mesh.n_base - first_half])
+        direction[unknowns.durations] = np.concatenate([change.durations, -change.durations])
+    sampled = sample_spans(bare, change.values, spans, mesh, twice.theta)
+    direction[unknowns.values] = (sign[:, None] * sampled).ravel()
+    direction[unknowns.start] = change.start
+    return twice, direction
 
 
-def halves(problem: OrbitProblem, x: Array, metric: Metric) -> Array:
-    """Return what differs between an orbit's two halves, relative to its size: zero on a single orbit, empty if it is not doubled."""
-    values, durations, _, _ = problem.layout.split(x)
-    sizes, period = metric.scale[problem.layout.value_index[0]], metric.scale[problem.layout.durations.start]
-    names = [s.name for s in problem.segments]
-    half = len(names) // 2
-    if not problem.segments[0].event:
-        if problem.numeric.model.forced and problem.n_periods % 2:
-            return np.zeros(0)
-        theta = problem.theta(x)
-        edges, lengths = problem.mesh.start @ theta, problem.mesh.length @ theta
-        at = np.sum(durations) * np.array([0.0, 0.25, 0.5, 0.75])
-        interval = np.searchsorted(edges, at, side="right") - 1
-        z = problem.mesh.at(values, Places(interval, (at - edges[interval]) / lengths[interval]))
-        return ((z[:2] - z[2:]) / sizes).ravel()
-    if len(names) % 2 or names[:half] != names[half:] or (problem.numeric.model.forced and problem.n_periods % 2):
+def compare_halves(orbit: Orbit, scaling: Scaling) -> Array:
+    """Return what differs between an orbit's two halves, relative to its size.
+
+    It is zero on a single orbit taken twice, and empty if it cannot be one.
+    """
+    unknowns, signature = orbit.problem.unknowns, orbit.signature
+    sizes, period = scaling.scale[unknowns.value_index[0]], scaling.scale[unknowns.durations.start]
+    if signature.numeric.model.forced and orbit.problem.n_periods % 2:
         return np.zeros(0)
-    starts = values[problem.mesh.first_base]
-    return np.concatenate([(durations[:half] - durations[half:]) / period, ((starts[:half] - starts[half:]) / sizes).ravel()])
+    if not signature.has_events:
+        points, _ = orbit.mesh.locate(orbit.theta, orbit.period * np.array([0.0, 0.25, 0.5, 0.75]))
+        z = orbit.mesh.interpolate(orbit.values, points)
+        result: Array = ((z[:2] - z[2:]) / sizes).ravel()
+        return result
+    names, durations = signature.names, orbit.durations
+    half = len(names) // 2
+    if len(names) % 2 or names[:half] != names[half:]:
+        return np.zeros(0)
+    starts = orbit.values[orbit.mesh.first_base]
+    times, states = (durations[:half] - durations[half:]) / period, (starts[:half] - starts[half:]) / sizes
+    return np.concatenate([times, states.ravel()])
 
 
-def equal_halves(problem: OrbitProblem, x: Array, metric: Metric) -> bool:
-    """Whether the orbit ``x`` is a single one taken twice."""
-    difference = halves(problem, x, metric)
+def has_equal_halves(orbit: Orbit, scaling: Scaling) -> bool:
+    """Return whether an orbit is a single one taken twice."""
+    difference = compare_halves(orbit, scaling)
     return len(difference) > 0 and float(np.max(np.abs(difference))) < EQUAL
 
 
-def halved(problem: OrbitProblem, x: Array, rule: MeshRule) -> tuple[OrbitProblem, Array]:
-    """Return the mean of an orbit's two halves as an orbit of its own, as a guess."""
-    bare, x = problem.with_free(x, ())
-    values, durations, start, _ = bare.layout.split(x)
-    ends = np.concatenate([[0.0], np.cumsum(durations)])
-    half = len(bare.segments) // 2
-    if not bare.segments[0].event:
-        first, second = ([Part(bare.segments[0], k * ends[-1] / 2, (k + 1) * ends[-1] / 2)] for k in (0, 1))
+def guess_halved_orbit(orbit: Orbit, rule: MeshRule) -> Orbit:
+    """Return the mean of an orbit's two halves as an orbit of its own."""
+    bare = orbit.with_free(())
+    ends, segments, durations = bare.event_times, bare.signature.segments, bare.durations
+    half = len(segments) // 2
+    if not bare.signature.has_events:
+        halves = [[SegmentSpan(segments[0], k * ends[-1] / 2, (k + 1) * ends[-1] / 2)] for k in (0, 1)]
     else:
-        first, second = ([Part(bare.segments[s], ends[s], ends[s + 1]) for s in range(k * half, (k + 1) * half)] for k in (0, 1))
-    single, guess = reshape(bare, x, first, rule, max(1, bare.n_periods // 2))
-    layout = single.layout
-    one, other = (sampled(bare, x, values, parts, single, guess) for parts in (first, second))
-    guess[layout.values] = 0.5 * (one + other).ravel()
-    if bare.segments[0].event:
-        guess[layout.durations] = 0.5 * (durations[:half] + durations[half:])
+        halves = [
+            [SegmentSpan(segments[s], ends[s], ends[s + 1]) for s in range(k * half, (k + 1) * half)] for k in (0, 1)
+        ]
+    single = resegment(bare, halves[0], rule, max(1, bare.problem.n_periods // 2))
+    unknowns, guess = single.problem.unknowns, single.x.copy()
+    one, other = (sample_spans(bare, bare.values, spans, single.mesh, single.theta) for spans in halves)
+    guess[unknowns.values] = 0.5 * (one + other).ravel()
+    if bare.signature.has_events:
+        guess[unknowns.durations] = 0.5 * (durations[:half] + durations[half:])
         # The second half begins half of all forcing periods later, but for what differs.
-        guess[layout.start] = start + 0.5 * (ends[half] - 0.5 * ends[-1])
-    if single.reference is not None:
-        single = replace(single, reference=layout.split(guess)[0])
-    return single, guess
+        guess[unknowns.start] = bare.start + 0.5 * (ends[half] - 0.5 * ends[-1])
+    return Orbit(single.problem, guess).with_phase_reference()
 
 
-def collapsed(a: Located, b: Located, rule: MeshRule, known: Known) -> Located | None:
-    """Return the single orbit with the multiplier -1 onto which a branch of doubled orbits falls between ``a`` and ``b``.
+def find_single_orbit(
+    a: CurvePoint[OrbitEvaluation], b: CurvePoint[OrbitEvaluation], rule: MeshRule, multipliers: MultiplierCache
+) -> CurvePoint[OrbitEvaluation] | None:
+    """Return the single orbit with multiplier -1 onto which a branch of doubled orbits falls between ``a`` and ``b``.
 
-    None if it does not: there all that differs between the halves of ``a`` differs the other way in ``b``, or no longer.
+    Return None if it does not: there all that differs between the halves of ``a`` differs the other way in ``b``, or no
+    longer.
     """
-    curve, x = a.problem, a.x
-    before, after = halves(curve.problem, x, curve.metric()), halves(b.problem.problem, b.x, b.problem.metric())
+    before = compare_halves(a.at.orbit, a.system.scaling)
+    after = compare_halves(b.at.orbit, b.system.scaling)
     least = b if np.linalg.norm(after) < np.linalg.norm(before) else a
-    fallen = float(np.max(np.abs(after))) < EQUAL
-    if not fallen and before @ after > -OPPOSITE * np.linalg.norm(before) * np.linalg.norm(after):
+    fell = float(np.max(np.abs(after))) < EQUAL
+    if not fell and before @ after > -OPPOSITE * np.linalg.norm(before) * np.linalg.norm(after):
         return None
     try:
-        problem, solution = settle(*halved(least.problem.problem, least.x, rule), rule)
-        problem, guess = problem.with_free(solution.x, curve.problem.free)
-        single = Curve(problem, curve.sizes, rule)
-        special, solution = solve_special(single, guess, Doubling(known))
+        single = solve_orbit(guess_halved_orbit(least.at.orbit, rule), rule).at.orbit.with_free(a.at.orbit.problem.free)
+        system = PeriodicOrbitSystem(single.problem, a.at.system.sizes, rule)
+        special, solution = solve_special_orbit(system, single.x, DoublingFunction(multipliers))
     except ConvergenceError:
         return None
-    scale = special.metric().scale[special.outline_index()]
-    if np.max(np.abs(special.outline(solution.x) - single.outline(guess)) / scale) > FAR * float(np.max(np.abs(before))) + EQUAL:
+    index = special.mesh_independent_index
+    moved = solution.x[index] - single.x[system.mesh_independent_index]
+    if np.max(np.abs(moved) / special.scaling.scale[index]) > FAR * float(np.max(np.abs(before))) + EQUAL:
         return None
-    towards = np.zeros(len(solution.x))
-    towards[special.problem.layout.free.start] = 1.0
-    return Located(special.curve, solution.x, solution, tangent(special.curve, solution.x, special.metric(), towards))
+    found = solution.at.inner
+    return CurvePoint(special.inner, found, solution, find_forward_tangent(special.inner, found))
+
+
+def _branch_tests(at: OrbitEvaluation, settings: BranchSettings) -> list[OrbitTest]:
+    """Return the test for a doubled orbit that falls onto the single one.
+
+    What differs most between its halves changes sign.
+    """
+    difference = compare_halves(at.orbit, at.system.scaling)
+    if not len(difference) or not np.any(difference):
+        return []
+    most = int(np.argmax(np.abs(difference)))
+
+    def value(point: CurvePoint[OrbitEvaluation]) -> float:
+        # Near the single orbit a step may land on it: no difference is left, and no sign of it can be trusted.
+        if has_equal_halves(point.at.orbit, point.system.scaling):
+            return 0.0
+        return float(compare_halves(point.at.orbit, point.system.scaling)[most])
+
+    def find_meeting(
+        a: CurvePoint[OrbitEvaluation], b: CurvePoint[OrbitEvaluation]
+    ) -> CurvePoint[OrbitEvaluation] | None:
+        return find_single_orbit(a, b, settings.rule, settings.find_multipliers())
+
+    return [TestFunction(LABEL, value, End.SPECIAL, make_reason(HALVES_EQUAL), find_meeting)]
+
+
+def _define(at: OrbitEvaluation, settings: BranchSettings, reason: Reason) -> DefiningFunction:
+    return DoublingFunction(settings.find_multipliers()).update_at(at)
+
+
+def _switch(orbit: Orbit, tangent: Array, settings: BranchSettings) -> BranchStart:
+    """Return the doubled orbits' branch; it goes on as its own mirror image, so one way is all of it."""
+    # Taken twice the orbit has the multiplier +1, so it is solved for before, and again when the branch has left it.
+    twice, direction = guess_doubled_orbit(solve_orbit(orbit, settings.rule).at.orbit, settings.rule)
+    system, start = settings.make_system(twice)
+    along = system.scaling.normalise(np.append(direction, np.zeros(len(settings.free))))
+    return BranchStart(CurvePoint(system, system.at(start.x), None, along), one_way=True)
+
+
+def _go_on(
+    last: BranchPoint[OrbitEvaluation], before: BranchState[OrbitEvaluation], settings: BranchSettings
+) -> CurvePoint[OrbitEvaluation]:
+    """Return the single orbit onto which the branch fell, on the way that the parameter went."""
+    forward = np.sign(before.tangent[before.point.at.orbit.problem.unknowns.free.start]) or 1.0
+    point = last.state.point
+    free = point.at.orbit.problem.unknowns.free.start
+    return replace(point, direction=point.tangent * forward * np.sign(point.tangent[free]))
+
+
+def _remove_critical(m: Multipliers) -> Complex:
+    return remove_known(m.nontrivial, -1.0)
+
+
+PERIOD_DOUBLING = SpecialPointKind(
+    LABEL,
+    "period doubling",
+    on_branches=True,
+    branch_tests=_branch_tests,
+    define=_define,
+    good_side=lambda _: 1.0,
+    crossings=("FF", "R2", "PT"),
+    remove_critical=_remove_critical,
+    switch=_switch,
+    go_on=_go_on,
+)

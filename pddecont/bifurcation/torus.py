@@ -1,7 +1,8 @@
 """Torus (TR): a pair of complex multipliers crosses the unit circle.
 
-On a curve in two parameters the condition is that the product of the pair is 1. Product and sum of the pair are smooth even where
-it meets on the real axis, which ends the curve: at a sum of 2 (resonance 1:1) or -2 (1:2). On the way -1 is 1:3 and 0 is 1:4.
+On a curve in two parameters the defining function is the product of the pair less 1. Product and sum of the pair are
+smooth even where it meets on the real axis, which ends the curve: at a sum of 2 (resonance 1:1) or -2 (1:2). On the way
+-1 is 1:3 and 0 is 1:4.
 
 Reference: Kuznetsov, Elements of Applied Bifurcation Theory (2004), chapter 9.
 """
@@ -13,50 +14,110 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.orbit.curve import Curve
-from pddecont.stability.multipliers import Known, Multipliers
+from pddecont.bifurcation.extended_system import DefiningFunction, ExtendedEvaluation
+from pddecont.bifurcation.kinds import CurveTest, SpecialPointKind
+from pddecont.bifurcation.settings import BranchSettings
+from pddecont.continuation import CurvePoint, TestFunction
+from pddecont.errors import ConvergenceError
+from pddecont.orbit import OrbitEvaluation
+from pddecont.reasons import Reason
+from pddecont.stability import MultiplierCache, Multipliers
 
-Array = NDArray[np.float64]
-KIND = "TR"
+Complex = NDArray[np.complex128]
+LABEL = "TR"
+# Code of the end of a curve where its pair meets on the real axis.
+RESONANCE = "resonance"
 
 
-def passing(m: Multipliers) -> float:
-    """Return the distance to the unit circle of the complex pair nearest to it, signed by the parity of pairs outside."""
-    upper = np.abs(m.own[m.own.imag > 0.0])
+def test_function(m: Multipliers) -> float:
+    """Return the distance to the unit circle of the complex pair nearest to it; pairs outside alternate its sign."""
+    upper = np.abs(m.nontrivial[m.nontrivial.imag > 0.0])
     if not len(upper):
         return float("nan")
     return float((-1.0) ** np.sum(upper > 1.0) * np.min(np.abs(upper - 1.0)))
 
 
 @dataclass(frozen=True, eq=False)
-class Torus:
-    """The condition that the product of a pair of multipliers is 1; ``near`` is where the pair's upper one was."""
+class TorusFunction:
+    """The product of a pair of multipliers less 1; ``near`` is where the pair's upper one was."""
 
-    known: Known
+    multipliers: MultiplierCache
     near: complex
-    kind: str = KIND
+    kind: str = LABEL
 
-    def pair(self, curve: Curve, x: Array) -> tuple[complex, complex]:
-        """Return the two multipliers."""
-        own = self.known(curve.problem, x).own
-        if len(own) < 2:
+    def find_pair(self, at: OrbitEvaluation) -> tuple[complex, complex]:
+        """Return the two multipliers; NaN if there are not two."""
+        values = self.multipliers.find(at.orbit).nontrivial
+        if len(values) < 2:
             return complex("nan"), complex("nan")
-        i = int(np.argmin(np.abs(own - self.near)))
-        j = int(np.argmin(np.where(np.arange(len(own)) == i, np.inf, np.abs(own - np.conj(self.near)))))
-        return complex(own[i]), complex(own[j])
+        i = int(np.argmin(np.abs(values - self.near)))
+        others = np.where(np.arange(len(values)) == i, np.inf, np.abs(values - np.conj(self.near)))
+        return complex(values[i]), complex(values[int(np.argmin(others))])
 
-    def value(self, curve: Curve, x: Array) -> float:
+    def evaluate(self, at: OrbitEvaluation) -> float:
         """Return product - 1."""
-        a, b = self.pair(curve, x)
+        a, b = self.find_pair(at)
         return float((a * b).real - 1.0)
 
-    def sum(self, curve: Curve, x: Array) -> float:
+    def find_sum(self, at: OrbitEvaluation) -> float:
         """Return the sum of the pair, 2 cos(angle) on the curve."""
-        a, b = self.pair(curve, x)
+        a, b = self.find_pair(at)
         return float((a + b).real)
 
-    def framed(self, curve: Curve, x: Array) -> Torus:
-        """Return the same condition with the pair looked for where it is at ``x``."""
-        a, b = self.pair(curve, x)
-        upper = a if a.imag >= b.imag else b
-        return Torus(self.known, upper)
+    def update_at(self, at: OrbitEvaluation) -> TorusFunction:
+        """Return the same function with the pair looked for where it is at an orbit."""
+        a, b = self.find_pair(at)
+        return TorusFunction(self.multipliers, a if a.imag >= b.imag else b)
+
+
+def _define(at: OrbitEvaluation, settings: BranchSettings, reason: Reason) -> DefiningFunction:
+    multipliers = settings.find_multipliers()
+    values = multipliers.find(at.orbit).nontrivial
+    upper = values[values.imag > 0.0]
+    if not len(upper):
+        raise ConvergenceError("no complex pair of multipliers is left at this point")
+    return TorusFunction(multipliers, complex(upper[np.argmin(np.abs(np.abs(upper) - 1.0))]))
+
+
+def _remove_pair(m: Multipliers) -> Complex:
+    """Return the multipliers without the two, complex or past a resonance real, whose product is nearest to 1."""
+    values = m.nontrivial
+    if len(values) < 2:
+        return values
+    lower = np.tril(np.full((len(values), len(values)), np.inf))
+    product = np.abs(np.triu(values[:, None] * values, 1) - 1.0) + lower
+    return np.delete(values, np.unravel_index(np.argmin(product), product.shape))
+
+
+TORUS = SpecialPointKind(
+    LABEL,
+    "torus",
+    on_branches=True,
+    needs_multipliers=True,
+    define=_define,
+    good_side=lambda _: -1.0,
+    crossings=("FT", "PT", "TT"),
+    remove_critical=_remove_pair,
+)
+
+
+def _make_resonance(label: str, name: str, level: float, end: str) -> SpecialPointKind:
+    """Return the kind of a resonance: the sum of the pair is ``level``, where the curve may end."""
+
+    def value(point: CurvePoint[ExtendedEvaluation]) -> float:
+        defining = point.at.system.defining
+        assert isinstance(defining, TorusFunction)
+        return defining.find_sum(point.at.inner) - level
+
+    def tests(at: ExtendedEvaluation, settings: BranchSettings) -> list[CurveTest]:
+        return [TestFunction(label, value, end)] if isinstance(at.system.defining, TorusFunction) else []
+
+    return SpecialPointKind(label, name, on_curves=True, curve_tests=tests)
+
+
+RESONANCES = (
+    _make_resonance("R1", "resonance 1:1", 2.0, RESONANCE),
+    _make_resonance("R2", "resonance 1:2", -2.0, RESONANCE),
+    _make_resonance("R3", "resonance 1:3", -1.0, ""),
+    _make_resonance("R4", "resonance 1:4", 0.0, ""),
+)

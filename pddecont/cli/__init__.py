@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from pddecont.cli.interrupt import ending_on_signals
+from pddecont.cli.interrupt import end_on_signals
 from pddecont.version import __version__
 
 # The matrices here are too small to share among threads; a user's own setting stands.
@@ -38,7 +38,8 @@ class LazyGroup(click.Group):
         """Return a subcommand, or None if there is none of this name."""
         if cmd_name not in COMMANDS:
             return None
-        return getattr(importlib.import_module(f"pddecont.cli.{cmd_name}"), "command")  # noqa: B009 - a module loaded by name
+        command: click.Command = importlib.import_module(f"pddecont.cli.{cmd_name}").command
+        return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the list of subcommands without importing them."""
@@ -62,7 +63,7 @@ def group() -> None:
 
 def main(args: list[str] | None = None) -> Any:
     """Run the command line."""
-    with ending_on_signals() as received:
-        from pddecont.cli.console import guarded
+    with end_on_signals() as received:
+        from pddecont.cli.console import run_and_exit
 
-        return guarded(lambda: group.main(args=args, prog_name="pddecont", standalone_mode=False), received)
+        return run_and_exit(lambda: group.main(args=args, prog_name="pddecont", standalone_mode=False), received)

@@ -4,29 +4,29 @@ from __future__ import annotations
 
 import click
 
-from pddecont.cli.completion import files_and_shipped
+from pddecont.cli.completion import complete_file
 from pddecont.cli.console import Exit, say
 
 
 @click.command("check")
-@click.argument("files", nargs=-1, required=True, shell_complete=files_and_shipped)
+@click.argument("files", nargs=-1, required=True, shell_complete=complete_file)
 def command(files: tuple[str, ...]) -> int:
     """Report every problem in model and run FILES, with line and column; compute nothing."""
     from pddecont.errors import InputError
-    from pddecont.model.builder import parse_model
-    from pddecont.model.starts import starts_beyond
-    from pddecont.steps.loading import is_run_file, load_document, load_plan
+    from pddecont.model import explain_own_start, parse_model
+    from pddecont.runfile import is_run_file, load_document
+    from pddecont.steps import load_run_plan
 
     failed = False
     for file in files:
         try:
             document = load_document(file)
             if is_run_file(document) or document.data.get("run") is not None:
-                plan = load_plan(document)
-                warnings, what = plan.warnings, f"{len(plan.run.steps)} steps on model '{plan.model.name}'"
+                plan = load_run_plan(document)
+                warnings, what = plan.warnings, f"{len(plan.steps)} steps on model '{plan.model.name}'"
             else:
                 model, found = parse_model(document)
-                beyond = starts_beyond(model)
+                beyond = explain_own_start(model)
                 found += [document.problem(("initial",), beyond, key=True)] if beyond else []
                 warnings, what = tuple(found), f"model '{model.name}'"
         except InputError as exc:

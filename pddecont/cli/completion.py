@@ -25,10 +25,13 @@ def command(shell: str) -> None:
     click.echo(complete.source_template % complete.source_vars())
 
 
-def files_and_shipped(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
-    """Return the shipped models and runs that go on as ``incomplete`` begins; where there are none, the shell looks among files."""
-    from pddecont.shipped.find import SUFFIX, folders
+def complete_file(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    """Return the shipped models and runs that go on as ``incomplete`` begins.
 
-    names = sorted(file.stem for folder in folders() for file in folder.glob(f"*{SUFFIX}") if file.stem.startswith(incomplete))
+    Where there are none, the shell looks among files.
+    """
+    from pddecont.data import list_shipped
+
+    names = sorted(name for name in list_shipped() if name.startswith(incomplete))
     there = bool(incomplete) and bool(names)
     return [CompletionItem(name) for name in names] if there else [CompletionItem(incomplete, type="file")]

@@ -18,7 +18,7 @@ from pddecont.errors import ConvergenceError, InputError, PddecontError, Signatu
 
 
 class Exit(IntEnum):
-    """Exit codes (design section 1)."""
+    """Exit codes (``docs/reference/commands.md``)."""
 
     DONE = 0
     WRONG_INPUT = 1
@@ -27,7 +27,7 @@ class Exit(IntEnum):
     INTERRUPTED = 130
 
 
-def guarded(work: Callable[[], Any], received: Received) -> None:
+def run_and_exit(work: Callable[[], Any], received: Received) -> None:
     """Do ``work`` and exit with the code that its outcome calls for."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
@@ -137,8 +137,15 @@ class Progress:
             return
         from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeRemainingColumn
 
-        self.bar = Progress(SpinnerColumn(), TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[rate]}"),
-                            TimeRemainingColumn(), console=self.console, transient=True)  # fmt: skip
+        self.bar = Progress(
+            SpinnerColumn(),
+            TextColumn("{task.description}"),
+            BarColumn(),
+            TextColumn("{task.fields[rate]}"),
+            TimeRemainingColumn(),
+            console=self.console,
+            transient=True,
+        )
         self.task = self.bar.add_task(f"{name}: {kind}", total=None, rate="")
         self.bar.start()
 
@@ -153,7 +160,9 @@ class Progress:
         if self.bar is not None:
             elapsed = self.bar.tasks[0].elapsed or 0.0
             rate = f"{done / elapsed:.3g} a second" if elapsed else ""
-            self.bar.update(self.task, description=f"{self.name}: {done} of {total} {what}", completed=done, total=total, rate=rate)
+            self.bar.update(
+                self.task, description=f"{self.name}: {done} of {total} {what}", completed=done, total=total, rate=rate
+            )
 
     def note(self, text: str) -> None:
         """Hear something that a person would want to know while waiting."""

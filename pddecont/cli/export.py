@@ -10,36 +10,48 @@ import click
 
 from pddecont.cli.console import plain, print_json
 
-TABLES = ("points", "special", "orbit", "multipliers", "trajectory", "events", "returns", "cells", "precision")
+
+class TableName(click.Choice[str]):
+    """The names of the tables that there are, which are loaded when they are asked for and not before."""
+
+    def __init__(self) -> None:
+        self.case_sensitive = True
+
+    @property
+    def choices(self) -> tuple[str, ...]:  # type: ignore[override]
+        """The names."""
+        from pddecont.tables import list_all_tables
+
+        return tuple(list_all_tables())
 
 
 @click.command("export")
 @click.argument("file", type=click.Path())
 @click.option("--step", metavar="STEP", help="Step to read  [default: the last that has the table]")
-@click.option("--table", "name", type=click.Choice(TABLES), default="points", show_default=True)
+@click.option("--table", "name", type=TableName(), default="points", show_default=True)
 @click.option("--label", metavar="LABEL", help="Point whose orbit or multipliers are wanted, such as GR1.")
 @click.option("--index", type=click.IntRange(0), help="The same point by its index.")
 @click.option("--format", "form", type=click.Choice(["csv", "json"]), default="csv", show_default=True)
 def command(file: str, step: str | None, name: str, label: str | None, index: int | None, form: str) -> None:
     """Write a table of results file FILE to standard output."""
     from pddecont.errors import ResultsError
-    from pddecont.results.reader import read_results
-    from pddecont.results.tables import TABLES as KINDS
-    from pddecont.results.tables import has_multipliers, table
+    from pddecont.results import read_results
+    from pddecont.tables import has_multipliers, list_tables, make_table
 
     if label is not None and index is not None:
         raise click.UsageError("--label and --index exclude each other")
     results = read_results(file)
     if step is None:
-        wanted = KINDS[name]
-        candidates = [s for s in results.steps.values() if s.kind in wanted]
+        candidates = [s for s in results.steps.values() if name in list_tables(s.kind)]
         if not candidates:
-            raise ResultsError(f"{file} has no step with a table '{name}' (steps: {', '.join(results.steps) or 'none'})")
+            raise ResultsError(
+                f"{file} has no step with a table '{name}' (steps: {', '.join(results.steps) or 'none'})"
+            )
         if name == "multipliers":
             candidates = [s for s in candidates if has_multipliers(s)] or candidates
         step = candidates[-1].name
     chosen = results.step(step)
-    rows = table(chosen, name, chosen.row(label) if label else index)
+    rows = make_table(chosen, name, chosen.row(label) if label else index)
     if form == "json":
         print_json(rows)
     else:

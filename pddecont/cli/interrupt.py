@@ -1,8 +1,8 @@
 """Ctrl-C and SIGTERM: the program ends soon, wherever it is, and says with which code.
 
-A signal first becomes an exception, so that files are closed as always. Machine code does not look for exceptions, and a worker
-in the middle of a long motion is not waited for: if the program still runs after a while, or at a second signal, it ends on the
-spot. Nothing is lost by that, as a results file is in order at every instant.
+A signal first becomes an exception, so that files are closed as always. Machine code does not look for exceptions, and
+a worker in the middle of a long motion is not waited for: if the program still runs after a while, or at a second
+signal, it ends on the spot. Nothing is lost by that, as a results file is in order at every instant.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class Received:
 
 
 @contextlib.contextmanager
-def ending_on_signals() -> Iterator[Received]:
+def end_on_signals() -> Iterator[Received]:
     """Turn signals into KeyboardInterrupt, and see to it that the program ends after one."""
     received = Received()
     if threading.current_thread() is not threading.main_thread():
@@ -58,7 +58,11 @@ def ending_on_signals() -> Iterator[Received]:
 
     ends, write = os.pipe()
     os.set_blocking(write, False)
-    before = {n: signal.signal(n, interrupt) for n in (signal.SIGINT, signal.SIGTERM) if signal.getsignal(n) is not signal.SIG_IGN}
+    before = {
+        n: signal.signal(n, interrupt)
+        for n in (signal.SIGINT, signal.SIGTERM)
+        if signal.getsignal(n) is not signal.SIG_IGN
+    }
     wakeup = signal.set_wakeup_fd(write, warn_on_full_buffer=False)
     unraisable, sys.unraisablehook = sys.unraisablehook, _quiet(sys.unraisablehook)
     threading.Thread(target=_watch, args=(ends, received), daemon=True).start()
@@ -66,7 +70,8 @@ def ending_on_signals() -> Iterator[Received]:
         yield received
     except KeyboardInterrupt:
         if received.number:
-            # Everything is closed; Python itself would wait for workers, and may end by a signal of its own instead of with a code.
+            # Everything is closed; Python itself would wait for workers, and may end by a signal of its own instead of
+            # with a code.
             _end(received.number, received)
         received.tell()
         sys.exit(received.code)
@@ -81,7 +86,10 @@ def ending_on_signals() -> Iterator[Received]:
 
 
 def _quiet(hook: Callable[[Any], Any]) -> Callable[[Any], Any]:
-    """Return a hook that says nothing of an interruption that came where none can be raised: the watch ends the program."""
+    """Return a hook that says nothing of an interruption that came where none can be raised.
+
+    The watch ends the program.
+    """
     return lambda lost: None if isinstance(lost.exc_value, KeyboardInterrupt) else hook(lost)
 
 

@@ -11,20 +11,22 @@ from pddecont.cli.console import say
 
 @click.command("report")
 @click.argument("file", type=click.Path())
-@click.option("-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="Page  [default: FILE's name, .html]")
+@click.option(
+    "-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="Page  [default: FILE's name, .html]"
+)
 def command(file: str, output: Path | None) -> None:
     """Write one HTML page on results file FILE: pictures, special points, settings, texts and versions.
 
     The page holds all that it shows and loads nothing; an older page is replaced.
     """
     from pddecont.errors import ResultsError
-    from pddecont.report.page import page
-    from pddecont.results.reader import read_results
+    from pddecont.report import render_page
+    from pddecont.results import read_results
 
     path = output or Path(Path(file).stem + ".html")
     if path.suffix.lower() not in (".html", ".htm"):
         raise ResultsError(f"{path}: a report is .html; found '{path.suffix or 'no suffix'}'")
-    text = page(read_results(file))
+    text = render_page(read_results(file))
     try:
         path.write_text(text, encoding="utf-8")
     except OSError as exc:

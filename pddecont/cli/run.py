@@ -7,34 +7,63 @@ from typing import Any
 
 import click
 
-from pddecont.cli.completion import files_and_shipped
+from pddecont.cli.completion import complete_file
 from pddecont.cli.console import Progress, print_json, say
 
 
 @click.command("run")
-@click.argument("file", shell_complete=files_and_shipped)
-@click.option("-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="Results file  [default: the input's name, .h5]")
+@click.argument("file", shell_complete=complete_file)
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Results file  [default: the input's name, .h5]",
+)
 @click.option("--set", "assignments", multiple=True, metavar="NAME=VALUE", help="Set a parameter; may be repeated.")
 @click.option("--without", multiple=True, metavar="EFFECT", help="Leave an effect of the model out; may be repeated.")
-@click.option("--accuracy", type=click.FloatRange(1e-11, 1, max_open=True), metavar="ERROR",
-              help="Choose method, degree and mesh to meet this error on orbits.")  # fmt: skip
-@click.option("--only", metavar="STEP", help="Do this step only; with --resume into a file that holds the steps it starts from.")
+@click.option(
+    "--accuracy",
+    type=click.FloatRange(1e-11, 1, max_open=True),
+    metavar="ERROR",
+    help="Choose method, degree and mesh to meet this error on orbits.",
+)
+@click.option(
+    "--only", metavar="STEP", help="Do this step only; with --resume into a file that holds the steps it starts from."
+)
 @click.option("--until", metavar="STEP", help="Stop after this step.")
 @click.option("--resume", is_flag=True, help="Go on with an output that exists.")
 @click.option("--overwrite", is_flag=True, help="Replace an output that exists.")
-@click.option("--workers", type=click.IntRange(1), default=1, show_default=True, metavar="N", help="Cores for sweeps and basins.")
-@click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler whose workers do sweeps and basins, such as tcp://host:8786.")
+@click.option(
+    "--workers", type=click.IntRange(1), default=1, show_default=True, metavar="N", help="Cores for sweeps and basins."
+)
+@click.option(
+    "--scheduler", metavar="ADDRESS", help="Dask scheduler whose workers do sweeps and basins, such as tcp://host:8786."
+)
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors and warnings.")
-@click.option("--json", "as_json", is_flag=True, help="Write one JSON document on what was computed to standard output.")
-def command(file: str, output: Path | None, assignments: tuple[str, ...], without: tuple[str, ...], accuracy: float | None,
-            only: str | None, until: str | None, resume: bool, overwrite: bool, workers: int, scheduler: str | None,
-            quiet: bool, as_json: bool) -> None:  # fmt: skip
+@click.option(
+    "--json", "as_json", is_flag=True, help="Write one JSON document on what was computed to standard output."
+)
+def command(
+    file: str,
+    output: Path | None,
+    assignments: tuple[str, ...],
+    without: tuple[str, ...],
+    accuracy: float | None,
+    only: str | None,
+    until: str | None,
+    resume: bool,
+    overwrite: bool,
+    workers: int,
+    scheduler: str | None,
+    quiet: bool,
+    as_json: bool,
+) -> None:
     """Do the steps of run file FILE, or of the run block of model FILE.
 
     FILE is a path, '-' for standard input, or the name of a shipped model or run.
     """
     from pddecont.api import compute, plan
-    from pddecont.steps.planner import Overrides
+    from pddecont.runfile import Overrides
 
     if resume and overwrite:
         raise click.UsageError("--resume and --overwrite exclude each other")
@@ -45,8 +74,17 @@ def command(file: str, output: Path | None, assignments: tuple[str, ...], withou
     path = output or Path(f"{stem}.h5")
     progress = Progress(quiet or as_json)
     try:
-        results = compute(checked, path, progress, resume=resume, overwrite=overwrite, only=only, until=until, workers=workers,
-                          scheduler=scheduler)  # fmt: skip
+        results = compute(
+            checked,
+            path,
+            progress,
+            resume=resume,
+            overwrite=overwrite,
+            only=only,
+            until=until,
+            workers=workers,
+            scheduler=scheduler,
+        )
     finally:
         progress.stop()
     if as_json:

@@ -1,96 +1,99 @@
 """Pseudo-arclength: the tangent to a branch and the correction back onto it.
 
-Lengths are measured in scaled unknowns, |dx|^2 = sum_i w_i (dx_i / scale_i)^2. Reference: Allgower, Georg, Introduction to
-Numerical Continuation Methods (2003), chapters 2 and 6.
+Lengths are measured in scaled unknowns. Reference: Allgower, Georg, Introduction to Numerical Continuation Methods
+(2003), chapters 2 and 6.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Generic
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.continuation.linear import Matrix, add_row, factor, row_maxima, scale_matrix
-from pddecont.continuation.newton import NewtonSettings, Solution, newton
+from pddecont.continuation.linear import Matrix, add_row, equilibrate
+from pddecont.continuation.newton import NewtonSettings, Solution, solve_newton
+from pddecont.continuation.scaling import Scaling
+from pddecont.continuation.system import E, Evaluation, System
 
 Array = NDArray[np.float64]
 
 
-class Problem(Protocol):
-    """A system of n equations in n + 1 unknowns whose solutions form curves."""
-
-    def residual(self, x: Array) -> Array:
-        """Return the n residuals."""
-        ...
-
-    def jacobian(self, x: Array) -> Matrix:
-        """Return their derivatives, n by n + 1."""
-        ...
-
-
 @dataclass(frozen=True, eq=False)
-class Metric:
-    """Typical size and weight of each unknown."""
+class BorderedEvaluation(Generic[E]):
+    """Equations of a branch and one linear equation more, ``row @ x = level``, which picks a point of it."""
 
-    scale: Array
-    weight: Array
+    inner: E
+    row: Array
+    level: float
 
     @property
-    def size(self) -> Array:
-        """How far each unknown moves when a direction of length one lies along it."""
-        return self.scale / np.sqrt(self.weight)
+    def x(self) -> Array:
+        """The unknowns."""
+        return self.inner.x
 
-    def dot(self, a: Array, b: Array) -> float:
-        """Return the inner product of two directions."""
-        return float(np.sum(self.weight * (a / self.scale) * (b / self.scale)))
+    @property
+    def residual(self) -> Array:
+        """The residuals, that of the linear equation last."""
+        return np.append(self.inner.residual, float(self.row @ self.x) - self.level)
 
-    def covector(self, a: Array) -> Array:
-        """Return the row that takes the inner product with ``a``."""
-        return self.weight * a / self.scale**2
-
-    def unit(self, a: Array) -> Array:
-        """Return ``a`` at length one."""
-        return a / np.sqrt(self.dot(a, a))
+    def jacobian(self) -> Matrix:
+        """Return the residuals' derivatives, square."""
+        return add_row(self.inner.jacobian(), self.row)
 
 
-def tangent(problem: Problem, x: Array, metric: Metric, towards: Array) -> Array:
-    """Return the unit tangent of the branch at ``x`` that makes an acute angle with ``towards``."""
-    matrix = add_row(problem.jacobian(x), metric.covector(towards))
-    matrix = scale_matrix(matrix, np.ones(len(x)), metric.scale)
-    rows = 1.0 / row_maxima(matrix)
-    rhs = np.zeros(len(x))
-    rhs[-1] = rows[-1]
-    return metric.unit(metric.scale * factor(scale_matrix(matrix, rows, np.ones(len(x)))).solve(rhs))
+def find_tangent(at: Evaluation, scaling: Scaling, towards: Array) -> Array:
+    """Return the unit tangent of the branch at one of its points that makes an acute angle with ``towards``."""
+    bordered = equilibrate(add_row(at.jacobian(), scaling.covector(towards)), scaling.scale)
+    return scaling.normalise(bordered.factor().solve(_last_unit(len(at.x))))
 
 
-def tangent_of(solution: Solution, metric: Metric, towards: Array) -> Array:
-    """Return the unit tangent at a corrected point from the factors of its last Newton step, at an acute angle to ``towards``.
+def tangent_at(solution: Solution[E], scaling: Scaling, towards: Array) -> Array:
+    """Return the unit tangent at a corrected point from the factors of its last Newton step.
 
-    Whatever row bordered the Jacobian, the solution for the last unit vector is the direction that the other rows leave free.
+    Whatever row bordered the Jacobian, the solution for the last unit vector is the direction that the other rows leave
+    free. It makes an acute angle with ``towards``.
     """
-    rhs = np.zeros(len(solution.x))
-    rhs[-1] = 1.0
-    direction = metric.unit(solution.solve(rhs))
-    return direction if metric.dot(direction, towards) > 0.0 else -direction
+    direction = scaling.normalise(solution.solve(_last_unit(len(solution.x))))
+    return direction if scaling.dot(direction, towards) > 0.0 else -direction
 
 
-def correct(problem: Problem, predicted: Array, direction: Array, metric: Metric, settings: NewtonSettings,
-            guess: Array | None = None) -> Solution:  # fmt: skip
-    """Return the branch's point in the hyperplane through ``predicted`` across ``direction``; Newton starts from ``guess``."""
-    row = metric.covector(direction)
-    return bordered(problem, row, float(row @ predicted), predicted if guess is None else guess, metric, settings)
+def correct(
+    system: System[E], predicted: Array, direction: Array, settings: NewtonSettings, guess: Array | None = None
+) -> Solution[E]:
+    """Return the branch's point in the hyperplane through ``predicted`` across ``direction``.
+
+    Newton's method starts from ``guess``, by default from the predicted point.
+    """
+    row = system.scaling.covector(direction)
+    return solve_with_row(system, row, float(row @ predicted), predicted if guess is None else guess, settings)
 
 
-def correct_at(problem: Problem, guess: Array, index: int, value: float, metric: Metric, settings: NewtonSettings) -> Solution:
+def correct_component(
+    system: System[E], guess: Array, index: int, value: float, settings: NewtonSettings
+) -> Solution[E]:
     """Return the branch's point near ``guess`` at which unknown ``index`` equals ``value``."""
     row = np.zeros(len(guess))
     row[index] = 1.0
-    return bordered(problem, row, value, guess, metric, settings)
+    return solve_with_row(system, row, value, guess, settings)
 
 
-def bordered(problem: Problem, row: Array, level: float, guess: Array, metric: Metric, settings: NewtonSettings) -> Solution:
-    """Return the branch's point near ``guess`` with ``row @ x = level``."""
-    return newton(lambda x: np.append(problem.residual(x), float(row @ x) - level), lambda x: add_row(problem.jacobian(x), row),
-                  guess, metric.scale, settings)  # fmt: skip
+def solve_with_row(system: System[E], row: Array, level: float, guess: Array, settings: NewtonSettings) -> Solution[E]:
+    """Return the branch's point near ``guess`` with ``row @ x = level``.
+
+    Raises
+    ------
+    ConvergenceError
+        If Newton's method fails.
+    """
+    bordered = solve_newton(
+        lambda x: BorderedEvaluation(system.at(x), row, level), guess, system.scaling.scale, settings
+    )
+    return Solution(bordered.at.inner, bordered.history, bordered.solve)
+
+
+def _last_unit(n: int) -> Array:
+    unit = np.zeros(n)
+    unit[-1] = 1.0
+    return unit

@@ -1,4 +1,4 @@
-"""Factorisation of scaled square systems, dense by LAPACK or sparse by SuperLU."""
+"""Factorisation of scaled systems, dense by LAPACK or sparse by SuperLU."""
 
 from __future__ import annotations
 
@@ -16,26 +16,94 @@ from numpy.typing import NDArray
 from pddecont.errors import ConvergenceError
 
 Array = NDArray[np.float64]
-Matrix: TypeAlias = Any  # an Array or a scipy.sparse matrix in CSC form
+# An Array or a scipy.sparse matrix in CSC form; scipy has no types.
+Matrix: TypeAlias = Any
 
 
 @dataclass(frozen=True, eq=False)
-class Factors:
-    """A factored square matrix; ``solve(b)`` returns the solution for one or several right-hand sides."""
+class EquilibratedMatrix:
+    """A matrix A with n columns, scaled by the unknowns' sizes and its rows: ``matrix`` = diag(rows) A diag(columns).
 
-    solve: Callable[[Array], Array]
+    Every row of ``matrix`` has a largest entry of modulus 1.
+    """
+
+    matrix: Matrix
+    rows: Array
+    columns: Array
+
+    def factor(self) -> ScaledFactors:
+        """Return the factors of a square matrix.
+
+        Raises
+        ------
+        ConvergenceError
+            If it is singular or not finite.
+        """
+        return ScaledFactors(factor(self.matrix), self.rows, self.columns)
+
+    def solve_with_border(self, border: Array, rhs: Array) -> tuple[Array, Array]:
+        """Return what spans the null space of a matrix with k columns more than rows, and a solution for ``rhs``.
+
+        With the k rows ``border`` (k, n) below it, in scaled unknowns, the matrix becomes square; which rows does not
+        matter as long as it becomes regular. The solutions for their unit vectors span the null space.
+
+        Returns
+        -------
+        null, solution
+            Shapes (n, k) and (n,), in scaled unknowns; the solution is at right angles to the border.
+        """
+        matrix, k = self.matrix, len(border)
+        for row in border:
+            matrix = add_row(matrix, row)
+        right = np.zeros((matrix.shape[0], k + 1))
+        right[-k or len(right) :, :k] = np.eye(k)
+        right[: len(self.rows), k] = self.rows * rhs
+        solved = factor(matrix)(right)
+        return solved[:, :k], solved[:, k]
 
 
-def factor(matrix: Matrix) -> Factors:
-    """Return the factors of a square matrix; raise :class:`ConvergenceError` if it is singular or not finite."""
+@dataclass(frozen=True, eq=False)
+class ScaledFactors:
+    """The factors of an equilibrated square matrix."""
+
+    solve_raw: Callable[[Array], Array]
+    rows: Array
+    columns: Array
+
+    def solve_scaled(self, b: Array) -> Array:
+        """Return the solution of A x = b, shape (n,) or (n, k), in scaled unknowns x / columns."""
+        return self.solve_raw((self.rows * b.T).T)
+
+    def solve(self, b: Array) -> Array:
+        """Return the solution of A x = b, shape (n,) or (n, k)."""
+        return (self.columns * self.solve_scaled(b).T).T
+
+
+def equilibrate(matrix: Matrix, columns: Array | None = None) -> EquilibratedMatrix:
+    """Return a matrix scaled by the sizes ``columns`` of its unknowns (1 by default), then row by row."""
+    n_rows, n_columns = matrix.shape
+    sizes = np.ones(n_columns) if columns is None else columns
+    scaled = matrix if columns is None else scale_matrix(matrix, np.ones(n_rows), sizes)
+    rows = 1.0 / row_maxima(scaled)
+    return EquilibratedMatrix(scale_matrix(scaled, rows, np.ones(n_columns)), rows, sizes)
+
+
+def factor(matrix: Matrix) -> Callable[[Array], Array]:
+    """Return what solves with a square matrix, for one right-hand side or several.
+
+    Raises
+    ------
+    ConvergenceError
+        If the matrix is singular or not finite.
+    """
     if sp.issparse(matrix):
         if not np.all(np.isfinite(matrix.data)):
             raise ConvergenceError("the Jacobian holds values that are not finite")
         try:
-            lu = scipy.sparse.linalg.splu(matrix)
+            solve: Callable[[Array], Array] = scipy.sparse.linalg.splu(matrix).solve
         except RuntimeError as exc:
             raise ConvergenceError("the Jacobian is singular") from exc
-        return Factors(lu.solve)
+        return solve
     if not np.all(np.isfinite(matrix)):
         raise ConvergenceError("the Jacobian holds values that are not finite")
     with warnings.catch_warnings():
@@ -44,7 +112,7 @@ def factor(matrix: Matrix) -> Factors:
             dense = scipy.linalg.lu_factor(matrix, check_finite=False)
         except (scipy.linalg.LinAlgWarning, scipy.linalg.LinAlgError) as exc:
             raise ConvergenceError("the Jacobian is singular") from exc
-    return Factors(lambda b: scipy.linalg.lu_solve(dense, b, check_finite=False))
+    return lambda b: np.asarray(scipy.linalg.lu_solve(dense, b, check_finite=False))
 
 
 def scale_matrix(matrix: Matrix, rows: Array, columns: Array) -> Matrix:
@@ -83,5 +151,5 @@ def add_row(matrix: Matrix, row: Array) -> Matrix:
     return np.vstack([matrix, row])
 
 
-def _csc(data: Array, indices: Any, indptr: Any, shape: tuple[int, int]) -> sp.csc_matrix:
+def _csc(data: Array, indices: Any, indptr: Any, shape: tuple[int, int]) -> Matrix:
     return sp.csc_matrix((data, indices, indptr), shape=shape)

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
+from typing import Generic
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.continuation.linear import Factors, Matrix, factor, row_maxima, scale_matrix
+from pddecont.continuation.linear import equilibrate
+from pddecont.continuation.system import E
 from pddecont.errors import ConvergenceError
 
 Array = NDArray[np.float64]
@@ -30,15 +31,20 @@ class NewtonSettings:
 
 
 @dataclass(frozen=True, eq=False)
-class Solution:
+class Solution(Generic[E]):
     """Where Newton's method arrived; ``history`` holds the scaled residual before each iteration and at the end.
 
-    ``solve(b)`` solves with the last Jacobian, which is that at ``x`` to within the last step.
+    ``solve(b)`` solves with the last Jacobian, which is that at the solution to within the last step.
     """
 
-    x: Array
+    at: E
     history: tuple[float, ...]
     solve: Callable[[Array], Array]
+
+    @property
+    def x(self) -> Array:
+        """The solution's unknowns."""
+        return self.at.x
 
     @property
     def n_iterations(self) -> int:
@@ -46,9 +52,10 @@ class Solution:
         return len(self.history) - 1
 
 
-def newton(residual: Callable[[Array], Array], jacobian: Callable[[Array], Matrix], x: Array, scale: Array,
-           settings: NewtonSettings | None = None) -> Solution:  # fmt: skip
-    """Return the solution of ``residual(x) = 0`` near ``x``.
+def solve_newton(
+    evaluate: Callable[[Array], E], x: Array, scale: Array, settings: NewtonSettings | None = None
+) -> Solution[E]:
+    """Return the solution near ``x`` of as many equations as unknowns.
 
     ``scale`` gives the typical size of each unknown. A step is halved until the scaled residual falls.
 
@@ -60,53 +67,59 @@ def newton(residual: Callable[[Array], Array], jacobian: Callable[[Array], Matri
     settings = settings or NewtonSettings()
     history: list[float] = []
     steps: list[float] = []
-    r = residual(x)
+    here = evaluate(x)
+    r = here.residual
     for _ in range(settings.max_iterations):
-        matrix = scale_matrix(jacobian(x), np.ones(len(r)), scale)
-        rows = 1.0 / row_maxima(matrix)
+        equilibrated = equilibrate(here.jacobian(), scale)
+        rows = equilibrated.rows
         size = _norm(rows * r)
         if not history:
             history.append(size)
         try:
-            factors = factor(scale_matrix(matrix, rows, np.ones(len(x))))
-            step = factors.solve(-rows * r)
+            factors = equilibrated.factor()
+            step = factors.solve_scaled(-r)
         except ConvergenceError as exc:
-            raise ConvergenceError(f"{exc} (residuals: {show(history)})", history) from exc
+            raise ConvergenceError(f"{exc} (residuals: {format_history(history)})", history) from exc
         damping, obstacle = 1.0, ""
         while True:
-            trial = x + damping * scale * step
+            trial = evaluate(here.x + damping * scale * step)
             try:
-                r_trial = residual(trial)
-                trial_size = _norm(rows * r_trial)
+                trial_size = _norm(rows * trial.residual)
             except ConvergenceError as exc:
                 trial_size, obstacle = np.inf, f"; {exc}"
             if trial_size < size or trial_size < settings.residual_tol:
                 break
             damping *= 0.5
             if damping < settings.min_damping:
-                raise ConvergenceError(f"Newton's method cannot lower the residual further (residuals: {show(history)}){obstacle}", history)
-        x, r = trial, r_trial
+                raise ConvergenceError(
+                    f"Newton's method cannot lower the residual further (residuals: {format_history(history)})"
+                    f"{obstacle}",
+                    history,
+                )
+        here, r = trial, trial.residual
         history.append(trial_size)
         steps.append(damping * _norm(step))
         if damping == 1.0 and steps[-1] < settings.step_tol and trial_size < settings.residual_tol:
-            return Solution(x, tuple(history), partial(_solve, factors, rows, scale))
-    raise ConvergenceError(f"Newton's method did not converge in {settings.max_iterations} iterations "
-                           f"({_unmet(history, steps, settings)})", history)  # fmt: skip
+            return Solution(here, tuple(history), factors.solve)
+    raise ConvergenceError(
+        f"Newton's method did not converge in {settings.max_iterations} iterations "
+        f"({_explain_failure(history, steps, settings)})",
+        history,
+    )
 
 
-def _unmet(history: list[float], steps: list[float], settings: NewtonSettings) -> str:
-    """Return in words what kept the method going: residuals, or steps that stay large where the equations hold already."""
+def _explain_failure(history: list[float], steps: list[float], settings: NewtonSettings) -> str:
+    """Return what kept the method going: residuals, or steps that stay large where the equations hold already."""
     if history[-1] < settings.residual_tol:
-        return (f"the equations hold to {history[-1]:.1e}, but the unknowns still move: the last steps are {show(steps[-3:])}, expected "
-                f"below {settings.step_tol:.0e}; the solution is not unique here, or nearly so")  # fmt: skip
-    return f"residuals: {show(history)}"
+        return (
+            f"the equations hold to {history[-1]:.1e}, but the unknowns still move: the last steps are "
+            f"{format_history(steps[-3:])}, expected below {settings.step_tol:.0e}; the solution is not unique here, "
+            "or nearly so"
+        )
+    return f"residuals: {format_history(history)}"
 
 
-def _solve(factors: Factors, rows: Array, scale: Array, b: Array) -> Array:
-    return scale * factors.solve(rows * b)
-
-
-def show(history: list[float]) -> str:
+def format_history(history: Sequence[float]) -> str:
     """Return residual norms for a message."""
     return ", ".join(f"{value:.1e}" for value in history) or "none"
 

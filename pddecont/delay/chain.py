@@ -1,8 +1,8 @@
 """The delay as a chain of Taylor steps (the paper's section 2.2), eliminated from the orbit's unknowns.
 
-Stage i of the chain obeys sum_{k=0}^{M} u_i^(k) delta^k / k! = u_{i-1} with delta = tau / n, u_0 the delayed quantity and
-u_n in place of its delayed value (eq. (2.4); M = 1 is eq. (2.6), M = 2 is eq. (2.7)). Every stage is the same linear
-operator: with collocation on the orbit's own mesh u_i = P u_{i-1} at the collocation points, one matrix P, so
+Stage i of the chain obeys sum_{k=0}^{M} u_i^(k) delta^k / k! = u_{i-1} with delta = tau / n, u_0 the delayed quantity
+and u_n in place of its delayed value (eq. (2.4); M = 1 is eq. (2.6), M = 2 is eq. (2.7)). Every stage is the same
+linear operator: with collocation on the orbit's own mesh u_i = P u_{i-1} at the collocation points, one matrix P, so
 u_n = P^n u_0 costs log2(n) products, whatever n is. The orbit that results is the one that explicit chain states give,
 to rounding.
 
@@ -20,9 +20,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.delay.line import Line, LineOnMesh, no_delay
-from pddecont.delay.operator import DelayOperator, FullWeights
-from pddecont.orbit.mesh import Mesh, Places
+from pddecont.collocation import Mesh, MeshPoints
+from pddecont.delay.delay_line import LineOnMesh, no_delay
+from pddecont.delay.interface import DelayLine, DelayOperator, FullWeights, LineStages
 
 Array = NDArray[np.float64]
 BLOCK_ROWS = 512
@@ -35,27 +35,46 @@ class Chain:
     order: int
     n: int
 
-    def operator(self, mesh: Mesh, theta: Array, tau_index: int, places: Places) -> DelayOperator:
-        """Return the chain's operator of the delay ``theta[tau_index]`` for reads at ``places``."""
-        if theta[tau_index] == 0.0:
-            return no_delay(mesh, theta, tau_index, places)
-        stage = LineOnMesh(taylor_step(self.order), mesh, theta, tau_index, self.n, places)
-        powers = Powers(stage.to_nodes, self.n)
-        if places is mesh.sites:
-            ends = stage.to_places[mesh.n_collocation :]
+    @property
+    def tracks_breaking_points(self) -> bool:
+        """False: a delay line is smooth, no breaking point comes through it."""
+        return False
+
+    @property
+    def stages(self) -> LineStages:
+        """The Taylor steps."""
+        return LineStages(taylor_step(self.order), self.n)
+
+    @property
+    def simulated_stages(self) -> tuple[int, int]:
+        """Order and number of the Taylor steps, which a simulation integrates."""
+        return self.order, self.n
+
+    def mesh_is_valid(self, mesh: Mesh, theta: Array, lags: Array) -> bool:
+        """Return True: a delay line reads what it reads on any mesh."""
+        return True
+
+    def operator(self, mesh: Mesh, theta: Array, lag: Array, points: MeshPoints) -> DelayOperator:
+        """Return the operator of the chain whose delay is ``lag @ theta``, one component of theta."""
+        if lag @ theta == 0.0:
+            return no_delay(mesh, theta, lag, points)
+        stage = LineOnMesh(self.stages.line, mesh, theta, lag, self.n, points)
+        powers = MatrixPowers(stage.to_nodes, self.n)
+        if points is mesh.equation_points:
+            ends = stage.to_points[mesh.n_collocation :]
             weights = np.concatenate([powers.matrix(self.n), powers.from_left(ends, self.n - 1)])
         else:
-            weights = powers.from_left(stage.to_places, self.n - 1)
+            weights = powers.from_left(stage.to_points, self.n - 1)
 
         def theta_derivative(values: Array, which: Sequence[int]) -> Array:
-            slopes = _Slopes(stage, powers, self.n, mesh.at_nodes(values)).all()
+            slopes = _Slopes(stage, powers, self.n, mesh.interpolate_at_nodes(values)).all()
             return np.stack([slopes[component] for component in which], axis=-1)
 
         return DelayOperator(FullWeights(stage.through_nodes(weights)), theta_derivative)
 
 
-class Powers:
-    """Powers P, P^2, P^4, ... of one stage, up to the largest below ``n``, and what is made of them."""
+class MatrixPowers:
+    """MatrixPowers P, P^2, P^4, ... of one stage, up to the largest below ``n``, and what is made of them."""
 
     def __init__(self, matrix: Array, n: int):
         self.squares = [matrix]
@@ -88,37 +107,39 @@ class Powers:
 class _Slopes:
     """Derivatives of the chain's output in all components of theta that it depends on.
 
-    All stages with different tau on one mesh are functions of one differentiation matrix, so dP/dtau commutes with P. Nothing
-    changes when durations and tau grow together, which gives the derivative in the longest duration from the others.
+    All stages with different tau on one mesh are functions of one differentiation matrix, so dP/dtau commutes with P.
+    Nothing changes when durations and tau grow together, which gives the derivative in the longest duration from the
+    others.
     """
 
-    def __init__(self, stage: LineOnMesh, powers: Powers, n: int, u: Array):
+    def __init__(self, stage: LineOnMesh, powers: MatrixPowers, n: int, u: Array):
         self.stage, self.powers, self.n, self.u = stage, powers, n, u
 
     def all(self) -> dict[int, Array]:
-        """Return the derivatives (n_places, n_quantities) by component of theta."""
+        """Return the derivatives (n_points, n_quantities) by component of theta."""
         stage, mesh, theta = self.stage, self.stage.mesh, self.stage.theta
         before = self.powers.on(self.u, self.n - 1)
-        tau = stage.tau_index
-        result = {k: np.zeros((len(stage.places), self.u.shape[1])) for k in range(len(theta))}
-        last = stage.at_places(stage.derivative(before, tau))
+        tau = int(np.flatnonzero(stage.lag)[0])
+        result = {k: np.zeros((len(stage.points), self.u.shape[1])) for k in range(len(theta))}
+        last = stage.output_at_points(stage.derivative(before, tau))
         if self.n > 1:
-            hit = stage.at_nodes(stage.derivative(self.u, tau))
-            last = last + (self.n - 1) * (stage.to_places @ self.powers.on(hit, self.n - 2))
+            hit = stage.output_at_nodes(stage.derivative(self.u, tau))
+            last = last + (self.n - 1) * (stage.to_points @ self.powers.on(hit, self.n - 2))
         result[tau] = last
         longest = int(np.argmax(theta[: mesh.n_segments]))
         moving = [k for k in range(len(theta)) if k not in (tau, longest) and np.any(mesh.length[:, k])]
         for k in moving:
-            tail = stage.to_places @ self.sum_over_stages(k)
-            result[k] = stage.at_places(stage.derivative(before, k)) + tail
+            tail = stage.to_points @ self.sum_over_stages(k)
+            result[k] = stage.output_at_points(stage.derivative(before, k)) + tail
         result[longest] = -sum(theta[k] * result[k] for k in [tau, *moving]) / theta[longest]
         return result
 
     def sum_over_stages(self, component: int) -> Array:
         """Return sum_j P^(n-2-j) dP P^j u over the n - 1 first stages, shape (n_collocation, n_quantities).
 
-        dP = U F has the small rank of the equations in the component's segment. Blocks of b stages are taken at once: the rows
-        F, F P, .., F P^(b-1) and the columns P^(b-1) U, .., U are made by doubling, and a block is two products with a vector.
+        dP = U F has the small rank of the equations in the component's segment. Blocks of b stages are taken at once:
+        the rows F, F P, .., F P^(b-1) and the columns P^(b-1) U, .., U are made by doubling, and a block is two
+        products with a vector.
         """
         squares = self.powers.squares
         U, F = self.stage.derivative_factors(component)
@@ -139,7 +160,7 @@ class _Slopes:
         return total
 
 
-def taylor_step(order: int) -> Line:
+def taylor_step(order: int) -> DelayLine:
     """Return one stage of the chain as a delay line in the states w_0 .. w_{M-1}."""
     mass = np.ones(order)
     mass[-1] = 1.0 / math.factorial(order)
@@ -147,4 +168,4 @@ def taylor_step(order: int) -> Line:
     A[-1] -= [1.0 / math.factorial(k) for k in range(order)]
     B = np.zeros(order)
     B[-1] = 1.0
-    return Line(mass, A, B, 0)
+    return DelayLine(mass, A, B, 0)

@@ -1,27 +1,30 @@
-"""Delayed values read from the orbit's own polynomials, wrapped by whole periods (design section 5.1).
+"""Delayed values read from the orbit's own polynomials, wrapped by whole periods.
 
-A place at time b @ theta reads at (b - e_k) @ theta + w sum T_s. Which interval that lies in, and w, are decided once, at the
-mesh's anchor: while the unknowns move by less than a mesh interval the same polynomial is read, slightly beyond its ends if
-need be, so that the delayed values are smooth functions of all unknowns and their derivatives exact. A mesh whose breaking
-points change their order is renewed (``orbit.meshing``).
+A point at time b @ theta reads at (b - lag) @ theta + w sum T_s. Which interval that lies in, and w, are decided once,
+at the mesh's reference theta: while the unknowns move by less than a mesh interval the same polynomial is read,
+slightly beyond its ends if need be, so that the delayed values are smooth functions of all unknowns and their
+derivatives exact. A mesh whose breaking points change their order is renewed.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.delay.operator import DelayOperator, LocalWeights
+from pddecont.collocation import Mesh, MeshPoints
+from pddecont.delay.interface import DelayOperator, LineStages, LocalWeights
 from pddecont.errors import ConvergenceError
-from pddecont.orbit.mesh import Mesh, Places
 
 Array = NDArray[np.float64]
+# How far inside its interval a read at an edge is looked for, in periods: above rounding, below any interval.
 NUDGE = 1e-11
+# Intervals beyond its own that a polynomial is read at most; farther it says nothing.
 FAR = 3.0
+# Intervals beyond its own that reads of a mesh in use may move before it is renewed.
+BEYOND = 0.5
 
 
 @dataclass(frozen=True)
@@ -30,10 +33,46 @@ class Direct:
 
     track: bool = True
 
-    def operator(self, mesh: Mesh, theta: Array, tau_index: int, places: Places) -> DelayOperator:
-        """Return the operator of the delay ``theta[tau_index]`` for reads at ``places``."""
-        held = mesh.anchor is not None and places is mesh.sites
-        reads = anchored(mesh, tau_index) if held else locate(mesh, theta, tau_index, places)
+    @property
+    def tracks_breaking_points(self) -> bool:
+        """Whether meshes follow the breaking points."""
+        return self.track
+
+    @property
+    def stages(self) -> LineStages | None:
+        """None: delayed values are values of the orbit itself."""
+        return None
+
+    @property
+    def simulated_stages(self) -> tuple[int, int]:
+        """(0, 0): a simulation reads the past itself."""
+        return 0, 0
+
+    def mesh_is_valid(self, mesh: Mesh, theta: Array, lags: Array) -> bool:
+        """Return whether every value is still read from the piece in which it lies at ``theta``, near its interval.
+
+        Collocation points of a mesh that does not track breaking points may pass an edge; a segment's end never may,
+        since a state may jump there.
+        """
+        if mesh.reference_theta is None:
+            return True
+        held = slice(0 if self.track else mesh.n_collocation, None)
+        lengths, starts = mesh.length @ theta, mesh.start @ theta
+        for lag in lags:
+            reads = reference_reads(mesh, lag)
+            sigma = (reads.times @ theta - starts[reads.interval]) / lengths[reads.interval]
+            if np.any(sigma < -BEYOND) or np.any(sigma > 1.0 + BEYOND):
+                return False
+            now = find_reads(mesh, theta, lag, mesh.equation_points)
+            same_piece = mesh.piece[now.interval[held]] == mesh.piece[reads.interval[held]]
+            if not np.all(same_piece & (now.wraps[held] == reads.wraps[held])):
+                return False
+        return True
+
+    def operator(self, mesh: Mesh, theta: Array, lag: Array, points: MeshPoints) -> DelayOperator:
+        """Return the operator that reads ``lag @ theta`` before ``points``."""
+        held = mesh.reference_theta is not None and points is mesh.equation_points
+        reads = reference_reads(mesh, lag) if held else find_reads(mesh, theta, lag, points)
         j = reads.interval
         lengths = (mesh.length @ theta)[j]
         if not np.all(np.abs(lengths) > 0.0):
@@ -47,16 +86,17 @@ class Direct:
         def theta_derivative(values: Array, which: Sequence[int]) -> Array:
             slopes = np.matmul((weights @ mesh.basis.differentiate)[:, None], values[columns])[:, 0]
             moves = (reads.times - mesh.start[j] - sigma[:, None] * mesh.length[j])[:, which] / lengths[:, None]
-            return slopes[:, :, None] * moves[:, None, :]
+            result: Array = slopes[:, :, None] * moves[:, None, :]
+            return result
 
         return DelayOperator(LocalWeights(columns, weights, j, sigma, reads.wraps), theta_derivative)
 
 
 @dataclass(frozen=True, eq=False)
-class Where:
-    """Where reads fall: ``times`` their coefficients of theta, ``wraps`` periods back, ``interval`` the mesh interval.
+class Reads:
+    """Where points read: ``times`` their coefficients of theta, ``wraps`` periods back, ``interval`` of the mesh.
 
-    ``columns`` (n_places, degree + 1) are the interval's base points.
+    ``columns`` (n_points, degree + 1) are the interval's base points.
     """
 
     times: Array
@@ -65,26 +105,20 @@ class Where:
     columns: NDArray[np.intp]
 
 
-@lru_cache(maxsize=64)
-def anchored(mesh: Mesh, tau_index: int) -> Where:
-    """Return where the sites of a mesh read at the theta that it was made for."""
-    assert mesh.anchor is not None
-    return locate(mesh, mesh.anchor, tau_index, mesh.sites)
+def reference_reads(mesh: Mesh, lag: Array) -> Reads:
+    """Return where the equation points of a mesh read at the theta that it was made for."""
+    theta = mesh.reference_theta
+    assert theta is not None
+    return mesh.once(("reads", lag.tobytes()), lambda: find_reads(mesh, theta, lag, mesh.equation_points))
 
 
-def locate(mesh: Mesh, theta: Array, tau_index: int, places: Places) -> Where:
-    """Return where places read when delayed by ``theta[tau_index]``; at an edge, on the side that the place itself is on."""
-    n = mesh.n_segments
-    period = float(np.sum(theta[:n]))
-    times = mesh.times(places)
-    times[:, tau_index] -= 1.0
-    inward = places.inward
+def find_reads(mesh: Mesh, theta: Array, lag: Array, points: MeshPoints) -> Reads:
+    """Return where ``points`` read at ``theta``; at an edge, on the side that the point itself is on."""
+    times = mesh.times(points) - lag
+    inward = points.inward
     if inward is None:
-        inward = np.where(places.sigma <= 0.0, 1.0, np.where(places.sigma >= 1.0, -1.0, 0.0))
-    at = times @ theta + NUDGE * period * inward
-    wraps = -np.floor(at / period).astype(np.intp)
-    times[:, :n] += wraps[:, None]
-    edges = mesh.start @ theta
-    interval = np.searchsorted(edges, at + wraps * period, side="right") - 1
-    interval = np.clip(interval, 0, mesh.n_intervals - 1)
-    return Where(times, wraps, interval, mesh.base_index[interval])
+        inward = np.where(points.sigma <= 0.0, 1.0, np.where(points.sigma >= 1.0, -1.0, 0.0))
+    at = times @ theta
+    located, later = mesh.locate(theta, at, choose_by=at + NUDGE * mesh.period(theta) * inward)
+    times[:, : mesh.n_segments] -= later[:, None]
+    return Reads(times, -later, located.interval, mesh.base_index[located.interval])

@@ -1,4 +1,7 @@
-"""From a model file to the symbolic model: expressions parsed, names resolved, cross-references checked, all problems collected."""
+"""From a model file to the symbolic model.
+
+Expressions are parsed, names resolved, cross-references checked, and all problems collected.
+"""
 
 from __future__ import annotations
 
@@ -10,11 +13,20 @@ import sympy
 
 from pddecont.errors import ModelError, Problem, suggest
 from pddecont.model.document import Document, KeyPath, parse_document, read_text
-from pddecont.model.evaluation import size, value
-from pddecont.model.expression import MAX_SIZE, TIME, ExpressionError, Scope, parse, substituted
-from pddecont.model.periodicity import not_repeating
+from pddecont.model.evaluation import count_terms, evaluate
+from pddecont.model.expression import MAX_SIZE, TIME, ExpressionError, Scope, parse_expression, substitute
+from pddecont.model.periodicity import explain_non_periodic
 from pddecont.model.schema import DelayedEvent, ModelFile
-from pddecont.model.system import IDENTITY, Effect, Event, Model, Segment, delayed_symbol, symbol
+from pddecont.model.system import (
+    IDENTITY,
+    DelayedValue,
+    Effect,
+    Event,
+    Model,
+    Segment,
+    make_delayed_symbol,
+    make_symbol,
+)
 from pddecont.model.validation import validate
 
 
@@ -43,24 +55,24 @@ class _Builder:
         self.problems: list[Problem] = []
         self.warnings: list[Problem] = []
         self.delays: list[sympy.Expr] = []
-        self.delayed: list[tuple[int, int]] = []
+        self.delayed: list[DelayedValue] = []
         self.used: set[str] = set()
-        self.numbers = {symbol(k): v for k, v in file.parameters.items()}
+        self.numbers = {make_symbol(k): v for k, v in file.parameters.items()}
 
-    def complain(self, path: KeyPath, message: str, *, offset: int = 0, key: bool = False) -> None:
+    def add_error(self, path: KeyPath, message: str, *, offset: int = 0, key: bool = False) -> None:
         """Note a problem at a place of the file."""
         self.problems.append(self.document.problem(path, message, offset=offset, key=key))
 
-    def warn(self, path: KeyPath, message: str) -> None:
+    def add_warning(self, path: KeyPath, message: str) -> None:
         """Note a warning at a place of the file."""
         self.warnings.append(self.document.problem(path, message, key=True))
 
     def expression(self, path: KeyPath, text: str | float, scope: Scope) -> sympy.Expr:
         """Return the expression that a text writes; note a problem and return 0 where it writes none."""
         try:
-            return parse(text, scope)
+            return parse_expression(text, scope)
         except ExpressionError as exc:
-            self.complain(path, str(exc), offset=exc.offset)
+            self.add_error(path, str(exc), offset=exc.offset)
             return sympy.Integer(0)
 
     def build(self) -> Model | None:
@@ -70,20 +82,22 @@ class _Builder:
         self.check_units()
         if self.problems:
             return None
-        parameters = {name: symbol(name) for name in file.parameters}
+        parameters = {name: make_symbol(name) for name in file.parameters}
         self.parameter_scope = Scope(parameters, time=False, place="a delay or a period")
         period = None
         if file.forcing:
             period = self.positive(("forcing", "period"), file.forcing.period, "the forcing period")
-        base = {name: symbol(name) for name in file.states} | parameters
+        base = {name: make_symbol(name) for name in file.states} | parameters
         definitions = self.definitions(base)
         self.scope = Scope(base | definitions, states=file.states, delayed=self.delayed_value, place="the model")
         modes = {name: self.mode(name, body) for name, body in file.modes.items()}
         events = {name: self.event(name, body) for name, body in file.events.items()}
         resets = {name: self.reset(name, body) for name, body in file.resets.items()}
-        resets.setdefault(IDENTITY, tuple(map(symbol, file.states)))
-        segments = {name: Segment(name, *(getattr(body, key) for key in ("mode", "event", "direction", "reset", "to")))
-                    for name, body in file.segments.items()}  # fmt: skip
+        resets.setdefault(IDENTITY, tuple(map(make_symbol, file.states)))
+        segments = {
+            name: Segment(name, *(getattr(body, key) for key in ("mode", "event", "direction", "reset", "to")))
+            for name, body in file.segments.items()
+        }
         self.check_segments(segments, resets)
         effects = {name: self.effect(name, body.set, body.drop) for name, body in file.effects.items()}
         mode, history = self.initial()
@@ -91,20 +105,38 @@ class _Builder:
         self.check_time(period, used)
         self.check_unused(used, definitions)
         self.check_repeats(period, modes, events, resets)
-        return Model(file.name, file.reference, tuple(file.states), dict(file.parameters), period, modes, events, resets,
-                     segments, effects, tuple(self.delays), tuple(self.delayed), mode, history, definitions,
-                     units=dict(file.units))  # fmt: skip
+        return Model(
+            file.name,
+            file.reference,
+            tuple(file.states),
+            dict(file.parameters),
+            period,
+            modes,
+            events,
+            resets,
+            segments,
+            effects,
+            tuple(self.delays),
+            tuple(self.delayed),
+            mode,
+            history,
+            definitions,
+            units=dict(file.units),
+        )
 
     def check_names(self) -> None:
         """Check that no name stands for two things."""
         owner: dict[str, str] = {}
         groups: Iterable[tuple[str, Iterable[str]]] = (
-            ("states", self.file.states), ("parameters", self.file.parameters), ("definitions", self.file.definitions))
+            ("states", self.file.states),
+            ("parameters", self.file.parameters),
+            ("definitions", self.file.definitions),
+        )
         for group, names in groups:
             for i, name in enumerate(names):
                 path = (group, i) if group == "states" else (group, name)
                 if name in owner:
-                    self.complain(path, f"'{name}' stands already among the {owner[name]}; rename one", key=True)
+                    self.add_error(path, f"'{name}' stands already among the {owner[name]}; rename one", key=True)
                 owner[name] = group
 
     def check_units(self) -> None:
@@ -112,7 +144,11 @@ class _Builder:
         known = [*self.file.states, *self.file.parameters, *self.file.definitions, TIME.name]
         for name in self.file.units:
             if name not in known:
-                self.complain(("units", name), f"'{name}' is no state, parameter or definition and not t{suggest(name, known)}", key=True)
+                self.add_error(
+                    ("units", name),
+                    f"'{name}' is no state, parameter or definition and not t{suggest(name, known)}",
+                    key=True,
+                )
 
     def positive(self, path: KeyPath, text: str | float, what: str, *, zero: bool = False) -> sympy.Expr:
         """Return an expression in the parameters, and check that it is positive (or zero) at their values."""
@@ -127,63 +163,77 @@ class _Builder:
         """Check the sign of an expression at the parameters' values."""
         value = self.value_of(expr)
         if value is None:
-            self.complain(path, f"{what} is not a real number at the given parameters")
+            self.add_error(path, f"{what} is not a real number at the given parameters")
         elif value < 0 or (value == 0 and not zero):
-            self.complain(path, f"{what} is {value:g} at the given parameters; expected a {'non-negative' if zero else 'positive'} "
-                                "number")  # fmt: skip
+            self.add_error(
+                path,
+                f"{what} is {value:g} at the given parameters; expected a {'non-negative' if zero else 'positive'} "
+                "number",
+            )
 
     def value_of(self, expr: sympy.Expr) -> float | None:
         """Return an expression's value at the parameters' values; None if it is no real number."""
-        result = value(expr, self.numbers)
+        result = evaluate(expr, self.numbers)
         return result if math.isfinite(result) else None
 
     def delayed_value(self, state: str, delay: sympy.Expr) -> sympy.Expr:
         """Return the symbol for ``state(t - delay)`` and note the delay."""
         if delay == 0:
-            return symbol(state)
+            return make_symbol(state)
         strangers = sorted(s.name for s in delay.free_symbols if s not in self.numbers)
         if strangers:
             raise ExpressionError(f"a delay is an expression in parameters, but this one holds {', '.join(strangers)}")
         value = self.value_of(delay)
         if value is None or value < 0:
             shown = "not a real number" if value is None else f"{value:g}"
-            raise ExpressionError(f"the delay {delay} is {shown} at the given parameters; a delay is positive or zero "
-                                  "(a value in the future cannot be read)")  # fmt: skip
+            raise ExpressionError(
+                f"the delay {delay} is {shown} at the given parameters; a delay is positive or zero "
+                "(a value in the future cannot be read)"
+            )
         if delay not in self.delays:
             self.delays.append(delay)
-        pair = (self.file.states.index(state), self.delays.index(delay))
-        if pair not in self.delayed:
-            self.delayed.append(pair)
-        return delayed_symbol(state, delay)
+        read = DelayedValue(self.file.states.index(state), self.delays.index(delay))
+        if read not in self.delayed:
+            self.delayed.append(read)
+        return make_delayed_symbol(state, delay)
 
     def definitions(self, base: Mapping[str, sympy.Expr]) -> dict[str, sympy.Expr]:
         """Return the definitions, in any order of writing, each expanded to states and parameters."""
         texts = self.file.definitions
-        place_holders = {name: symbol(name) for name in texts}
-        scope = Scope({**base, **place_holders}, states=self.file.states, delayed=self.delayed_value, place="a definition")
+        place_holders = {name: make_symbol(name) for name in texts}
+        scope = Scope(
+            {**base, **place_holders}, states=self.file.states, delayed=self.delayed_value, place="a definition"
+        )
         raw = {name: self.expression(("definitions", name), text, scope) for name, text in texts.items()}
         done: dict[str, sympy.Expr] = {}
 
         def expand(name: str, above: tuple[str, ...]) -> sympy.Expr:
             if name in above:
                 if name not in done:
-                    self.complain(("definitions", name), f"'{name}' is defined by itself: {' -> '.join((*above, name))}", key=True)
+                    self.add_error(
+                        ("definitions", name), f"'{name}' is defined by itself: {' -> '.join((*above, name))}", key=True
+                    )
                 return sympy.Integer(0)
             if name not in done:
-                inner = {symbol(n): expand(n, (*above, name)) for n in texts if symbol(n) in raw[name].free_symbols}
+                inner = {
+                    make_symbol(n): expand(n, (*above, name)) for n in texts if make_symbol(n) in raw[name].free_symbols
+                }
                 done[name] = self.put_in(("definitions", name), raw[name], inner)
             return done[name]
 
         return {name: expand(name, ()) for name in texts}
 
     def put_in(self, path: KeyPath, expr: sympy.Expr, values: Mapping[sympy.Symbol, sympy.Expr]) -> sympy.Expr:
-        """Return a definition with others put in; note a problem and return 0 where it grows too large or is not finite."""
+        """Return a definition with others put in.
+
+        Note a problem and return 0 where it grows too large or is not finite.
+        """
         try:
-            if size(expr, {s: size(e) for s, e in values.items()}) > MAX_SIZE:
+            if count_terms(expr, {s: count_terms(e) for s, e in values.items()}) > MAX_SIZE:
                 raise ExpressionError(f"more than {MAX_SIZE} terms with the definitions put in")
-            return substituted(expr, values)
+            return substitute(expr, values)
         except ExpressionError as exc:
-            self.complain(path, str(exc))
+            self.add_error(path, str(exc))
             return sympy.Integer(0)
 
     def mode(self, name: str, body: Mapping[str, str | float]) -> tuple[sympy.Expr, ...]:
@@ -193,13 +243,21 @@ class _Builder:
         for key in body:
             if key not in wanted:
                 hint = f"; write {key}'" if key in self.file.states else suggest(key, wanted)
-                self.complain((*path, key), f"'{key}' is not the derivative of a state{hint} "
-                                            f"(states: {', '.join(self.file.states)})", key=True)  # fmt: skip
+                self.add_error(
+                    (*path, key),
+                    f"'{key}' is not the derivative of a state{hint} (states: {', '.join(self.file.states)})",
+                    key=True,
+                )
         for key in wanted:
             if key not in body:
-                self.complain(path, f"mode '{name}' does not say what {key} is; every mode gives the derivative of every state",
-                              key=True)  # fmt: skip
-        return tuple(self.expression((*path, key), body[key], self.scope) if key in body else sympy.Integer(0) for key in wanted)
+                self.add_error(
+                    path,
+                    f"mode '{name}' does not say what {key} is; every mode gives the derivative of every state",
+                    key=True,
+                )
+        return tuple(
+            self.expression((*path, key), body[key], self.scope) if key in body else sympy.Integer(0) for key in wanted
+        )
 
     def event(self, name: str, body: Any) -> Event:
         """Return an event: a function's zero, or a moment after another event."""
@@ -208,9 +266,11 @@ class _Builder:
             delay = self.positive((*path, "delay"), body.delay, "the delay of this event", zero=True)
             source = self.file.events.get(body.after)
             if source is None:
-                self.complain((*path, "after"), f"event '{body.after}' is not defined{suggest(body.after, self.file.events)}")
+                self.add_error(
+                    (*path, "after"), f"event '{body.after}' is not defined{suggest(body.after, self.file.events)}"
+                )
             elif body.after == name:
-                self.complain((*path, "after"), f"event '{name}' cannot come after itself")
+                self.add_error((*path, "after"), f"event '{name}' cannot come after itself")
             return Event(name, None, body.after, delay)
         return Event(name, self.expression(path, body, self.scope))
 
@@ -219,47 +279,70 @@ class _Builder:
         path = ("resets", name)
         for key in body:
             if key not in self.file.states:
-                self.complain((*path, key), f"reset '{name}' sets '{key}', which is not a state{suggest(key, self.file.states)} "
-                                            f"(states: {', '.join(self.file.states)})", key=True)  # fmt: skip
-        return tuple(self.expression((*path, s), body[s], self.scope) if s in body else symbol(s) for s in self.file.states)
+                self.add_error(
+                    (*path, key),
+                    f"reset '{name}' sets '{key}', which is not a state{suggest(key, self.file.states)} "
+                    f"(states: {', '.join(self.file.states)})",
+                    key=True,
+                )
+        return tuple(
+            self.expression((*path, s), body[s], self.scope) if s in body else make_symbol(s) for s in self.file.states
+        )
 
     def check_segments(self, segments: Mapping[str, Segment], resets: Mapping[str, Any]) -> None:
         """Check that segments name what there is, and that all there is is named."""
         file = self.file
         for name, segment in segments.items():
             for key, given, known, what in (
-                ("mode", segment.mode, file.modes, "runs in mode"), ("event", segment.event, file.events, "ends at event"),
-                ("reset", segment.reset, resets, "applies reset"), ("to", segment.to, file.modes, "leads to mode"),
-            ):  # fmt: skip
+                ("mode", segment.mode, file.modes, "runs in mode"),
+                ("event", segment.event, file.events, "ends at event"),
+                ("reset", segment.reset, resets, "applies reset"),
+                ("to", segment.to, file.modes, "leads to mode"),
+            ):
                 if given not in known:
                     kind = what.split()[-1]
-                    self.complain(("segments", name, key), f"segment '{name}' {what} '{given}', which is not defined "
-                                                           f"({kind}s: {', '.join(known) or 'none'}){suggest(given, known)}")  # fmt: skip
-        used = {s.event for s in segments.values()} | {e.after for e in file.events.values() if isinstance(e, DelayedEvent)}
+                    self.add_error(
+                        ("segments", name, key),
+                        f"segment '{name}' {what} '{given}', which is not defined "
+                        f"({kind}s: {', '.join(known) or 'none'}){suggest(given, known)}",
+                    )
+        used = {s.event for s in segments.values()} | {
+            e.after for e in file.events.values() if isinstance(e, DelayedEvent)
+        }
         for name in file.events:
             if name not in used:
-                self.complain(("events", name), f"event '{name}' ends no segment; add a segment with 'event: {name}' or remove it",
-                              key=True)  # fmt: skip
+                self.add_error(
+                    ("events", name),
+                    f"event '{name}' ends no segment; add a segment with 'event: {name}' or remove it",
+                    key=True,
+                )
         if not segments and len(file.modes) > 1:
-            self.complain(("modes",), f"{len(file.modes)} modes but no segments lead from one to another; add segments", key=True)
+            self.add_error(
+                ("modes",), f"{len(file.modes)} modes but no segments lead from one to another; add segments", key=True
+            )
         for name in file.resets:
             if name != IDENTITY and name not in {s.reset for s in segments.values()}:
-                self.warn(("resets", name), f"reset '{name}' is not used by any segment")
+                self.add_warning(("resets", name), f"reset '{name}' is not used by any segment")
         reached = {s.to for s in segments.values()} | {str(file.initial.get("mode", next(iter(file.modes))))}
         for name in file.modes:
             if name not in reached:
-                self.warn(("modes", name), f"no segment leads to mode '{name}'")
+                self.add_warning(("modes", name), f"no segment leads to mode '{name}'")
 
     def effect(self, name: str, values: Mapping[str, str | float], drop: Sequence[str]) -> Effect:
         """Return what leaving an effect out changes."""
         path = ("effects", name)
         for key in values:
             if key not in self.file.parameters:
-                self.complain((*path, "set", key), f"'{key}' is not a parameter{suggest(key, self.file.parameters)}", key=True)
+                self.add_error(
+                    (*path, "set", key), f"'{key}' is not a parameter{suggest(key, self.file.parameters)}", key=True
+                )
         for i, event in enumerate(drop):
             if event not in self.file.events:
-                self.complain((*path, "drop", i), f"event '{event}' is not defined{suggest(event, self.file.events)}")
-        return Effect({key: self.expression((*path, "set", key), v, self.parameter_scope) for key, v in values.items()}, tuple(drop))
+                self.add_error((*path, "drop", i), f"event '{event}' is not defined{suggest(event, self.file.events)}")
+        return Effect(
+            {key: self.expression((*path, "set", key), v, self.parameter_scope) for key, v in values.items()},
+            tuple(drop),
+        )
 
     def initial(self) -> tuple[str, tuple[sympy.Expr, ...]]:
         """Return the initial mode and the history."""
@@ -267,24 +350,30 @@ class _Builder:
         first = next(iter(self.file.modes))
         mode = given.get("mode", first)
         if mode not in self.file.modes:
-            self.complain(("initial", "mode"), f"mode '{mode}' is not defined (modes: {', '.join(self.file.modes)})")
+            self.add_error(("initial", "mode"), f"mode '{mode}' is not defined (modes: {', '.join(self.file.modes)})")
         for key in given:
             if key != "mode" and key not in self.file.states:
-                self.complain(("initial", key), f"'{key}' is not a state{suggest(key, self.file.states)}", key=True)
+                self.add_error(("initial", key), f"'{key}' is not a state{suggest(key, self.file.states)}", key=True)
         scope = Scope(self.parameter_scope.symbols, place="the initial history")
-        history = (self.expression(("initial", s), given[s], scope) if s in given else sympy.Integer(0) for s in self.file.states)
+        history = (
+            self.expression(("initial", s), given[s], scope) if s in given else sympy.Integer(0)
+            for s in self.file.states
+        )
         return str(mode), tuple(history)
 
     @staticmethod
-    def free_symbols(modes: Mapping[str, Any], events: Mapping[str, Event], resets: Mapping[str, Any],
-                     period: sympy.Expr | None) -> dict[KeyPath, set[sympy.Symbol]]:  # fmt: skip
+    def free_symbols(
+        modes: Mapping[str, Any], events: Mapping[str, Event], resets: Mapping[str, Any], period: sympy.Expr | None
+    ) -> dict[KeyPath, set[sympy.Symbol]]:
         """Return the symbols in each expression of the model, by the path of the expression's mapping."""
         used: dict[KeyPath, set[sympy.Symbol]] = {}
         for group, members in (("modes", modes), ("resets", resets)):
             for name, exprs in members.items():
                 used[(group, name)] = set().union(*(e.free_symbols for e in exprs))
         for name, event in events.items():
-            used[("events", name)] = set().union(*(e.free_symbols for e in (event.function, event.delay) if e is not None))
+            used[("events", name)] = set().union(
+                *(e.free_symbols for e in (event.function, event.delay) if e is not None)
+            )
         used[("forcing",)] = set(period.free_symbols) if period is not None else set()
         return used
 
@@ -293,28 +382,43 @@ class _Builder:
         where = [path for path, symbols in used.items() if TIME in symbols]
         if where and period is None and not self.file.forcing:
             group, name = where[0]
-            self.complain(where[0], f"'t' appears in {group} '{name}' but the model has no 'forcing'; add "
-                                    "'forcing: {period: ...}' with the period of what depends on t", key=True)  # fmt: skip
+            self.add_error(
+                where[0],
+                f"'t' appears in {group} '{name}' but the model has no 'forcing'; add "
+                "'forcing: {period: ...}' with the period of what depends on t",
+                key=True,
+            )
         if not where and period is not None and not self.problems:
-            self.warn(("forcing",), "the model has 'forcing' but 't' appears in no mode, event or reset")
+            self.add_warning(("forcing",), "the model has 'forcing' but 't' appears in no mode, event or reset")
 
-    def check_repeats(self, period: sympy.Expr | None, modes: Mapping[str, Any], events: Mapping[str, Event],
-                      resets: Mapping[str, Any]) -> None:  # fmt: skip
+    def check_repeats(
+        self,
+        period: sympy.Expr | None,
+        modes: Mapping[str, Any],
+        events: Mapping[str, Event],
+        resets: Mapping[str, Any],
+    ) -> None:
         """Check that the model repeats after the forcing period, at the parameters' values."""
         if period is None or self.problems:
             return
         states = self.file.states
-        named = [(f"{s}' of mode '{name}'", f) for name, body in modes.items() for s, f in zip(states, body, strict=True)]
+        named = [
+            (f"{s}' of mode '{name}'", f) for name, body in modes.items() for s, f in zip(states, body, strict=True)
+        ]
         named += [(f"event '{e.name}'", e.function) for e in events.values() if e.function is not None]
-        named += [(f"{s} of reset '{name}'", g) for name, body in resets.items() for s, g in zip(states, body, strict=True)]
-        found = not_repeating(named, value(period, self.numbers), self.numbers)
+        named += [
+            (f"{s} of reset '{name}'", g) for name, body in resets.items() for s, g in zip(states, body, strict=True)
+        ]
+        found = explain_non_periodic(named, evaluate(period, self.numbers), self.numbers)
         if found:
-            self.complain(("forcing", "period"), f"{found}; give the period of all that depends on t")
+            self.add_error(("forcing", "period"), f"{found}; give the period of all that depends on t")
 
     def check_unused(self, used: Mapping[KeyPath, set[sympy.Symbol]], definitions: Mapping[str, sympy.Expr]) -> None:
         """Warn of parameters that nothing uses."""
         symbols = set().union(*used.values(), *(d.free_symbols for d in self.delays))
         in_effects = {name for effect in self.file.effects.values() for name in effect.set}
         for name in self.file.parameters:
-            if symbol(name) not in symbols and name not in in_effects:
-                self.warn(("parameters", name), f"parameter '{name}' is not used in any mode, event, reset or delay")
+            if make_symbol(name) not in symbols and name not in in_effects:
+                self.add_warning(
+                    ("parameters", name), f"parameter '{name}' is not used in any mode, event, reset or delay"
+                )

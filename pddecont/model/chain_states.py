@@ -14,36 +14,53 @@ from math import factorial
 
 import sympy
 
-from pddecont.model.system import Model, symbol
+from pddecont.model.system import Model, make_symbol
 
 
-def stage_name(state: str, delay: int, stage: int, k: int) -> str:
-    """Return the name of w_k of a stage of the chain of ``state`` through a delay; it cannot be typed as an identifier."""
+def name_stage(state: str, delay: int, stage: int, k: int) -> str:
+    """Return the name of w_k of a stage of the chain of ``state`` through a delay.
+
+    It cannot be typed as an identifier.
+    """
     return f"{state}[{delay}, {stage}, {k}]"
 
 
-def with_chain_states(model: Model, order: int, n: int) -> Model:
-    """Return the model with chains of ``n`` stages of ``order`` as states, first the model's own, in place of its delays."""
+def add_chain_states(model: Model, order: int, n: int) -> Model:
+    """Return the model with chains of ``n`` stages of ``order`` in place of its delays.
+
+    The variables of the chains are states, after the model's own.
+    """
     names: list[str] = []
     equations: list[sympy.Expr] = []
     delayed: dict[sympy.Symbol, sympy.Symbol] = {}
-    for (state, delay), value in zip(model.delayed, model.delayed_symbols, strict=True):
-        delta, before = model.delays[delay] / n, symbol(model.states[state])
+    for read, value in zip(model.delayed, model.delayed_symbols, strict=True):
+        state, delay = read.state, read.delay
+        delta, before = model.delays[delay] / n, make_symbol(model.states[state])
         for stage in range(1, n + 1):
-            own = [stage_name(model.states[state], delay, stage, k) for k in range(order)]
-            w = list(map(symbol, own))
+            own = [name_stage(model.states[state], delay, stage, k) for k in range(order)]
+            w = list(map(make_symbol, own))
             taylor = sum(w[k] / factorial(k) for k in range(order))
             names += own
             equations += [*(w[k + 1] / delta for k in range(order - 1)), factorial(order) * (before - taylor) / delta]
             before = w[0]
         delayed[value] = before
-    stages = tuple(map(symbol, names))
+    stages = tuple(map(make_symbol, names))
 
     def body(exprs: tuple[sympy.Expr, ...], more: tuple[sympy.Expr, ...]) -> tuple[sympy.Expr, ...]:
         return (*(e.xreplace(delayed) for e in exprs), *more)
 
-    events = {k: e if e.function is None else replace(e, function=e.function.xreplace(delayed)) for k, e in model.events.items()}
-    return replace(model, states=(*model.states, *names), modes={k: body(v, tuple(equations)) for k, v in model.modes.items()},
-                   events=events, resets={k: body(v, stages) for k, v in model.resets.items()}, delays=(), delayed=(),
-                   history=(*model.history, *(sympy.Integer(0) for _ in names)),
-                   definitions={k: v.xreplace(delayed) for k, v in model.definitions.items()})  # fmt: skip
+    events = {
+        k: e if e.function is None else replace(e, function=e.function.xreplace(delayed))
+        for k, e in model.events.items()
+    }
+    return replace(
+        model,
+        states=(*model.states, *names),
+        modes={k: body(v, tuple(equations)) for k, v in model.modes.items()},
+        events=events,
+        resets={k: body(v, stages) for k, v in model.resets.items()},
+        delays=(),
+        delayed=(),
+        history=(*model.history, *(sympy.Integer(0) for _ in names)),
+        definitions={k: v.xreplace(delayed) for k, v in model.definitions.items()},
+    )

@@ -7,15 +7,18 @@ from collections.abc import Collection, Iterable, Mapping
 import sympy
 from sympy.utilities.iterables import strongly_connected_components
 
-from pddecont.model.system import Model, delayed_symbol, symbol
+from pddecont.model.system import Model, make_symbol
 
 Reads = Mapping[str, set[str]]
 
 
-def reads(model: Model) -> tuple[Reads, set[str]]:
-    """Return the states that each state's equations and resets read, now or delayed, and those that event functions read."""
-    owner = {symbol(name): name for name in model.states}
-    owner |= {delayed_symbol(model.states[i], model.delays[k]): model.states[i] for i, k in model.delayed}
+def find_reads(model: Model) -> tuple[Reads, set[str]]:
+    """Return the states that each state's equations and resets read, and those that event functions read.
+
+    They are read now or delayed.
+    """
+    owner = {make_symbol(name): name for name in model.states}
+    owner |= {s: model.states[d.state] for d, s in zip(model.delayed, model.delayed_symbols, strict=True)}
 
     def states_in(exprs: Iterable[sympy.Expr]) -> set[str]:
         return {owner[s] for e in exprs for s in e.free_symbols if s in owner}
@@ -25,15 +28,16 @@ def reads(model: Model) -> tuple[Reads, set[str]]:
     return by_state, states_in(e.function for e in model.events.values() if e.function is not None)
 
 
-def unread_states(full: Model, left: Model, named: Collection[str]) -> list[str]:
+def find_unread_states(full: Model, left: Model, named: Collection[str]) -> list[str]:
     """Return the states of ``left`` that nothing left needs although something in ``full`` did.
 
-    States that read one another stand and fall together. Such a group goes when nothing outside it reads it any more, and it is either
-    what only fed others in ``full`` (a clock, a generator of forcing) or follows states that stay (a filter, a controller). The group of
-    the model's first state stays, and so do those in ``named``, those that nothing ever read, and motions of their own that were coupled.
+    States that read one another stand and fall together. Such a group goes when nothing outside it reads it any more,
+    and it is either what only fed others in ``full`` (a clock, a generator of forcing) or follows states that stay (a
+    filter, a controller). The group of the model's first state stays, and so do those in ``named``, those that nothing
+    ever read, and motions of their own that were coupled.
     """
-    by_state, by_events = reads(full)
-    now, now_by_events = reads(left)
+    by_state, by_events = find_reads(full)
+    now, now_by_events = find_reads(left)
     groups = strongly_connected_components((list(left.states), [(a, b) for a in left.states for b in sorted(now[a])]))
     kept = set(left.states)
     stays = {left.states[0], *named, *now_by_events}

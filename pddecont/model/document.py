@@ -20,8 +20,11 @@ from pddecont.errors import InputError, Problem
 MAX_BYTES = 1_000_000
 MAX_DEPTH = 40
 MAX_NODES = 50_000
-TOO_MUCH = (f"more than {MAX_NODES} values or {MAX_DEPTH} levels, counting each use of an anchor; write the values out or make the file "
-            "smaller")  # fmt: skip
+TOO_MUCH = (
+    f"more than {MAX_NODES} values or {MAX_DEPTH} levels, counting each use of an anchor; write the values out or "
+    f"make the file "
+    "smaller"
+)
 AMBIGUOUS_KEYS = {"yes", "no", "on", "off", "true", "false"}
 
 # Longer ones are text: what is tried in vain on a million digits takes hours.
@@ -70,10 +73,10 @@ def read_text(path: str | Path, error: type[InputError] = InputError) -> str:
             raw = stream.read(4 * MAX_BYTES)
     except OSError as exc:
         raise error.at(str(path), 0, 0, f"cannot be read: {exc.strerror}; check the path") from exc
-    return decoded(raw, path, error)
+    return decode(raw, path, error)
 
 
-def decoded(raw: bytes, path: str | Path, error: type[InputError] = InputError) -> str:
+def decode(raw: bytes, path: str | Path, error: type[InputError] = InputError) -> str:
     """Return UTF-8 text, or raise ``error`` that says where it is none."""
     try:
         return raw.decode("utf-8")
@@ -104,11 +107,11 @@ def parse_document(text: str, path: str, error: type[InputError] = InputError) -
     if builder.problems:
         raise error(builder.problems)
     if not isinstance(data, dict):
-        raise error.at(path, 1, 1, f"expected a mapping at the top of the file, found {kind_of(data)}")
+        raise error.at(path, 1, 1, f"expected a mapping at the top of the file, found {describe_kind(data)}")
     return Document(path, text, data, builder.values, builder.keys)
 
 
-def kind_of(value: Any) -> str:
+def describe_kind(value: Any) -> str:
     """Return what ``value`` is, in words for a message."""
     names = {dict: "a mapping", list: "a list", str: "text", bool: "true/false", type(None): "nothing"}
     return names.get(type(value), "a number")
@@ -130,7 +133,7 @@ class _Loader(yaml.SafeLoader):
         self.nodes += 1
         self.levels += 1
         if self.nodes > 2 * MAX_NODES or self.levels > MAX_DEPTH:
-            raise yaml.MarkedYAMLError(problem=TOO_MUCH, problem_mark=self.peek_event().start_mark)
+            raise yaml.MarkedYAMLError(problem=TOO_MUCH, problem_mark=self.peek_event().start_mark)  # type: ignore[no-untyped-call]
         node = super().compose_node(parent, index)
         self.levels -= 1
         return node
@@ -184,7 +187,9 @@ class _Builder:
             mark = Mark(key_node.start_mark.line + 1, key_node.start_mark.column + 1)
             if key in data:
                 first = self.keys[here]
-                self.complain(key_node, f"key '{key}' stands twice in this mapping (first on line {first.line}); remove one")
+                self.complain(
+                    key_node, f"key '{key}' stands twice in this mapping (first on line {first.line}); remove one"
+                )
                 continue
             if key_node.style is None and key.lower() in AMBIGUOUS_KEYS and here[-2:] != ("effects", "off"):
                 self.complain(key_node, f"key '{key}' means true or false to many YAML readers; use another name")

@@ -8,33 +8,38 @@ from dataclasses import replace
 import sympy
 
 from pddecont.errors import PddecontError, suggest
-from pddecont.model.expression import ExpressionError, substituted
+from pddecont.model.expression import ExpressionError, substitute
 from pddecont.model.left_out import LeftOut
-from pddecont.model.reduction import KINDS, Cut, Named, Reasons, check_finite, reduced
-from pddecont.model.system import Model, symbol
+from pddecont.model.reduction import KINDS, Reasons, Reduction, ReferencedNames, check_finite, reduce_model
+from pddecont.model.system import Model, make_symbol
 
 
-def without(model: Model, off: Iterable[str], named: Named | None = None) -> Model:
+def leave_out_effects(model: Model, off: Iterable[str], named: ReferencedNames | None = None) -> Model:
     """Return the model without the effects named in ``off``; ``left_out`` of it tells what went with them.
 
     Raises
     ------
     PddecontError
-        If an effect is unknown, two effects set a parameter to different values, or a formula is not finite without them.
+        If an effect is unknown, two effects set a parameter to different values, or a formula is not finite without
+        them.
     """
-    names, named = tuple(dict.fromkeys(off)), named or Named()
+    names, named = tuple(dict.fromkeys(off)), named or ReferencedNames()
     for name in names:
         if name not in model.effects:
-            raise PddecontError(f"'{name}' is not an effect of model '{model.name}'{suggest(name, model.effects)} "
-                                f"(effects: {', '.join(model.effects) or 'none'})")  # fmt: skip
+            raise PddecontError(
+                f"'{name}' is not an effect of model '{model.name}'{suggest(name, model.effects)} "
+                f"(effects: {', '.join(model.effects) or 'none'})"
+            )
     if not names:
         return model
-    fixed = fixed_values(model, names)
+    fixed = resolve_fixed_values(model, names)
     try:
         left = _cut(model, names, named)
         check_finite(left.model)
     except ExpressionError as exc:
-        raise PddecontError(f"{_effects(names)} cannot be left out: a formula of model '{model.name}' then divides by zero") from exc
+        raise PddecontError(
+            f"{_effects(names)} cannot be left out: a formula of model '{model.name}' then divides by zero"
+        ) from exc
     put_back = {name: _cut(model, [n for n in names if n != name], named).reasons for name in names}
     alone = {name: _cut(model, [name], named).reasons for name in names}
     reasons: Reasons = {"parameters": {}}
@@ -50,7 +55,7 @@ def without(model: Model, off: Iterable[str], named: Named | None = None) -> Mod
     return replace(left.model, left_out=left_out, effects={k: e for k, e in model.effects.items() if k not in names})
 
 
-def fixed_values(model: Model, off: Iterable[str]) -> dict[str, sympy.Expr]:
+def resolve_fixed_values(model: Model, off: Iterable[str]) -> dict[str, sympy.Expr]:
     """Return the parameters that the effects ``off`` set, as expressions in those that they do not."""
     values: dict[str, sympy.Expr] = {}
     by: dict[str, str] = {}
@@ -58,21 +63,27 @@ def fixed_values(model: Model, off: Iterable[str]) -> dict[str, sympy.Expr]:
         for name, given in model.effects[effect].set.items():
             value = sympy.Integer(int(given)) if given.is_Float and float(given).is_integer() else given
             if name in values and values[name] != value:
-                raise PddecontError(f"effects '{by[name]}' and '{effect}' cannot both be left out: they set '{name}' to {values[name]} and "
-                                    f"to {value}")  # fmt: skip
+                raise PddecontError(
+                    f"effects '{by[name]}' and '{effect}' cannot both be left out: they set '{name}' to "
+                    f"{values[name]} and "
+                    f"to {value}"
+                )
             values[name], by[name] = value, effect
-    symbols = {symbol(name): value for name, value in values.items()}
+    symbols = {make_symbol(name): value for name, value in values.items()}
     for _ in values:
-        values = {name: substituted(value, symbols) for name, value in values.items()}
+        values = {name: substitute(value, symbols) for name, value in values.items()}
     for name, value in values.items():
         if value.free_symbols & set(symbols):
-            raise PddecontError(f"effect '{by[name]}' cannot be left out: it sets '{name}' to {value}, which other effects set in a circle")
+            raise PddecontError(
+                f"effect '{by[name]}' cannot be left out: it sets '{name}' to {value}, which other effects set in a "
+                f"circle"
+            )
     return values
 
 
-def _cut(model: Model, off: Collection[str], named: Named) -> Cut:
+def _cut(model: Model, off: Collection[str], named: ReferencedNames) -> Reduction:
     dropped = {event for name in off for event in model.effects[name].drop}
-    return reduced(model, fixed_values(model, off), dropped, named)
+    return reduce_model(model, resolve_fixed_values(model, off), dropped, named)
 
 
 def _effects(names: Collection[str]) -> str:

@@ -1,7 +1,7 @@
 """What an expression is worth, in plain doubles, and how large it is.
 
-Numbers that a file writes are never worked out with more digits than a double has: a tower of powers is infinite here at once,
-where exact arithmetic would fill the memory.
+Numbers that a file writes are never worked out with more digits than a double has: a tower of powers is infinite here
+at once, where exact arithmetic would fill the memory.
 """
 
 from __future__ import annotations
@@ -12,15 +12,29 @@ from collections.abc import Callable, Mapping
 import sympy
 
 _FUNCTIONS: dict[type, Callable[..., float]] = {
-    sympy.sin: math.sin, sympy.cos: math.cos, sympy.tan: math.tan, sympy.asin: math.asin, sympy.acos: math.acos, sympy.atan: math.atan,
-    sympy.atan2: math.atan2, sympy.sinh: math.sinh, sympy.cosh: math.cosh, sympy.tanh: math.tanh, sympy.exp: math.exp,
-    sympy.log: math.log, sympy.Abs: abs, sympy.sign: lambda v: math.copysign(1.0, v) if v else 0.0,
-}  # fmt: skip
+    sympy.sin: math.sin,
+    sympy.cos: math.cos,
+    sympy.tan: math.tan,
+    sympy.asin: math.asin,
+    sympy.acos: math.acos,
+    sympy.atan: math.atan,
+    sympy.atan2: math.atan2,
+    sympy.sinh: math.sinh,
+    sympy.cosh: math.cosh,
+    sympy.tanh: math.tanh,
+    sympy.exp: math.exp,
+    sympy.log: math.log,
+    sympy.Abs: abs,
+    sympy.sign: lambda v: math.copysign(1.0, v) if v else 0.0,
+}
 FUNCTIONS = frozenset(_FUNCTIONS)
 
 
-def value(expr: sympy.Expr, numbers: Mapping[sympy.Symbol, float] | None = None) -> float:
-    """Return what ``expr`` is worth where its symbols have ``numbers``; NaN or an infinity where it is no finite real number."""
+def evaluate(expr: sympy.Expr, numbers: Mapping[sympy.Symbol, float] | None = None) -> float:
+    """Return what ``expr`` is worth where its symbols have ``numbers``.
+
+    The result is NaN or an infinity where that is no finite real number.
+    """
     known: dict[sympy.Basic, float] = dict(numbers or {})
 
     def worth(e: sympy.Expr) -> float:
@@ -36,7 +50,7 @@ def value(expr: sympy.Expr, numbers: Mapping[sympy.Symbol, float] | None = None)
     return worth(expr)
 
 
-def applied(function: type, args: list[float]) -> float:
+def apply_function(function: type, args: list[float]) -> float:
     """Return a function's value; NaN or an infinity where it has no finite one."""
     try:
         return _FUNCTIONS[function](*args)
@@ -46,7 +60,7 @@ def applied(function: type, args: list[float]) -> float:
         return math.inf
 
 
-def raised(a: float, b: float) -> float:
+def raise_power(a: float, b: float) -> float:
     """Return the power a**b; NaN or an infinity where it is no finite real number."""
     try:
         return math.sqrt(a) if b == 0.5 else math.pow(a, b)
@@ -58,22 +72,26 @@ def raised(a: float, b: float) -> float:
 
 def _worth(e: sympy.Expr, args: list[float]) -> float:
     if isinstance(e, sympy.Rational):
-        return e.p / e.q
+        result: float = e.p / e.q
+        return result
     if e.is_Add:
         return math.fsum(args)
     if e.is_Mul:
         return math.prod(args)
     if e.is_Pow:
-        return 1.0 / args[0] if args[1] == -1.0 else raised(*args)
+        return 1.0 / args[0] if args[1] == -1.0 else raise_power(*args)
     if e.func in _FUNCTIONS:
-        return applied(e.func, args)
+        return apply_function(e.func, args)
     if isinstance(e, sympy.Float | sympy.NumberSymbol):
         return float(e)
     return math.nan
 
 
-def size(expr: sympy.Expr, weights: Mapping[sympy.Symbol, int] | None = None) -> int:
-    """Return the number of terms that ``expr`` has when it is written out, where symbols count as ``weights`` say (else as one)."""
+def count_terms(expr: sympy.Expr, weights: Mapping[sympy.Symbol, int] | None = None) -> int:
+    """Return the number of terms that ``expr`` has when it is written out.
+
+    Symbols count as ``weights`` say, else as one.
+    """
     known: dict[sympy.Basic, int] = dict(weights or {})
 
     def count(e: sympy.Basic) -> int:
@@ -84,20 +102,22 @@ def size(expr: sympy.Expr, weights: Mapping[sympy.Symbol, int] | None = None) ->
     return count(expr)
 
 
-def derivative_size(expr: sympy.Expr) -> int:
+def bound_derivative_terms(expr: sympy.Expr) -> int:
     """Return a bound on the number of terms of a derivative of ``expr`` that is written out, without taking it."""
     known: dict[sympy.Basic, int] = {}
 
     def count(e: sympy.Basic) -> int:
         if e not in known:
             inner = sum(map(count, e.args))
-            known[e] = inner + (len(e.args) if e.is_Mul else 2) * size(e) if e.args and not e.is_Add else inner + 1
+            known[e] = (
+                inner + (len(e.args) if e.is_Mul else 2) * count_terms(e) if e.args and not e.is_Add else inner + 1
+            )
         return known[e]
 
     return count(expr)
 
 
-def depth(expr: sympy.Basic) -> int:
+def measure_depth(expr: sympy.Basic) -> int:
     """Return how deeply ``expr`` is nested."""
     known: dict[sympy.Basic, int] = {}
 

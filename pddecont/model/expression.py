@@ -19,7 +19,14 @@ import sympy
 
 from pddecont.errors import suggest
 from pddecont.model.evaluation import FUNCTIONS as REAL_FUNCTIONS
-from pddecont.model.evaluation import applied, depth, derivative_size, raised, size, value
+from pddecont.model.evaluation import (
+    apply_function,
+    bound_derivative_terms,
+    count_terms,
+    evaluate,
+    measure_depth,
+    raise_power,
+)
 
 MAX_LENGTH = 20_000
 MAX_NODES = 5_000
@@ -31,18 +38,27 @@ MAX_DERIVATIVE = 400_000
 EXACT = 2**53
 
 FUNCTIONS: dict[str, tuple[Callable[..., sympy.Expr], int]] = {
-    "sin": (sympy.sin, 1), "cos": (sympy.cos, 1), "tan": (sympy.tan, 1),
-    "asin": (sympy.asin, 1), "acos": (sympy.acos, 1), "atan": (sympy.atan, 1), "atan2": (sympy.atan2, 2),
-    "sinh": (sympy.sinh, 1), "cosh": (sympy.cosh, 1), "tanh": (sympy.tanh, 1),
-    "exp": (sympy.exp, 1), "log": (sympy.log, 1), "sqrt": (sympy.sqrt, 1),
-}  # fmt: skip
+    "sin": (sympy.sin, 1),
+    "cos": (sympy.cos, 1),
+    "tan": (sympy.tan, 1),
+    "asin": (sympy.asin, 1),
+    "acos": (sympy.acos, 1),
+    "atan": (sympy.atan, 1),
+    "atan2": (sympy.atan2, 2),
+    "sinh": (sympy.sinh, 1),
+    "cosh": (sympy.cosh, 1),
+    "tanh": (sympy.tanh, 1),
+    "exp": (sympy.exp, 1),
+    "log": (sympy.log, 1),
+    "sqrt": (sympy.sqrt, 1),
+}
 NONSMOOTH = {"abs", "sign", "sgn", "heaviside", "Heaviside", "min", "max", "Min", "Max", "Abs", "floor", "ceil", "mod"}
 IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*\Z")
 TIME = sympy.Symbol("t", real=True)
 PI_NAME = "pi"
 
-# Python keywords may be names in a model (`lambda` is a popular parameter): each is masked by a name of equal length whose last
-# letter stands for nothing else.
+# Python keywords may be names in a model (`lambda` is a popular parameter): each is masked by a name of equal length
+# whose last letter stands for nothing else.
 _MASK = {word: word[:-1] + chr(0x250 + i) for i, word in enumerate(keyword.kwlist)}
 _UNMASK = {mask: word for word, mask in _MASK.items()}
 _KEYWORD = re.compile(r"\b(" + "|".join(keyword.kwlist) + r")\b")
@@ -56,6 +72,14 @@ class ExpressionError(Exception):
         super().__init__(message)
 
 
+class UndefinedNameError(ExpressionError):
+    """An expression mentions a ``name`` that stands for nothing."""
+
+    def __init__(self, name: str, message: str, offset: int):
+        self.name = name
+        super().__init__(message, offset)
+
+
 Builtin = Callable[["ast.Call", "Scope"], sympy.Expr]
 
 
@@ -63,9 +87,10 @@ Builtin = Callable[["ast.Call", "Scope"], sympy.Expr]
 class Scope:
     """What an expression may mention.
 
-    ``symbols`` maps names to what they stand for; ``delayed(state, delay)`` returns the symbol of a delayed value, or is
-    None where delays are not allowed; ``time`` says whether ``t`` may appear; ``builtins`` are functions of syntax nodes
-    (for monitors); ``place`` names the scope in messages; ``missing`` says why a name that once was there is not any more.
+    ``symbols`` maps names to what they stand for; ``delayed(state, delay)`` returns the symbol of a delayed value, or
+    is None where delays are not allowed; ``time`` says whether ``t`` may appear; ``builtins`` are functions of syntax
+    nodes (for monitors); ``place`` names the scope in messages; ``missing`` says why a name that once was there is not
+    any more.
     """
 
     symbols: Mapping[str, sympy.Expr]
@@ -78,7 +103,7 @@ class Scope:
     missing: Callable[[str], str] = lambda _: ""
 
 
-def parse(text: str | float | int, scope: Scope) -> sympy.Expr:
+def parse_expression(text: str | float | int, scope: Scope) -> sympy.Expr:
     """Return the sympy expression that ``text`` writes; raise :class:`ExpressionError` with an offset into it."""
     if isinstance(text, bool):
         raise ExpressionError("expected an expression, found true/false")
@@ -93,16 +118,19 @@ def parse(text: str | float | int, scope: Scope) -> sympy.Expr:
         offset = next(i for i, c in enumerate(text) if not c.isascii())
         raise ExpressionError(f"character '{text[offset]}' is not allowed; write names in plain letters", offset)
     tree = _syntax_tree(text)
-    return build(tree, scope)
+    return translate_expression(tree, scope)
 
 
-def build(node: ast.expr, scope: Scope) -> sympy.Expr:
+def translate_expression(node: ast.expr, scope: Scope) -> sympy.Expr:
     """Return the sympy expression of a syntax node (used by built-in functions for their arguments)."""
-    return finite(_Translator(scope).visit(node, 0))
+    return require_finite(_Translator(scope).visit(node, 0))
 
 
-def finite(expr: sympy.Expr) -> sympy.Expr:
-    """Return ``expr`` with moderate numbers and the functions that there are code for, or raise if it is not finite and real."""
+def require_finite(expr: sympy.Expr) -> sympy.Expr:
+    """Return ``expr`` with moderate numbers and the functions that there is code for.
+
+    Raise :class:`ExpressionError` if it is not finite and real.
+    """
     if expr.has(sympy.zoo, sympy.nan, sympy.oo, -sympy.oo):
         raise ExpressionError("the expression is not finite (a division by zero, or a number too large)")
     large = {n: _moderate(n) for n in expr.atoms(sympy.Rational) if _moderate(n) is not n}
@@ -110,20 +138,24 @@ def finite(expr: sympy.Expr) -> sympy.Expr:
     expr = expr.replace(sympy.cot, lambda a: 1 / sympy.tan(a))
     if expr.has(sympy.I) or any(f.func not in REAL_FUNCTIONS for f in expr.atoms(sympy.Function)):
         raise ExpressionError("the expression is not a real number wherever its parts are")
-    if size(expr) > MAX_SIZE or depth(expr) > MAX_DEPTH:
-        raise ExpressionError(f"the expression has more than {MAX_SIZE} terms or {MAX_DEPTH} levels with its definitions put in")
-    if derivative_size(expr) > MAX_DERIVATIVE:
-        raise ExpressionError(f"the expression's derivative has more than {MAX_DERIVATIVE} terms; make products of fewer factors")
+    if count_terms(expr) > MAX_SIZE or measure_depth(expr) > MAX_DEPTH:
+        raise ExpressionError(
+            f"the expression has more than {MAX_SIZE} terms or {MAX_DEPTH} levels with its definitions put in"
+        )
+    if bound_derivative_terms(expr) > MAX_DERIVATIVE:
+        raise ExpressionError(
+            f"the expression's derivative has more than {MAX_DERIVATIVE} terms; make products of fewer factors"
+        )
     return expr
 
 
-def power(a: sympy.Expr, b: sympy.Expr) -> sympy.Expr:
+def make_power(a: sympy.Expr, b: sympy.Expr) -> sympy.Expr:
     """Return a power; that of two numbers in doubles, so that 9**9**9 cannot fill the memory with digits."""
     if a == 0 and not b.is_number:
         raise ExpressionError("a power of 0 whose exponent varies is not smooth")
     if not (a.is_number and b.is_number):
         return a**b
-    result = raised(value(a), value(b))
+    result = raise_power(evaluate(a), evaluate(b))
     if not math.isfinite(result):
         raise ExpressionError("this power is not a finite real number")
     if a.is_Integer and b.is_Integer and abs(result) < EXACT:
@@ -131,18 +163,21 @@ def power(a: sympy.Expr, b: sympy.Expr) -> sympy.Expr:
     return _number(result)
 
 
-def call(function: Any, args: Sequence[sympy.Expr]) -> sympy.Expr:
+def apply_symbolic(function: Any, args: Sequence[sympy.Expr]) -> sympy.Expr:
     """Return a function of expressions; that of numbers only if it is a finite real number."""
     if all(a.is_number for a in args):
-        numbers = [value(a) for a in args]
-        result = raised(numbers[0], 0.5) if function is sympy.sqrt else applied(function, numbers)
+        numbers = [evaluate(a) for a in args]
+        result = raise_power(numbers[0], 0.5) if function is sympy.sqrt else apply_function(function, numbers)
         if not math.isfinite(result):
             raise ExpressionError("this is not a finite real number")
     return function(*args)
 
 
-def substituted(expr: sympy.Expr, values: Mapping[sympy.Symbol, sympy.Expr]) -> sympy.Expr:
-    """Return ``expr`` with expressions in the place of symbols; raise :class:`ExpressionError` where it is no longer finite."""
+def substitute(expr: sympy.Expr, values: Mapping[sympy.Symbol, sympy.Expr]) -> sympy.Expr:
+    """Return ``expr`` with expressions in the place of symbols.
+
+    Raise :class:`ExpressionError` where it is no longer finite.
+    """
     known: dict[sympy.Basic, sympy.Basic] = dict(values)
 
     def put(e: sympy.Basic) -> sympy.Basic:
@@ -151,19 +186,19 @@ def substituted(expr: sympy.Expr, values: Mapping[sympy.Symbol, sympy.Expr]) -> 
             if all(a is b for a, b in zip(args, e.args, strict=True)):
                 known[e] = e
             elif e.is_Pow:
-                known[e] = power(*args)
+                known[e] = make_power(*args)
             else:
-                known[e] = call(e.func, args) if e.func in REAL_FUNCTIONS else e.func(*args)
+                known[e] = apply_symbolic(e.func, args) if e.func in REAL_FUNCTIONS else e.func(*args)
         return known[e]
 
-    return finite(put(expr))
+    return require_finite(put(expr))
 
 
 def _moderate(number: sympy.Rational) -> sympy.Expr:
     """Return a number that a double can hold as one."""
     if max(abs(number.p), number.q) <= EXACT:
         return number
-    return _number(value(number))
+    return _number(evaluate(number))
 
 
 def _syntax_tree(text: str) -> ast.expr:
@@ -173,7 +208,8 @@ def _syntax_tree(text: str) -> ast.expr:
     if not stripped:
         raise ExpressionError("the expression is empty; expected a number or a formula")
     try:
-        # Parentheses let an expression span lines; they move columns by one. Python's advice on style is not for models.
+        # Parentheses let an expression span lines; they move columns by one. Python's advice on style is not for
+        # models.
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             tree = ast.parse(f"({stripped}\n)", mode="eval").body
@@ -216,7 +252,9 @@ class _Translator:
         """Return the expression of a syntax node."""
         self.count += 1
         if self.count > MAX_NODES or depth > MAX_DEPTH:
-            raise ExpressionError(f"more than {MAX_NODES} terms or {MAX_DEPTH} levels; use definitions", node.col_offset)
+            raise ExpressionError(
+                f"more than {MAX_NODES} terms or {MAX_DEPTH} levels; use definitions", node.col_offset
+            )
         if isinstance(node, ast.Constant):
             if isinstance(node.value, bool) or not isinstance(node.value, int | float):
                 raise ExpressionError(f"{node.value!r} is not a number", node.col_offset)
@@ -235,14 +273,16 @@ class _Translator:
             return self.call(node, depth)
         raise ExpressionError(
             f"{_describe(node)} is not allowed; an expression holds numbers, names, + - * / **, parentheses and "
-            f"functions ({' '.join(FUNCTIONS)})", node.col_offset)  # fmt: skip
+            f"functions ({' '.join(FUNCTIONS)})",
+            node.col_offset,
+        )
 
     def name(self, node: ast.Name) -> sympy.Expr:
         """Return what a name stands for."""
         name = _unmask(node.id)
         if name in self.scope.symbols:
             found = self.scope.symbols[name]
-            self.size += size(found)
+            self.size += count_terms(found)
             if self.size > MAX_SIZE:
                 raise ExpressionError(f"more than {MAX_SIZE} terms with the definitions put in", node.col_offset)
             return found
@@ -257,7 +297,7 @@ class _Translator:
         known = [*self.scope.symbols, "t", PI_NAME] if self.scope.time else [*self.scope.symbols, PI_NAME]
         listed = ", ".join(sorted(self.scope.symbols)[:12])
         hint = self.scope.missing(name) or suggest(name, known) or f" (known: {listed})"
-        raise ExpressionError(f"'{name}' is not defined{hint}", node.col_offset)
+        raise UndefinedNameError(name, f"'{name}' is not defined{hint}", node.col_offset)
 
     def binary(self, node: ast.BinOp, depth: int) -> sympy.Expr:
         """Return what an operator makes of two expressions."""
@@ -275,7 +315,7 @@ class _Translator:
                 raise ExpressionError("division by zero", node.right.col_offset)
             return self.moderate(a / b, node)
         if isinstance(node.op, ast.Pow):
-            return self.placed(lambda: power(a, b), node)
+            return self.placed(lambda: make_power(a, b), node)
         raise ExpressionError("only + - * / and ** are allowed between terms", node.col_offset)
 
     def moderate(self, expr: sympy.Expr, node: ast.expr) -> sympy.Expr:
@@ -306,13 +346,20 @@ class _Translator:
             if len(node.args) != n_args:
                 raise ExpressionError(f"{name} takes {n_args} argument(s), found {len(node.args)}", node.col_offset)
             args = [self.visit(arg, depth + 1) for arg in node.args]
-            return self.placed(lambda: call(function, args), node)
+            return self.placed(lambda: apply_symbolic(function, args), node)
         if name in NONSMOOTH:
-            raise ExpressionError(f"'{name}' is not smooth: write one mode for each side of its corner and an event "
-                                  "function that is zero there", node.col_offset)  # fmt: skip
+            raise ExpressionError(
+                f"'{name}' is not smooth: write one mode for each side of its corner and an event "
+                "function that is zero there",
+                node.col_offset,
+            )
         if name in self.scope.symbols:
-            raise ExpressionError(f"'{name}' cannot be called: only a state can be delayed, as in x(t - tau)", node.col_offset)
-        raise ExpressionError(f"unknown function '{name}'{self.scope.missing(name) or suggest(name, FUNCTIONS)}", node.col_offset)
+            raise ExpressionError(
+                f"'{name}' cannot be called: only a state can be delayed, as in x(t - tau)", node.col_offset
+            )
+        raise ExpressionError(
+            f"unknown function '{name}'{self.scope.missing(name) or suggest(name, FUNCTIONS)}", node.col_offset
+        )
 
     def delayed(self, state: str, node: ast.Call, depth: int) -> sympy.Expr:
         """Return a delayed value."""
@@ -324,8 +371,10 @@ class _Translator:
         argument = _Translator(inner).visit(node.args[0], depth + 1)
         delay = sympy.expand(TIME - argument)
         if TIME in delay.free_symbols:
-            raise ExpressionError(f"a delayed value is written {state}(t - delay), with a delay that does not depend on t",
-                                  node.args[0].col_offset)  # fmt: skip
+            raise ExpressionError(
+                f"a delayed value is written {state}(t - delay), with a delay that does not depend on t",
+                node.args[0].col_offset,
+            )
         try:
             return self.scope.delayed(state, delay)
         except ExpressionError as exc:
@@ -334,9 +383,20 @@ class _Translator:
 
 def _describe(node: ast.AST) -> str:
     names = {
-        ast.Attribute: "an attribute (a dot)", ast.Subscript: "an index in brackets", ast.Compare: "a comparison",
-        ast.BoolOp: "and/or", ast.IfExp: "if/else", ast.Lambda: "lambda", ast.List: "a list", ast.Tuple: "a tuple (a comma)",
-        ast.Dict: "a mapping", ast.Set: "a set", ast.NamedExpr: "an assignment", ast.JoinedStr: "text",
-        ast.UnaryOp: "this operator", ast.Starred: "'*' before a name", ast.Call: "the result of a call",
-    }  # fmt: skip
+        ast.Attribute: "an attribute (a dot)",
+        ast.Subscript: "an index in brackets",
+        ast.Compare: "a comparison",
+        ast.BoolOp: "and/or",
+        ast.IfExp: "if/else",
+        ast.Lambda: "lambda",
+        ast.List: "a list",
+        ast.Tuple: "a tuple (a comma)",
+        ast.Dict: "a mapping",
+        ast.Set: "a set",
+        ast.NamedExpr: "an assignment",
+        ast.JoinedStr: "text",
+        ast.UnaryOp: "this operator",
+        ast.Starred: "'*' before a name",
+        ast.Call: "the result of a call",
+    }
     return names.get(type(node), f"'{type(node).__name__}'")

@@ -21,4 +21,8 @@ class LeftOut:
 
     def as_data(self) -> dict[str, Any]:
         """Return the same as plain data, for files and ``info``."""
-        return {"effects": list(self.effects), **{kind: dict(names) for kind, names in self.reasons.items()}} if self.effects else {}
+        return (
+            {"effects": list(self.effects), **{kind: dict(names) for kind, names in self.reasons.items()}}
+            if self.effects
+            else {}
+        )

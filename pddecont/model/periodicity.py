@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 
 import sympy
 
-from pddecont.model.evaluation import size, value
+from pddecont.model.evaluation import count_terms, evaluate
 from pddecont.model.expression import TIME
 
 N_POINTS = 8
@@ -22,10 +22,11 @@ MAX_TERMS = 30_000
 Numbers = Mapping[sympy.Symbol, float]
 
 
-def not_repeating(named: Sequence[tuple[str, sympy.Expr]], period: float, numbers: Numbers) -> str:
+def explain_non_periodic(named: Sequence[tuple[str, sympy.Expr]], period: float, numbers: Numbers) -> str:
     """Return what does not repeat after ``period`` among expressions over a model, in words; empty if all do.
 
-    They are compared at random times, states and delayed values, the same at every call; where one has no finite value it is not.
+    They are compared at random times, states and delayed values, the same at every call; where one has no finite value
+    it is not.
 
     Parameters
     ----------
@@ -42,7 +43,7 @@ def not_repeating(named: Sequence[tuple[str, sympy.Expr]], period: float, number
             continue
         # Terms without t, which may be far larger than the forcing, repeat as they are.
         whole = sympy.Add(*(a for a in sympy.Add.make_args(expr) if TIME in a.free_symbols), evaluate=False)
-        left -= size(whole)
+        left -= count_terms(whole)
         if left < 0:
             break
         points = _points(whole, period, numbers)
@@ -55,8 +56,10 @@ def not_repeating(named: Sequence[tuple[str, sympy.Expr]], period: float, number
                 break
         a, b = max(points, key=lambda pair: _difference(part, *pair))
         what = name if part == expr else f"{part} in {name}"
-        return (f"{what} does not repeat after the forcing period {period:.8g}: it is {value(part, a):.6g} "
-                f"at t = {a[TIME]:.6g} and {value(part, b):.6g} at t = {b[TIME]:.6g}")  # fmt: skip
+        return (
+            f"{what} does not repeat after the forcing period {period:.8g}: it is {evaluate(part, a):.6g} "
+            f"at t = {a[TIME]:.6g} and {evaluate(part, b):.6g} at t = {b[TIME]:.6g}"
+        )
     return ""
 
 
@@ -85,7 +88,7 @@ def _differs(expr: sympy.Expr, points: Sequence[tuple[Numbers, Numbers]]) -> boo
 
 def _difference(expr: sympy.Expr, a: Numbers, b: Numbers) -> float:
     """Return how far an expression's values at two points lie apart; zero if one of them is not finite."""
-    here, there = value(expr, a), value(expr, b)
+    here, there = evaluate(expr, a), evaluate(expr, b)
     return abs(here - there) if math.isfinite(here) and math.isfinite(there) else 0.0
 
 
@@ -95,4 +98,4 @@ def _size(expr: sympy.Expr, numbers: Numbers) -> float:
         return math.fsum(_size(a, numbers) for a in expr.args)
     if expr.is_Mul:
         return math.prod(_size(a, numbers) for a in expr.args)
-    return abs(value(expr, numbers))
+    return abs(evaluate(expr, numbers))

@@ -1,7 +1,7 @@
 """What is left of a model when some parameters have fixed values and some events never happen.
 
-One thing is cut after another, in the order of the functions below: values, events and modes, states, delays, forcing. Each says what it
-took and why.
+One thing is cut after another, in the order of the functions below: values, events and modes, states, delays, forcing.
+Each says what it took and why.
 """
 
 from __future__ import annotations
@@ -12,16 +12,16 @@ from dataclasses import dataclass, field, replace
 
 import sympy
 
-from pddecont.model.dependence import unread_states
-from pddecont.model.expression import TIME, ExpressionError, finite, substituted
-from pddecont.model.system import IDENTITY, Model, Segment, delayed_symbol, symbol
+from pddecont.model.dependence import find_unread_states
+from pddecont.model.expression import TIME, ExpressionError, require_finite, substitute
+from pddecont.model.system import IDENTITY, Model, Segment, make_delayed_symbol, make_symbol
 
 KINDS = ("states", "modes", "events", "resets", "segments", "delayed", "delays", "forcing", "definitions")
 Reasons = dict[str, dict[str, str]]
 
 
 @dataclass(frozen=True)
-class Named:
+class ReferencedNames:
     """What the expressions of a run name: identifiers, and modes that its motions start in or are put into."""
 
     identifiers: frozenset[str] = frozenset()
@@ -29,51 +29,76 @@ class Named:
 
 
 @dataclass(frozen=True)
-class Cut:
+class Reduction:
     """A model on its way, what it was, and the reasons so far."""
 
     full: Model
     model: Model
-    named: Named
+    named: ReferencedNames
     reasons: Reasons = field(default_factory=lambda: {kind: {} for kind in KINDS})
 
-    def to(self, model: Model) -> Cut:
+    def to(self, model: Model) -> Reduction:
         """Return the same with less of the model."""
         return replace(self, model=model)
 
 
-def reduced(model: Model, fixed: Mapping[str, sympy.Expr], dropped: Collection[str], named: Named) -> Cut:
-    """Return what is left with the parameters ``fixed`` and without the events ``dropped``; the model itself if there are none."""
-    cut = Cut(model, model, named)
+def reduce_model(
+    model: Model, fixed: Mapping[str, sympy.Expr], dropped: Collection[str], named: ReferencedNames
+) -> Reduction:
+    """Return what is left with the parameters ``fixed`` and without the events ``dropped``.
+
+    It is the model itself if there are none.
+    """
+    cut = Reduction(model, model, named)
     if fixed or dropped:
         cut = _forcing(_delays(_states(_events_and_modes(_values(cut, fixed), dropped))))
     return cut
 
 
-def _values(cut: Cut, fixed: Mapping[str, sympy.Expr]) -> Cut:
+def _values(cut: Reduction, fixed: Mapping[str, sympy.Expr]) -> Reduction:
     """Put in the values of parameters; a delay of zero is none, and equal delays are one."""
     model = cut.model
-    values: dict[sympy.Symbol, sympy.Expr] = {symbol(name): value for name, value in fixed.items()}
-    taus = [substituted(sympy.sympify(d), values) for d in model.delays]
+    values: dict[sympy.Symbol, sympy.Expr] = {make_symbol(name): value for name, value in fixed.items()}
+    taus = [substitute(sympy.sympify(d), values) for d in model.delays]
     delays = tuple(dict.fromkeys(d for d in taus if d != 0))
-    delayed = tuple(dict.fromkeys((i, delays.index(taus[k])) for i, k in model.delayed if taus[k] != 0))
-    for (i, k), old in zip(model.delayed, model.delayed_symbols, strict=True):
-        state = model.states[i]
-        values[old] = symbol(state) if taus[k] == 0 else delayed_symbol(state, taus[k])
+    left = [replace(read, delay=delays.index(taus[read.delay])) for read in model.delayed if taus[read.delay] != 0]
+    delayed = tuple(dict.fromkeys(left))
+    for read, old in zip(model.delayed, model.delayed_symbols, strict=True):
+        state, tau = model.states[read.state], taus[read.delay]
+        values[old] = make_symbol(state) if tau == 0 else make_delayed_symbol(state, tau)
 
     def put_in(expr: sympy.Expr) -> sympy.Expr:
-        return substituted(sympy.sympify(expr), values)
+        return substitute(sympy.sympify(expr), values)
 
     def in_all(bodies: Mapping[str, tuple[sympy.Expr, ...]]) -> dict[str, tuple[sympy.Expr, ...]]:
         return {name: tuple(map(put_in, body)) for name, body in bodies.items()}
 
-    events = {k: replace(e, function=None if e.function is None else put_in(e.function), delay=None if e.delay is None else put_in(e.delay))
-              for k, e in model.events.items()}  # fmt: skip
-    numbers = {name: _number(model, fixed[name]) if name in fixed else value for name, value in model.parameters.items()}
-    return cut.to(replace(
-        model, modes=in_all(model.modes), events=events, resets=in_all(model.resets), fixed=fixed, parameters=numbers, delays=delays,
-        delayed=delayed, period=None if model.period is None else put_in(model.period), history=tuple(map(put_in, model.history)),
-        definitions={k: put_in(v) for k, v in model.definitions.items()}))  # fmt: skip
+    events = {
+        k: replace(
+            e,
+            function=None if e.function is None else put_in(e.function),
+            delay=None if e.delay is None else put_in(e.delay),
+        )
+        for k, e in model.events.items()
+    }
+    numbers = {
+        name: _number(model, fixed[name]) if name in fixed else value for name, value in model.parameters.items()
+    }
+    return cut.to(
+        replace(
+            model,
+            modes=in_all(model.modes),
+            events=events,
+            resets=in_all(model.resets),
+            fixed=fixed,
+            parameters=numbers,
+            delays=delays,
+            delayed=delayed,
+            period=None if model.period is None else put_in(model.period),
+            history=tuple(map(put_in, model.history)),
+            definitions={k: put_in(v) for k, v in model.definitions.items()},
+        )
+    )
 
 
 def _number(model: Model, value: sympy.Expr) -> float:
@@ -83,35 +108,55 @@ def _number(model: Model, value: sympy.Expr) -> float:
         return math.nan
 
 
-def _events_and_modes(cut: Cut, dropped: Collection[str]) -> Cut:
+def _events_and_modes(cut: Reduction, dropped: Collection[str]) -> Reduction:
     """Take out the events that cannot happen any more, and the modes that only they led to."""
     model, why = cut.model, cut.reasons
     changing = {*model.state_symbols, *model.delayed_symbols, TIME}
     never = {name: "it never happens" for name in model.events if name in dropped}
-    never |= {e.name: "its function changes no more" for e in model.events.values()
-              if e.name not in never and e.function is not None and not e.function.free_symbols & changing}  # fmt: skip
+    never |= {
+        e.name: "its function changes no more"
+        for e in model.events.values()
+        if e.name not in never and e.function is not None and not e.function.free_symbols & changing
+    }
     reached_before = _reachable({model.initial_mode}, model.segments.values())
-    starts = {model.initial_mode, *(m for m in model.modes if m not in reached_before), *(cut.named.modes & set(model.modes))}
+    starts = {
+        model.initial_mode,
+        *(m for m in model.modes if m not in reached_before),
+        *(cut.named.modes & set(model.modes)),
+    }
     while True:
         segments = {k: s for k, s in model.segments.items() if s.event not in never}
         reached = _reachable(starts, segments.values())
         segments = {k: s for k, s in segments.items() if s.mode in reached}
         ending = {s.event for s in segments.values()}
-        late = {e.name: f"'{e.after}', which it comes after, never happens" for e in model.events.values()
-                if e.after is not None and e.name not in never and e.after not in ending}  # fmt: skip
+        late = {
+            e.name: f"'{e.after}', which it comes after, never happens"
+            for e in model.events.values()
+            if e.after is not None and e.name not in never and e.after not in ending
+        }
         if not late:
             break
         never |= late
-    why["events"] |= never | {k: "no segment left ends at it" for k in model.events if k not in never and k not in ending}
+    why["events"] |= never | {
+        k: "no segment left ends at it" for k in model.events if k not in never and k not in ending
+    }
     why["modes"] |= {k: "no segment left leads to it" for k in model.modes if k not in reached}
-    why["segments"] |= {k: f"its event '{s.event}' never happens" if s.event in never else f"its mode '{s.mode}' is not reached"
-                        for k, s in model.segments.items() if k not in segments}  # fmt: skip
+    why["segments"] |= {
+        k: f"its event '{s.event}' never happens" if s.event in never else f"its mode '{s.mode}' is not reached"
+        for k, s in model.segments.items()
+        if k not in segments
+    }
     unused = set(model.resets) - {IDENTITY, *(s.reset for s in segments.values())}
     why["resets"] |= {k: "no segment left applies it" for k in model.resets if k in unused}
-    return cut.to(replace(
-        model, segments=segments, modes={k: v for k, v in model.modes.items() if k in reached},
-        events={k: v for k, v in model.events.items() if k in ending},
-        resets={k: v for k, v in model.resets.items() if k not in unused}))  # fmt: skip
+    return cut.to(
+        replace(
+            model,
+            segments=segments,
+            modes={k: v for k, v in model.modes.items() if k in reached},
+            events={k: v for k, v in model.events.items() if k in ending},
+            resets={k: v for k, v in model.resets.items() if k not in unused},
+        )
+    )
 
 
 def _reachable(starts: Iterable[str], segments: Iterable[Segment]) -> set[str]:
@@ -127,13 +172,13 @@ def _reachable(starts: Iterable[str], segments: Iterable[Segment]) -> set[str]:
     return seen
 
 
-def _states(cut: Cut) -> Cut:
+def _states(cut: Reduction) -> Reduction:
     """Take out the states that nothing left reads."""
     model = cut.model
     used = _in_definitions(cut)
-    named = {s for s in model.states if s in cut.named.identifiers or symbol(s) in used}
-    named |= {model.states[i] for (i, _), d in zip(model.delayed, model.delayed_symbols, strict=True) if d in used}
-    gone = unread_states(cut.full, model, named)
+    named = {s for s in model.states if s in cut.named.identifiers or make_symbol(s) in used}
+    named |= {model.states[d.state] for d, s in zip(model.delayed, model.delayed_symbols, strict=True) if s in used}
+    gone = find_unread_states(cut.full, model, named)
     if not gone:
         return cut
     cut.reasons["states"] |= dict.fromkeys(gone, "nothing left reads it")
@@ -142,24 +187,32 @@ def _states(cut: Cut) -> Cut:
     def rows(body: tuple[sympy.Expr, ...]) -> tuple[sympy.Expr, ...]:
         return tuple(body[i] for i in kept)
 
-    return cut.to(replace(
-        model, states=tuple(model.states[i] for i in kept), modes={k: rows(v) for k, v in model.modes.items()},
-        resets={k: rows(v) for k, v in model.resets.items()}, history=rows(model.history),
-        delayed=tuple((kept.index(i), k) for i, k in model.delayed if i in kept)))  # fmt: skip
+    return cut.to(
+        replace(
+            model,
+            states=tuple(model.states[i] for i in kept),
+            modes={k: rows(v) for k, v in model.modes.items()},
+            resets={k: rows(v) for k, v in model.resets.items()},
+            history=rows(model.history),
+            delayed=tuple(replace(d, state=kept.index(d.state)) for d in model.delayed if d.state in kept),
+        )
+    )
 
 
-def _delays(cut: Cut) -> Cut:
+def _delays(cut: Reduction) -> Reduction:
     """Take out the delayed quantities that no expression reads any more, and the definitions that read what is gone."""
     model, full = cut.model, cut.full
     used = _in_definitions(cut).union(*(e.free_symbols for e in _expressions(model)))
-    pairs = [pair for pair, d in zip(model.delayed, model.delayed_symbols, strict=True) if d in used]
-    kept = sorted({k for _, k in pairs})
-    left = replace(model, delays=tuple(model.delays[k] for k in kept), delayed=tuple((i, kept.index(k)) for i, k in pairs))
-    values = {symbol(name): value for name, value in model.fixed.items()}
-    now = [substituted(sympy.sympify(delay), values) for delay in full.delays]
-    for (i, k), d in zip(full.delayed, full.delayed_symbols, strict=True):
-        if delayed_symbol(full.states[i], now[k]) not in left.delayed_symbols:
-            cut.reasons["delayed"][d.name] = "its delay is 0" if now[k] == 0 else "nothing left reads it"
+    reads = [read for read, s in zip(model.delayed, model.delayed_symbols, strict=True) if s in used]
+    kept = sorted({read.delay for read in reads})
+    delayed = tuple(replace(read, delay=kept.index(read.delay)) for read in reads)
+    left = replace(model, delays=tuple(model.delays[k] for k in kept), delayed=delayed)
+    values = {make_symbol(name): value for name, value in model.fixed.items()}
+    now = [substitute(sympy.sympify(delay), values) for delay in full.delays]
+    for read, s in zip(full.delayed, full.delayed_symbols, strict=True):
+        tau = now[read.delay]
+        if make_delayed_symbol(full.states[read.state], tau) not in left.delayed_symbols:
+            cut.reasons["delayed"][s.name] = "its delay is 0" if tau == 0 else "nothing left reads it"
     for delay, value in zip(full.delays, now, strict=True):
         if value not in left.delays:
             cut.reasons["delays"][str(delay)] = "it is 0" if value == 0 else "nothing left is delayed by it"
@@ -169,7 +222,7 @@ def _delays(cut: Cut) -> Cut:
     return cut.to(replace(left, definitions={k: v for k, v in model.definitions.items() if k not in lost}))
 
 
-def _forcing(cut: Cut) -> Cut:
+def _forcing(cut: Reduction) -> Reduction:
     """Take out the forcing where t, which appeared, appears no more."""
     model = cut.model
     if model.period is None or _timed(model) or not _timed(cut.full):
@@ -178,7 +231,7 @@ def _forcing(cut: Cut) -> Cut:
     return cut.to(replace(model, period=None))
 
 
-def _in_definitions(cut: Cut) -> set[sympy.Symbol]:
+def _in_definitions(cut: Reduction) -> set[sympy.Symbol]:
     """Return what the definitions that a run names read."""
     return set().union(*(e.free_symbols for name, e in cut.model.definitions.items() if name in cut.named.identifiers))
 
@@ -196,8 +249,14 @@ def _expressions(model: Model) -> list[sympy.Expr]:
 def check_finite(model: Model) -> None:
     """Raise :class:`ExpressionError` if a formula of the model, or a parameter's value, is not finite."""
     later = [e.delay for e in model.events.values() if e.delay is not None]
-    for expr in [*_expressions(model), *model.delays, *later, *model.history, *([] if model.period is None else [model.period])]:
-        finite(expr)
+    for expr in [
+        *_expressions(model),
+        *model.delays,
+        *later,
+        *model.history,
+        *([] if model.period is None else [model.period]),
+    ]:
+        require_finite(expr)
     for name, value in model.parameters.items():
         if not math.isfinite(value):
             raise ExpressionError(f"parameter '{name}' is not finite")

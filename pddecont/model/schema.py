@@ -1,4 +1,4 @@
-"""The shape of a model file (design section 2): which keys, which kinds of values."""
+"""The shape of a model file: which keys, which kinds of values."""
 
 from __future__ import annotations
 
@@ -54,18 +54,24 @@ Event = Annotated[Formula | DelayedEvent, BeforeValidator(_event)]
 
 
 class ModelFile(Strict):
-    """A piecewise-smooth delay differential equation (design section 2)."""
+    """A piecewise-smooth delay differential equation."""
 
     name: str = Field(description="name of the model")
     reference: str | None = Field(None, description="where the model comes from")
     states: list[NewName] = Field(min_length=1, description="names of the states")
     parameters: dict[NewName, float] = Field(default_factory=dict, description="parameters and their values")
-    units: dict[Identifier, str] = Field(default_factory=dict, description="units of states, parameters, definitions and t, for pictures")
+    units: dict[Identifier, str] = Field(
+        default_factory=dict, description="units of states, parameters, definitions and t, for pictures"
+    )
     definitions: dict[NewName, Formula] = Field(default_factory=dict, description="named parts of expressions")
     forcing: Forcing | None = None
     modes: dict[Identifier, dict[str, Formula]] = Field(min_length=1, description="vector fields: {x': expression}")
-    events: dict[Identifier, Event] = Field(default_factory=dict, description="event functions; the event is their zero")
-    resets: dict[Identifier, dict[Identifier, Formula]] = Field(default_factory=dict, description="states after the event")
+    events: dict[Identifier, Event] = Field(
+        default_factory=dict, description="event functions; the event is their zero"
+    )
+    resets: dict[Identifier, dict[Identifier, Formula]] = Field(
+        default_factory=dict, description="states after the event"
+    )
     segments: dict[Identifier, Segment] = Field(default_factory=dict, description="arcs that a signature is made of")
     effects: dict[Identifier, Effect] = Field(default_factory=dict, description="parts that a run may leave out")
     initial: dict[str, Formula] = Field(default_factory=dict, description="mode and history for t <= 0")

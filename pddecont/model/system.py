@@ -11,11 +11,20 @@ from typing import Any
 import sympy
 
 from pddecont.errors import SignatureError, suggest
-from pddecont.model.evaluation import value
+from pddecont.model.evaluation import evaluate
 from pddecont.model.expression import TIME, ExpressionError, Scope
 from pddecont.model.left_out import LeftOut
 
 IDENTITY = "identity"
+
+
+@dataclass(frozen=True)
+class DelayedValue:
+    """A state read a delay ago: the numbers of both, and how often it is differentiated there."""
+
+    state: int
+    delay: int
+    derivative: int = 0
 
 
 @dataclass(frozen=True)
@@ -52,8 +61,8 @@ class Effect:
 class Model:
     """A piecewise-smooth delay differential equation in symbols.
 
-    ``delays`` are expressions in the parameters; ``delayed`` lists the delayed quantities as pairs (state number, delay
-    number), in the order of ``delayed_symbols``. ``modes`` and ``resets`` hold one expression for each state. ``fixed`` are parameters
+    ``delays`` are expressions in the parameters; ``delayed`` lists the delayed values that the model reads, in the
+    order of ``delayed_symbols``. ``modes`` and ``resets`` hold one expression for each state. ``fixed`` are parameters
     that effects left out set, in terms of the others.
     """
 
@@ -68,7 +77,7 @@ class Model:
     segments: Mapping[str, Segment]
     effects: Mapping[str, Effect]
     delays: tuple[sympy.Expr, ...]
-    delayed: tuple[tuple[int, int], ...]
+    delayed: tuple[DelayedValue, ...]
     initial_mode: str
     history: tuple[sympy.Expr, ...]
     definitions: Mapping[str, sympy.Expr] = field(default_factory=dict)
@@ -89,25 +98,31 @@ class Model:
     @cached_property
     def state_symbols(self) -> tuple[sympy.Symbol, ...]:
         """One symbol a state."""
-        return tuple(map(symbol, self.states))
+        return tuple(map(make_symbol, self.states))
 
     @cached_property
     def parameter_symbols(self) -> tuple[sympy.Symbol, ...]:
         """One symbol a parameter."""
-        return tuple(map(symbol, self.parameters))
+        return tuple(map(make_symbol, self.parameters))
 
     @cached_property
     def delayed_symbols(self) -> tuple[sympy.Symbol, ...]:
         """One symbol a delayed quantity."""
-        return tuple(delayed_symbol(self.states[i], self.delays[k]) for i, k in self.delayed)
+        return tuple(make_delayed_symbol(self.states[d.state], self.delays[d.delay]) for d in self.delayed)
 
     @cached_property
     def parameter_values(self) -> dict[str, sympy.Expr]:
-        """What each parameter's name stands for in a run's expressions: its symbol, or what an effect left out sets it to."""
-        return {name: self.fixed.get(name, symbol(name)) for name in self.parameters}
+        """What each parameter's name stands for in a run's expressions.
+
+        That is its symbol, or what an effect left out sets it to.
+        """
+        return {name: self.fixed.get(name, make_symbol(name)) for name in self.parameters}
 
     def hint(self, kind: str, name: str, known: Collection[str]) -> str:
-        """Return what to say of a name that is no member of ``kind``: why it was left out, or a similar one that is known."""
+        """Return what to say of a name that is no member of ``kind``.
+
+        That is why it was left out, or a similar name that is known.
+        """
         return self.left_out.hint(kind, name) or suggest(name, known)
 
     def missing(self, name: str) -> str:
@@ -116,7 +131,7 @@ class Model:
 
     def scope(self, place: str, **changes: Any) -> Scope:
         """Return the names that an expression over this model may use (for monitors and run files)."""
-        symbols = {name: symbol(name) for name in self.states} | self.parameter_values | dict(self.definitions)
+        symbols = {name: make_symbol(name) for name in self.states} | self.parameter_values | dict(self.definitions)
         return Scope(symbols, states=self.states, place=place, time=self.forced, missing=self.missing, **changes)
 
     def parameter_scope(self, place: str) -> Scope:
@@ -124,52 +139,65 @@ class Model:
         return Scope(self.parameter_values, time=False, place=place)
 
     def delayed_value(self, state: str, delay: sympy.Expr) -> sympy.Expr:
-        """Return the symbol of a delayed value that the model itself reads; raise :class:`ExpressionError` for any other."""
+        """Return the symbol of a delayed value that the model itself reads.
+
+        Raise :class:`ExpressionError` for any other.
+        """
         if delay == 0:
-            return symbol(state)
-        for i, k in self.delayed:
-            if self.states[i] == state and self.delays[k] == delay:
-                return delayed_symbol(state, delay)
+            return make_symbol(state)
+        for known_value in self.delayed:
+            if self.states[known_value.state] == state and self.delays[known_value.delay] == delay:
+                return make_delayed_symbol(state, delay)
         known = ", ".join(s.name for s in self.delayed_symbols)
-        gone = self.left_out.hint("delayed", delayed_symbol(state, delay).name)
-        raise ExpressionError(f"only delayed values that the model itself reads can be used here ({known or 'none'}){gone}")
+        gone = self.left_out.hint("delayed", make_delayed_symbol(state, delay).name)
+        raise ExpressionError(
+            f"only delayed values that the model itself reads can be used here ({known or 'none'}){gone}"
+        )
 
     def history_scope(self) -> Scope:
         """Return the scope of an expression for the history before the start: parameters and t."""
         return Scope(self.parameter_values, place="the initial history")
 
     def evaluate(self, expr: sympy.Expr, values: Mapping[str, float] | None = None, time: float | None = None) -> float:
-        """Return the number that an expression in the parameters (and t) stands for; raise :class:`ExpressionError` if it has none."""
-        numbers = {symbol(k): float(v) for k, v in {**self.parameters, **(values or {})}.items()}
-        result = value(expr, numbers if time is None else {**numbers, TIME: time})
+        """Return the number that an expression in the parameters (and t) stands for.
+
+        Raise :class:`ExpressionError` if it has none.
+        """
+        numbers = {make_symbol(k): float(v) for k, v in {**self.parameters, **(values or {})}.items()}
+        result = evaluate(expr, numbers if time is None else {**numbers, TIME: time})
         if not math.isfinite(result):
             raise ExpressionError("is not a finite real number at these parameters")
         return result
 
 
-def symbol(name: str) -> sympy.Symbol:
+def make_symbol(name: str) -> sympy.Symbol:
     """Return the symbol of a state or parameter."""
     return sympy.Symbol(name, real=True)
 
 
-def delayed_symbol(state: str, delay: sympy.Expr) -> sympy.Symbol:
+def make_delayed_symbol(state: str, delay: sympy.Expr) -> sympy.Symbol:
     """Return the symbol of a state's delayed value; its name cannot be typed as an identifier."""
-    return sympy.Symbol(f"{state}(t - {delay})", real=True)
+    written = f"({delay})" if delay.is_Add else str(delay)
+    return sympy.Symbol(f"{state}(t - {written})", real=True)
 
 
 def check_signature(model: Model, signature: Sequence[str]) -> None:
-    """Raise :class:`SignatureError` unless each segment leads to the mode of the next, the last to that of the first."""
+    """Raise :class:`SignatureError` unless each segment leads to the mode of the next, the last to the first's."""
     for name in signature:
         if name not in model.segments:
-            raise SignatureError(f"'{name}' is not a segment of this model{model.hint('segments', name, model.segments)} "
-                                 f"(segments: {', '.join(model.segments) or 'none'})")  # fmt: skip
+            raise SignatureError(
+                f"'{name}' is not a segment of this model{model.hint('segments', name, model.segments)} "
+                f"(segments: {', '.join(model.segments) or 'none'})"
+            )
     for here, there in zip(signature, [*signature[1:], *signature[:1]], strict=True):
         a, b = model.segments[here], model.segments[there]
         if a.to != b.mode:
-            raise SignatureError(f"segment '{here}' leads to mode '{a.to}', but '{there}' runs in mode '{b.mode}'; "
-                                 f"after '{here}' comes one of: {', '.join(followers(model, here)) or 'none'}")  # fmt: skip
+            raise SignatureError(
+                f"segment '{here}' leads to mode '{a.to}', but '{there}' runs in mode '{b.mode}'; "
+                f"after '{here}' comes one of: {', '.join(find_followers(model, here)) or 'none'}"
+            )
 
 
-def followers(model: Model, segment: str) -> list[str]:
+def find_followers(model: Model, segment: str) -> list[str]:
     """Return the segments that may follow ``segment``."""
     return [s.name for s in model.segments.values() if s.mode == model.segments[segment].to]

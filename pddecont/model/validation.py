@@ -6,16 +6,18 @@ import re
 import types
 from typing import Annotated, Any, Union, get_args, get_origin
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError, WithJsonSchema
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Tag, ValidationError, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
 from pddecont.errors import Problem, suggest
-from pddecont.model.document import Document, KeyPath, kind_of
+from pddecont.model.document import Document, KeyPath, describe_kind
 from pddecont.model.expression import FUNCTIONS, IDENTIFIER, PI_NAME
 
 # Findings that are worked out with all that belongs to a message.
 MAX_FOUND = 1000
 RESERVED = {"t", PI_NAME, "mode", *FUNCTIONS}
+# How tags of unions begin, as no key of a file does.
+UNION_TAG = "\0"
 
 
 class Strict(BaseModel):
@@ -26,23 +28,28 @@ class Strict(BaseModel):
 
 def _identifier(value: Any) -> str:
     if not isinstance(value, str):
-        raise PydanticCustomError("name", "expected a name, found {found}", {"found": kind_of(value)})
+        raise PydanticCustomError("name", "expected a name, found {found}", {"found": describe_kind(value)})
     if not IDENTIFIER.match(value):
-        raise PydanticCustomError("name", "'{name}' is not a name: letters, digits and _, not starting with a digit",
-                                  {"name": value})  # fmt: skip
+        raise PydanticCustomError(
+            "name", "'{name}' is not a name: letters, digits and _, not starting with a digit", {"name": value}
+        )
     return value
 
 
 def _new_name(value: Any) -> str:
     name = _identifier(value)
     if name in RESERVED:
-        raise PydanticCustomError("name", "'{name}' has a meaning of its own in expressions; choose another name", {"name": name})
+        raise PydanticCustomError(
+            "name", "'{name}' has a meaning of its own in expressions; choose another name", {"name": name}
+        )
     return name
 
 
 def _formula(value: Any) -> str | float:
     if isinstance(value, bool) or not isinstance(value, str | int | float):
-        raise PydanticCustomError("formula", "expected a number or a formula, found {found}", {"found": kind_of(value)})
+        raise PydanticCustomError(
+            "formula", "expected a number or a formula, found {found}", {"found": describe_kind(value)}
+        )
     return value
 
 
@@ -58,7 +65,7 @@ def validate(document: Document, cls: type[BaseModel], base: KeyPath = ()) -> tu
     for part in base:
         data = data[part]
     if not isinstance(data, dict):
-        return None, [document.problem(base, f"expected a mapping, found {kind_of(data)}")]
+        return None, [document.problem(base, f"expected a mapping, found {describe_kind(data)}")]
     try:
         return cls.model_validate(data), []
     except ValidationError as exc:
@@ -74,17 +81,23 @@ def _problem(document: Document, cls: type[BaseModel], base: KeyPath, error: Any
     path = (*base, *loc)
     kind, context = error["type"], error.get("ctx") or {}
     if kind == "extra_forbidden":
-        known = _fields_at(cls, loc[:-1])
+        known = _fields_at(cls, error["loc"][:-1])
         hint = suggest(str(loc[-1]), known)
         return document.problem(path, f"unknown key '{loc[-1]}'{hint} (keys here: {', '.join(known)})", key=True)
     if kind == "missing":
         return document.problem(path[:-1], f"key '{loc[-1]}' is missing here; add it")
-    found = kind_of(error["input"])
+    found = describe_kind(error["input"])
     expected = {
-        "string_type": "text", "dict_type": "a mapping", "model_type": "a mapping", "list_type": "a list",
-        "tuple_type": "a list", "int_type": "a whole number", "float_type": "a number", "bool_type": "true or false",
+        "string_type": "text",
+        "dict_type": "a mapping",
+        "model_type": "a mapping",
+        "list_type": "a list",
+        "tuple_type": "a list",
+        "int_type": "a whole number",
+        "float_type": "a number",
+        "bool_type": "true or false",
         "int_from_float": "a whole number",
-    }.get(kind)  # fmt: skip
+    }.get(kind)
     if expected:
         return document.problem(path, f"expected {expected}, found {found}", key=at_key)
     if kind == "literal_error":
@@ -97,12 +110,19 @@ def _problem(document: Document, cls: type[BaseModel], base: KeyPath, error: Any
 def _clean(loc: tuple[Any, ...]) -> tuple[KeyPath, bool]:
     """Return the file path of a pydantic location and whether it speaks of a key (pydantic marks those ``[key]``)."""
     at_key = bool(loc) and loc[-1] == "[key]"
-    return tuple(part for part in loc if part != "[key]"), at_key
+    return tuple(part for part in loc if part != "[key]" and not _is_tag(part)), at_key
+
+
+def _is_tag(part: str | int) -> bool:
+    return isinstance(part, str) and part.startswith(UNION_TAG)
 
 
 def _fields_at(cls: Any, loc: KeyPath) -> list[str]:
-    """Return the keys that the format allows at ``loc`` below the mapping ``cls``."""
+    """Return the keys that the format allows at ``loc``, a pydantic location, below the mapping ``cls``."""
     for part in loc:
+        if _is_tag(part):
+            cls = next(member for member in get_args(get_args(cls)[0]) if Tag(str(part)) in get_args(member)[1:])
+            continue
         cls = _bare(cls)
         if isinstance(cls, type) and issubclass(cls, BaseModel):
             by_key = {info.alias or name: info.annotation for name, info in cls.model_fields.items()}
@@ -122,6 +142,8 @@ def _bare(annotation: Any) -> Any:
             annotation = get_args(annotation)[0]
         elif get_origin(annotation) in (Union, types.UnionType):
             parts = [a for a in get_args(annotation) if a is not type(None)]
-            annotation = next((a for a in parts if isinstance(_bare(a), type) and issubclass(_bare(a), BaseModel)), parts[0])
+            annotation = next(
+                (a for a in parts if isinstance(_bare(a), type) and issubclass(_bare(a), BaseModel)), parts[0]
+            )
         else:
             return annotation

@@ -3,109 +3,131 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pddecont.orbit.extrema import Extremum, Profile, profile
-from pddecont.orbit.problem import INSTANT, OrbitProblem
+from pddecont.orbit.extrema import Extremum, Profile, make_profile
+from pddecont.orbit.orbit import Orbit
+from pddecont.orbit.problem import INSTANT
+from pddecont.orbit.signature import WatchedEvent
+from pddecont.reasons import Reason, make_reason
 
-Array = NDArray[np.float64]
+# An event function below this part of its largest modulus is zero.
 RELATIVE_ZERO = 1e-9
+# Two extrema closer than this, in periods, are one.
 SAME_TIME = 1e-6
+# An event function that moves by less than this part of its modulus in a segment's duration is touched, not crossed.
 TANGENT = 1e-6
+SIGNS = {"rising": 1, "falling": -1}
 
 
-def event_profiles(problem: OrbitProblem, x: Array) -> dict[str, Profile]:
-    """Return the event functions along the orbit, by event, each over the segments that watch it."""
-    watched = dict.fromkeys(event for s in range(len(problem.segments)) for event, _, _ in watched_events(problem, s))
-    return {event: event_profile(problem, x, event) for event in watched}
+def find_event_profiles(orbit: Orbit) -> dict[str, Profile]:
+    """Return the event functions along an orbit, by event, each over the segments that watch it."""
+    signature = orbit.signature
+    events = dict.fromkeys(w.event for s in range(len(signature)) for w in signature.list_watched_events(s))
+    return {event: find_event_profile(orbit, event) for event in events}
 
 
-def event_profile(problem: OrbitProblem, x: Array, event: str) -> Profile:
-    """Return the function of ``event`` along the orbit, over the segments that watch it."""
+def find_event_profile(orbit: Orbit, event: str) -> Profile:
+    """Return the function of ``event`` along an orbit, over the segments that watch it."""
+    signature = orbit.signature
 
-    def along() -> Profile:
-        watching = [s for s in range(len(problem.segments)) if any(event == e for e, _, _ in watched_events(problem, s))]
-        return profile(problem, x, problem.numeric.event(event), segments=watching)
+    def find() -> Profile:
+        watching = [s for s in range(len(signature)) if any(event == w.event for w in signature.list_watched_events(s))]
+        return make_profile(orbit, orbit.numeric.event(event), segments=watching)
 
-    found: Profile = problem.once(f"profile of {event}", x, along)
-    return found
-
-
-def watched_events(problem: OrbitProblem, s: int) -> Iterator[tuple[str, str, bool]]:
-    """Yield (event, direction, whether it ends the segment) for the events with a function that segment ``s`` watches."""
-    model = problem.numeric.model
-    here = problem.segments[s]
-    seen = set()
-    for segment in model.segments.values():
-        key = (segment.event, segment.direction)
-        if segment.mode == here.mode and key not in seen and model.events[segment.event].function is not None:
-            seen.add(key)
-            yield segment.event, segment.direction, key == (here.event, here.direction)
+    return orbit.once(("event profile", event), find)
 
 
-def objections(problem: OrbitProblem, x: Array, profiles: dict[str, Profile] | None = None) -> list[str]:
-    """Return what makes the orbit inadmissible, in words; an empty list for an admissible orbit."""
-    profiles = event_profiles(problem, x) if profiles is None else profiles
-    result = []
-    durations = x[problem.layout.durations]
-    for s, segment in enumerate(problem.segments):
-        if durations[s] <= INSTANT * problem.period(x):
-            result.append(f"segment {s + 1} ({segment.name}) has duration {durations[s]:.3g}")
+def find_violations(orbit: Orbit) -> list[Reason]:
+    """Return what makes an orbit inadmissible; an empty list for an admissible orbit."""
+    return orbit.once("violations", lambda: list(_find_violations(orbit)))
+
+
+def _find_violations(orbit: Orbit) -> Iterator[Reason]:
+    profiles = find_event_profiles(orbit)
+    for s, name in enumerate(orbit.signature.names):
+        duration = float(orbit.durations[s])
+        if duration <= INSTANT * orbit.period:
+            yield make_reason("no_duration", number=s + 1, segment=name, duration=duration)
             continue
-        for event, direction, terminal in watched_events(problem, s):
-            result += [f"segment {s + 1} ({segment.name}): {text}" for text in _crossings(profiles[event], s, event, direction, terminal)]
-    return result
+        for watched in orbit.signature.list_watched_events(s):
+            for code, direction in _find_crossings(profiles[watched.event], s, watched):
+                yield make_reason(
+                    code, number=s + 1, segment=name, event=watched.event, crossed=direction, listed=watched.direction
+                )
 
 
-def _crossings(profile: Profile, s: int, event: str, direction: str, terminal: bool) -> Iterator[str]:
+def _find_crossings(profile: Profile, s: int, watched: WatchedEvent) -> Iterator[tuple[str, str]]:
+    """Yield (code, direction) of each crossing of an event in a segment that should not be there."""
     start, end = profile.ends(s)
     interior = [e.value for e in profile.extrema if e.segment == s]
     levels = np.array([start, *interior, end])
-    zero = RELATIVE_ZERO * max(float(np.max(np.abs(profile.values))), np.finfo(float).tiny)
+    largest = float(np.max(np.abs(profile.values)))
+    zero = RELATIVE_ZERO * max(largest, np.finfo(float).tiny)
     signs = np.where(np.abs(levels) <= zero, 0, np.sign(levels)).astype(int)
-    if terminal:
+    if watched.terminal:
         signs[-1] = 0
         came_from = next((int(sign) for sign in signs[-2::-1] if sign), 0)
-        wrong = {"rising": 1, "falling": -1}.get(direction)
+        wrong = SIGNS.get(watched.direction)
         # Where the surface is only touched, at the limit of orbits that cross it, the side says nothing.
-        touched = abs(profile.end_slope(s)) * profile.duration(s) <= TANGENT * float(np.max(np.abs(profile.values)))
+        touched = abs(profile.end_slope(s)) * profile.duration(s) <= TANGENT * largest
         if came_from and came_from == wrong and not touched:
-            yield f"event '{event}' is crossed {'falling' if wrong == 1 else 'rising'} at its end, not {direction}"
+            yield "crossed_backwards", "falling" if wrong == 1 else "rising"
     known = [int(sign) for sign in signs if sign]
     for before, after in pairwise(known):
         rises = after > before
-        if before != after and (direction == "any" or rises == (direction == "rising")):
-            yield f"event '{event}' is also crossed {'rising' if rises else 'falling'} inside"
+        if before != after and (watched.direction == "any" or rises == (watched.direction == "rising")):
+            yield "also_crossed", "rising" if rises else "falling"
 
 
-def approaches(problem: OrbitProblem, profiles: dict[str, Profile]) -> list[tuple[float, str, Extremum]]:
-    """Return (height, event, extremum) for each interior extremum that could become a crossing: zero at a touch, negative before.
+@dataclass(frozen=True)
+class ClosestApproach:
+    """An interior extremum of an event function that could become a crossing.
 
-    The height is h at a maximum below the surface and -h at a minimum above it.
+    ``gap`` is negative before the event's surface is touched and zero where it is: the function itself at a maximum
+    below the surface, minus it at a minimum above.
     """
-    found = []
-    for s in range(len(problem.segments)):
-        for name, direction, _ in watched_events(problem, s):
-            if name in profiles:
-                inside = [e for e in profiles[name].extrema if e.segment == s]
-                found += [(height, name, e) for height, e in _near_crossings(profiles[name], s, direction, inside)]
+
+    gap: float
+    event: str
+    extremum: Extremum
+
+
+def find_approaches(orbit: Orbit) -> list[ClosestApproach]:
+    """Return each interior extremum of an event function that could become a crossing."""
+    return orbit.once("approaches", lambda: _find_approaches(orbit))
+
+
+def _find_approaches(orbit: Orbit) -> list[ClosestApproach]:
+    profiles, found = find_event_profiles(orbit), []
+    for s in range(len(orbit.signature)):
+        for watched in orbit.signature.list_watched_events(s):
+            profile = profiles[watched.event]
+            inside = [e for e in profile.extrema if e.segment == s]
+            found += [
+                ClosestApproach(gap, watched.event, e)
+                for gap, e in _find_near_crossings(profile, s, watched.direction, inside)
+            ]
     return found
 
 
-def _near_crossings(profile: Profile, s: int, direction: str, inside: list[Extremum]) -> Iterator[tuple[float, Extremum]]:
-    """Yield the extrema of one segment that could become a crossing in ``direction``, with their heights.
+def _find_near_crossings(
+    profile: Profile, s: int, direction: str, inside: list[Extremum]
+) -> Iterator[tuple[float, Extremum]]:
+    """Yield the extrema of one segment that could become a crossing in ``direction``, with their gaps.
 
-    A rising event is met from below, where maxima come near it. A segment may begin above, though, and fall through the surface once,
-    which is no event; until then a minimum that dips below makes it rise again. Falling events are the same upside down.
+    A rising event is met from below, where maxima come near it. A segment may begin above, though, and fall through the
+    surface once, which is no event; until then a minimum that dips below makes it rise again. Falling events are the
+    same upside down.
     """
     if direction == "any":
-        below = from_below(profile, s, direction)
+        below = is_met_from_below(profile, s, direction)
         yield from ((e.value if below else -e.value, e) for e in inside if e.is_max == below)
         return
-    sign = 1.0 if direction == "rising" else -1.0
+    sign = float(SIGNS[direction])
     if not inside:
         return
     start, end = (sign * value for value in profile.ends(s))
@@ -126,24 +148,25 @@ def _near_crossings(profile: Profile, s: int, direction: str, inside: list[Extre
             yield level, e
 
 
-def closest_approach(problem: OrbitProblem, profiles: dict[str, Profile], only: str | None = None, *,
-                     leave_out: tuple[str, int, float] | None = None) -> tuple[str, Extremum] | None:  # fmt: skip
-    """Return the event and the interior extremum of its function that is nearest to a new crossing (None: no extremum).
+def find_closest_approach(
+    orbit: Orbit, event: str | None = None, *, leave_out: tuple[str, int, float] | None = None
+) -> ClosestApproach | None:
+    """Return the interior extremum of an event function that is nearest to a new crossing (None: no extremum).
 
-    ``only`` restricts it to one event; ``leave_out`` is the event, segment and time of an extremum that does not count.
+    ``event`` restricts it to one event; ``leave_out`` is the event, segment and time of an extremum that does not
+    count.
     """
-    period = sum(float(np.sum(p.h)) for p in list(profiles.values())[:1])
-    found = [a for a in approaches(problem, profiles) if only in (None, a[1]) and not _is(a[2], a[1], leave_out, period)]
-    best = max(found, key=lambda a: a[0], default=None)
-    return None if best is None else best[1:]
+
+    def counts(a: ClosestApproach) -> bool:
+        same = leave_out is not None and (a.event, a.extremum.segment) == leave_out[:2]
+        left_out = same and abs(a.extremum.time - leave_out[2]) < SAME_TIME * orbit.period  # type: ignore[index]
+        return event in (None, a.event) and not left_out
+
+    return max((a for a in find_approaches(orbit) if counts(a)), key=lambda a: a.gap, default=None)
 
 
-def _is(extremum: Extremum, event: str, named: tuple[str, int, float] | None, period: float) -> bool:
-    return named is not None and (event, extremum.segment) == named[:2] and abs(extremum.time - named[2]) < SAME_TIME * period
-
-
-def from_below(profile: Profile, s: int, direction: str) -> bool:
-    """Whether the event is crossed from h < 0 in segment ``s``."""
+def is_met_from_below(profile: Profile, s: int, direction: str) -> bool:
+    """Return whether an event is crossed from h < 0 in segment ``s``."""
     if direction == "any":
         return bool(np.median(profile.values[profile.segment == s]) < 0.0)
     return direction == "rising"

@@ -7,16 +7,25 @@ from dataclasses import dataclass, replace
 from functools import cache, cached_property
 
 import numpy as np
+from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
-from pddecont.model.codegen import ArrayFunction
-from pddecont.orbit.basis import make_basis
-from pddecont.orbit.problem import OrbitProblem, read
-from pddecont.orbit.stretches import stretches
+from pddecont.codegen import ArrayFunction
+from pddecont.collocation import make_basis
+from pddecont.orbit.orbit import Orbit
+from pddecont.orbit.smooth_subintervals import find_smooth_subintervals
 
 Array = NDArray[np.float64]
+# Candidates nearer than this, relative to their interval, are one extremum or lie at a segment's end.
 TOGETHER = 1e-6
+# How far beside an extremum its slopes are compared, relative to its interval.
 ASIDE = 1e-5
+# A root of the slope whose imaginary part is below this is real.
+REAL = 1e-7
+# Coefficients below this part of the largest are rounding.
+ROUNDING = 1e-15
+# By how much the first coefficient of a slope must outweigh the rest for it to have no zero, against rounding.
+OUTWEIGH = 1.0 + 1e-6
 
 
 @dataclass(frozen=True)
@@ -33,10 +42,10 @@ class Extremum:
 
 @dataclass(frozen=True, eq=False)
 class Profile:
-    """A function along an orbit as one polynomial a mesh interval, or a stretch of one.
+    """A function along an orbit as one polynomial a mesh interval, or a part of one.
 
-    ``values`` (n_intervals, degree + 1) are taken at the base points of the basis of ``degree``. The only segment of a ``closed``
-    orbit goes on into itself, so that an extremum may lie where it begins.
+    ``values`` (n_intervals, degree + 1) are taken at the base points of the basis of ``degree``. The only segment of a
+    ``closed`` orbit goes on into itself, so that an extremum may lie where it begins.
     """
 
     degree: int
@@ -55,18 +64,18 @@ class Profile:
         """Return the duration of segment ``s``."""
         return float(np.sum(self.h[self.segment == s]))
 
-    def end_slope(self, s: int) -> float:
-        """Return the slope in time at the end of segment ``s``."""
-        last = int(np.flatnonzero(self.segment == s)[-1])
-        return float(make_basis(self.degree).differentiate[-1] @ self.values[last] / self.h[last])
-
     def start_slope(self, s: int) -> float:
         """Return the slope in time at the start of segment ``s``."""
         first = int(np.flatnonzero(self.segment == s)[0])
         return float(make_basis(self.degree).differentiate[0] @ self.values[first] / self.h[first])
 
-    def slope_at(self, e: Extremum, away: float) -> float:
-        """Return the slope at a time ``away`` from an extremum, across as many intervals of its segment as that takes."""
+    def end_slope(self, s: int) -> float:
+        """Return the slope in time at the end of segment ``s``."""
+        last = int(np.flatnonzero(self.segment == s)[-1])
+        return float(make_basis(self.degree).differentiate[-1] @ self.values[last] / self.h[last])
+
+    def slope_beside(self, e: Extremum, away: float) -> float:
+        """Return the slope at a time ``away`` from an extremum, if need be in another interval of its segment."""
         j, at = e.interval, e.sigma + away / self.h[e.interval]
         n = len(self.h)
         while not 0.0 <= at <= 1.0 and (self.closed or 0 <= j + np.sign(away) < n):
@@ -81,39 +90,38 @@ class Profile:
     @cached_property
     def extrema(self) -> list[Extremum]:
         """All local extrema inside segments, in order of time."""
-        return _told_apart(list(_extrema(self)), self)
+        return _merge(list(_find_candidates(self)), self)
 
 
-def profile(problem: OrbitProblem, x: Array, function: ArrayFunction, row: int = 0, segments: Collection[int] | None = None) -> Profile:
-    """Return expression ``row`` of ``function`` along the orbit with unknowns ``x``, or along some of its segments.
+def make_profile(
+    orbit: Orbit, function: ArrayFunction, row: int = 0, segments: Collection[int] | None = None
+) -> Profile:
+    """Return expression ``row`` of ``function`` along an orbit, or along some of its segments.
 
     An expression that is linear in the states is a polynomial of the orbit's degree; any other is interpolated at twice
     that degree.
     """
-    mesh = problem.mesh
+    mesh = orbit.mesh
     degree = mesh.degree if function.linear[row] else 2 * mesh.degree
-    base = make_basis(degree).base
-    there = np.arange(mesh.n_intervals) if segments is None else np.flatnonzero(np.isin(mesh.segment, list(segments)))
-    parts = stretches(problem, x, there, delays=function.uses_delayed)
-    reads = read(problem, x, parts.places(mesh, base), delays=function.uses_delayed)
-    values = function.value(reads.t, reads.x, reads.xd, reads.p)[row].reshape(len(parts.interval), -1)
+    chosen = np.arange(mesh.n_intervals) if segments is None else np.flatnonzero(np.isin(mesh.segment, list(segments)))
+    parts = find_smooth_subintervals(orbit, chosen, delays=function.uses_delayed)
+    reads = orbit.read(parts.grid(mesh, make_basis(degree).base), delays=function.uses_delayed)
+    values = function.value(reads.t, reads.x, reads.xd, orbit.parameters)[row].reshape(len(parts.interval), -1)
     h = reads.h[parts.interval]
-    start = (mesh.start @ reads.theta)[parts.interval] + parts.low * h
-    return Profile(degree, values, mesh.segment[parts.interval], start, parts.share() * h, not problem.segments[0].event)
+    start = (mesh.start @ orbit.theta)[parts.interval] + parts.low * h
+    closed = not orbit.signature.has_events
+    return Profile(degree, values, mesh.segment[parts.interval], start, parts.share * h, closed)
 
 
-def _extrema(profile: Profile) -> Iterator[Extremum]:
-    """Yield candidates: roots of the slope on each interval, a little beyond its ends too, and edges where it changes sign."""
-    basis = make_basis(profile.degree)
-    slopes = profile.values @ basis.differentiate.T
-    to_power = np.linalg.inv(np.vander(basis.base, increasing=True))
-    to_power_slope = (np.diag(np.arange(1.0, profile.degree + 1), 1)[:-1] @ to_power)
+def _find_candidates(profile: Profile) -> Iterator[Extremum]:
+    """Yield roots of the slope on each interval, a little beyond its ends too, and edges where it changes sign."""
+    slopes = profile.values @ make_basis(profile.degree).differentiate.T
     series = slopes @ _to_chebyshev(profile.degree).T
-    may_turn = np.abs(series[:, 0]) <= (1.0 + 1e-6) * np.sum(np.abs(series[:, 1:]), axis=1)
+    may_turn = np.abs(series[:, 0]) <= OUTWEIGH * np.sum(np.abs(series[:, 1:]), axis=1)
     n = len(profile.values)
     for j, values in enumerate(profile.values):
         if may_turn[j]:
-            yield from _inside(profile, j, values, to_power_slope @ values)
+            yield from _find_inside(profile, j, values, series[j])
         if j + 1 == n and not profile.closed:
             continue
         following = (j + 1) % n
@@ -121,32 +129,59 @@ def _extrema(profile: Profile) -> Iterator[Extremum]:
             yield _make(profile, j, 1.0, float(values[-1]), bool(slopes[j, -1] > 0.0))
 
 
+def _find_inside(profile: Profile, j: int, values: Array, slope: Array) -> Iterator[Extremum]:
+    """Yield the extrema strictly inside interval ``j``; ``slope`` holds the Chebyshev coefficients of the derivative.
+
+    Reference: Trefethen, Approximation Theory and Approximation Practice (2013), chapter 18 (colleague matrices).
+    """
+    largest = np.max(np.abs(slope), initial=0.0)
+    if largest == 0.0 or not np.isfinite(largest):
+        return
+    series = chebyshev.chebtrim(slope, ROUNDING * largest)
+    if len(series) < 2:
+        return
+    roots = 0.5 + 0.5 * chebyshev.chebroots(series)
+    near = (roots.real > -TOGETHER) & (roots.real < 1.0 + TOGETHER)
+    bends = chebyshev.chebder(series)
+    for root in np.sort(roots.real[(np.abs(roots.imag) < REAL) & near]):
+        sigma = min(max(float(root), 0.0), 1.0)
+        bend = 2.0 * chebyshev.chebval(2.0 * sigma - 1.0, bends)
+        if bend != 0.0:
+            sigma = min(max(sigma - float(chebyshev.chebval(2.0 * sigma - 1.0, series) / bend), 0.0), 1.0)
+        value = float(make_basis(profile.degree).lagrange(np.array(sigma)) @ values)
+        yield _make(profile, j, sigma, value, bool(bend < 0))
+
+
 @cache
 def _to_chebyshev(degree: int) -> Array:
-    """Return the matrix from values at the base points to Chebyshev coefficients: a slope whose first outweighs the rest has no zero."""
-    vander = np.polynomial.chebyshev.chebvander(2.0 * make_basis(degree).base - 1.0, degree)
-    return np.asarray(np.linalg.inv(vander), dtype=np.float64)
+    """Return the matrix from values at the base points to Chebyshev coefficients.
+
+    A polynomial whose first coefficient outweighs the rest has no zero.
+    """
+    return np.asarray(np.linalg.inv(chebyshev.chebvander(2.0 * make_basis(degree).base - 1.0, degree)))
 
 
-def _told_apart(found: list[Extremum], profile: Profile) -> list[Extremum]:
+def _merge(found: list[Extremum], profile: Profile) -> list[Extremum]:
     """Return one extremum for each place where the slope really changes sign.
 
-    To rounding an extremum on an edge may show in both intervals, in one or between them: candidates that lie together are one if
-    the slope has different signs a little before and a little after them, and none if not. Those at an open segment's ends, to
-    rounding, are left out.
+    To rounding an extremum on an edge may show in both intervals, in one or between them: candidates that lie together
+    are one if the slope has different signs a little before and a little after them, and none if not. Those at an open
+    segment's ends, to rounding, are left out.
     """
     groups: list[list[Extremum]] = []
-    for e in sorted(found if profile.closed else [e for e in found if not _at_end(e, profile)], key=lambda e: e.time):
-        if groups and _together(groups[-1][-1], e, profile, 0.0):
+    inner = found if profile.closed else [e for e in found if not _is_at_end(e, profile)]
+    for e in sorted(inner, key=lambda e: e.time):
+        if groups and _are_together(groups[-1][-1], e, profile, 0.0):
             groups[-1].append(e)
         else:
             groups.append([e])
-    if profile.closed and len(groups) > 1 and _together(groups[-1][-1], groups[0][0], profile, float(np.sum(profile.h))):
+    period = float(np.sum(profile.h))
+    if profile.closed and len(groups) > 1 and _are_together(groups[-1][-1], groups[0][0], profile, period):
         groups[0] = [*groups.pop(), *groups[0]]
     result = []
     for group in groups:
         away = ASIDE * float(np.min(profile.h[[e.interval for e in group]]))
-        before, after = profile.slope_at(group[0], -away), profile.slope_at(group[-1], away)
+        before, after = profile.slope_beside(group[0], -away), profile.slope_beside(group[-1], away)
         if before * after < 0.0:
             top = before > 0.0
             best = max(group, key=lambda e: e.value if top else -e.value)
@@ -154,32 +189,14 @@ def _told_apart(found: list[Extremum], profile: Profile) -> list[Extremum]:
     return result
 
 
-def _at_end(e: Extremum, profile: Profile) -> bool:
+def _is_at_end(e: Extremum, profile: Profile) -> bool:
     inside = np.flatnonzero(profile.segment == e.segment)
     begin, end = profile.start[inside[0]], profile.start[inside[-1]] + profile.h[inside[-1]]
-    return min(e.time - begin, end - e.time) < TOGETHER * profile.h[e.interval]
+    return bool(min(e.time - begin, end - e.time) < TOGETHER * profile.h[e.interval])
 
 
-def _together(a: Extremum, b: Extremum, profile: Profile, period: float) -> bool:
-    return a.segment == b.segment and abs(b.time + period - a.time) < TOGETHER * profile.h[a.interval]
-
-
-def _inside(profile: Profile, j: int, values: Array, slope: Array) -> Iterator[Extremum]:
-    """Yield the extrema strictly inside interval ``j``; ``slope`` are the power coefficients of the derivative."""
-    coefficients = slope[::-1]
-    largest = np.max(np.abs(coefficients), initial=0.0)
-    if largest == 0.0 or not np.isfinite(largest):
-        return
-    roots = np.roots(np.where(np.abs(coefficients) > 1e-15 * largest, coefficients, 0.0))
-    near = (roots.real > -TOGETHER) & (roots.real < 1.0 + TOGETHER)
-    inside = np.clip(np.sort(roots.real[(np.abs(roots.imag) < 1e-7) & near]), 0.0, 1.0)
-    curvature = np.polyder(coefficients)
-    for sigma in inside:
-        bend = np.polyval(curvature, sigma)
-        if bend != 0.0:
-            sigma = min(max(sigma - np.polyval(coefficients, sigma) / bend, 0.0), 1.0)
-        value = float(make_basis(profile.degree).lagrange(np.array(sigma)) @ values)
-        yield _make(profile, j, float(sigma), value, bool(bend < 0))
+def _are_together(a: Extremum, b: Extremum, profile: Profile, period: float) -> bool:
+    return bool(a.segment == b.segment and abs(b.time + period - a.time) < TOGETHER * profile.h[a.interval])
 
 
 def _make(profile: Profile, j: int, sigma: float, value: float, is_max: bool) -> Extremum:

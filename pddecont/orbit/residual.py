@@ -2,10 +2,10 @@
 
 Rows, in this order (c runs over collocation points, s over segments):
 
-    collocation   z'(c) - h f_m(t_c, z, z(t - tau), p)          n_collocation * n_states   (slope on the reference interval)
-    resets        z_{s+1}(start) - g_s(z_s(end))                S * n_states
+    collocation   z'(c) - h f_m(t_c, z, z(t - tau), p)        n_collocation * n_states   (z' = dz/dsigma)
+    resets        z_{s+1}(start) - g_s(z_s(end))              S * n_states
     events        h_s(z_s(end)), or time since its source - tau   S   (an orbit without events: its phase condition)
-    period        sum T_s - k * forcing period                  1 if forced
+    period        sum T_s - k * forcing period                1 if forced
 """
 
 from __future__ import annotations
@@ -15,23 +15,26 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.model.codegen import ArrayFunction
-from pddecont.orbit.layout import Layout
-from pddecont.orbit.problem import OrbitProblem, Reads, read
+from pddecont.codegen import ArrayFunction
+from pddecont.orbit.orbit import Orbit
+from pddecont.orbit.problem import OrbitProblem
+from pddecont.orbit.signature import DelayedEventLink
+from pddecont.orbit.unknowns import Unknowns
 
 Array = NDArray[np.float64]
+Ints = NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)
 class Rows:
     """Places of the equations in the residual."""
 
-    layout: Layout
+    unknowns: Unknowns
 
     @property
     def n_collocation(self) -> int:
         """Number of collocation equations."""
-        return self.layout.mesh.n_collocation * self.layout.n_states
+        return self.unknowns.mesh.n_collocation * self.unknowns.n_states
 
     @property
     def resets(self) -> int:
@@ -41,20 +44,20 @@ class Rows:
     @property
     def events(self) -> int:
         """First event equation."""
-        return self.resets + self.layout.mesh.n_segments * self.layout.n_states
+        return self.resets + self.unknowns.mesh.n_segments * self.unknowns.n_states
 
     @property
     def period(self) -> int:
         """The period equation of a forced orbit."""
-        return self.events + self.layout.mesh.n_segments
+        return self.events + self.unknowns.mesh.n_segments
 
     @property
     def size(self) -> int:
         """Number of equations."""
-        return self.period + self.layout.forced
+        return self.period + self.unknowns.forced
 
 
-def mode_sites(problem: OrbitProblem) -> list[tuple[str, NDArray[np.intp]]]:
+def group_by_mode(problem: OrbitProblem) -> list[tuple[str, Ints]]:
     """Return each mode of the orbit with the collocation points that run in it."""
     mesh = problem.mesh
     of_interval = np.array([problem.segments[s].mode for s in mesh.segment])
@@ -62,52 +65,63 @@ def mode_sites(problem: OrbitProblem) -> list[tuple[str, NDArray[np.intp]]]:
     return [(mode, np.flatnonzero(of_point == mode)) for mode in dict.fromkeys(of_interval.tolist())]
 
 
-def reset_sites(problem: OrbitProblem) -> list[tuple[str, NDArray[np.intp]]]:
+def group_by_reset(problem: OrbitProblem) -> list[tuple[str, Ints]]:
     """Return each reset of the orbit with the segments at whose ends it happens."""
     resets = np.array([segment.reset for segment in problem.segments])
     return [(reset, np.flatnonzero(resets == reset)) for reset in dict.fromkeys(resets.tolist())]
 
 
-def residual(problem: OrbitProblem, x: Array, sites: Reads | None = None) -> Array:
-    """Return the residual of the unknowns ``x``, shape (n_equations,); ``sites`` if the orbit has been read already."""
-    sites = sites or read(problem, x, problem.mesh.sites)
-    mesh, n = problem.mesh, problem.numeric.n_states
-    rows = Rows(problem.layout)
+def compute_residual(orbit: Orbit) -> Array:
+    """Return the residual of an orbit's unknowns, shape (n_equations,)."""
+    problem, mesh, n = orbit.problem, orbit.mesh, orbit.numeric.n_states
+    reads, p = orbit.equation_reads, orbit.parameters
+    rows = Rows(problem.unknowns)
     result = np.empty(rows.size)
-    h = np.repeat(sites.h, mesh.degree)
-    slope = np.matmul(mesh.basis.slopes, sites.values[mesh.base_index]).reshape(-1, n)
+    h = np.repeat(reads.h, mesh.degree)
+    slope = np.matmul(mesh.basis.slopes, orbit.values[mesh.base_index]).reshape(-1, n)
     collocation = result[: rows.n_collocation].reshape(-1, n)
-    for mode, points in mode_sites(problem):
-        f = problem.numeric.mode(mode).value(sites.t[points], sites.x[:, points], sites.xd[:, points], sites.p)
+    for mode, points in group_by_mode(problem):
+        f = problem.numeric.mode(mode).value(reads.t[points], reads.x[:, points], reads.xd[:, points], p)
         collocation[points] = slope[points] - h[points, None] * f.T
-    starts = sites.values[np.roll(mesh.first_base, -1)]
+    starts = orbit.values[np.roll(mesh.first_base, -1)]
     resets = result[rows.resets : rows.events].reshape(-1, n)
-    for reset, which in reset_sites(problem):
-        resets[which] = starts[which] - at_ends(problem.numeric.reset(reset), problem, sites, which).T
-    timed = {s: (source, wraps) for s, source, wraps in problem.timers}
-    for s, segment in enumerate(problem.segments):
-        if s in timed:
-            elapsed = timer_weights(problem, s, *timed[s]) @ sites.theta[: mesh.n_segments]
-            result[rows.events + s] = elapsed - event_delay(problem, s, sites.p)
-        elif segment.event:
-            result[rows.events + s] = at_ends(problem.numeric.event(segment.event), problem, sites, np.array([s]))[0, 0]
-        elif problem.numeric.model.forced:
-            result[rows.events + s] = sites.start - problem.phase
-        else:
-            result[rows.events + s] = phase_weights(problem) @ np.ravel(sites.values)
+    for reset, which in group_by_reset(problem):
+        resets[which] = starts[which] - evaluate_at_ends(problem.numeric.reset(reset), orbit, which).T
+    result[rows.events : rows.period] = _end_residuals(orbit)
     if problem.numeric.model.forced:
-        result[rows.period] = problem.period(x) - problem.n_periods * problem.numeric.period.value(sites.p)[0]
+        result[rows.period] = orbit.period - problem.n_periods * problem.numeric.period.value(p)[0]
     return result
 
 
-def at_ends(function: ArrayFunction, problem: OrbitProblem, sites: Reads, segments: NDArray[np.intp]) -> Array:
+def _end_residuals(orbit: Orbit) -> Array:
+    """Return what is left of the equation that ends each segment, shape (n_segments,)."""
+    problem = orbit.problem
+    links = {link.segment: link for link in problem.links}
+    result = np.empty(len(problem.segments))
+    for s, segment in enumerate(problem.segments):
+        if s in links:
+            elapsed = find_elapsed_weights(problem, links[s]) @ orbit.theta[: orbit.mesh.n_segments]
+            result[s] = elapsed - problem.numeric.event_delay(segment.event).value(orbit.parameters)[0]
+        elif segment.event:
+            result[s] = evaluate_at_ends(problem.numeric.event(segment.event), orbit, np.array([s]))[0, 0]
+        elif problem.numeric.model.forced:
+            result[s] = orbit.start - problem.phase
+        else:
+            result[s] = phase_weights(problem) @ np.ravel(orbit.values)
+    return result
+
+
+def evaluate_at_ends(function: ArrayFunction, orbit: Orbit, segments: Ints) -> Array:
     """Return a function's values at the ends of some segments, shape (n_out, len(segments))."""
-    i = problem.mesh.n_collocation + segments
-    return function.value(sites.t[i], sites.x[:, i], sites.xd[:, i], sites.p)
+    reads, i = orbit.equation_reads, orbit.mesh.n_collocation + segments
+    return function.value(reads.t[i], reads.x[:, i], reads.xd[:, i], orbit.parameters)
 
 
 def phase_weights(problem: OrbitProblem) -> Array:
-    """Return the weights of the integral phase condition, integral of z . dz_ref/dsigma = 0, shape (n_base * n_states,)."""
+    """Return the weights of the integral phase condition, integral of z . dz_ref/dsigma = 0.
+
+    The result has shape (n_base * n_states,).
+    """
     assert problem.reference is not None, "an autonomous orbit without events needs a reference for its phase"
     mesh = problem.mesh
     slope = np.einsum("ib,jbn->jin", mesh.basis.slopes, problem.reference[mesh.base_index])
@@ -117,14 +131,9 @@ def phase_weights(problem: OrbitProblem) -> Array:
     return np.ravel(weights)
 
 
-def timer_weights(problem: OrbitProblem, s: int, source: int, wraps: int) -> Array:
-    """Return the weights of the durations in the time from the end of segment ``source``, ``wraps`` periods back, to that of ``s``."""
-    weights = np.full(problem.mesh.n_segments, float(wraps))
-    weights[: s + 1] += 1.0
-    weights[: source + 1] -= 1.0
+def find_elapsed_weights(problem: OrbitProblem, link: DelayedEventLink) -> Array:
+    """Return the weights of the durations in the time from a delayed event's source to the event, shape (S,)."""
+    weights = np.full(problem.mesh.n_segments, float(link.wraps))
+    weights[: link.segment + 1] += 1.0
+    weights[: link.source + 1] -= 1.0
     return weights
-
-
-def event_delay(problem: OrbitProblem, s: int, p: Array) -> float:
-    """Return the delay of the delayed event that ends segment ``s``."""
-    return float(problem.numeric.event_delay(problem.segments[s].event).value(p)[0])

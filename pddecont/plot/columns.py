@@ -1,4 +1,4 @@
-"""One number of each point, by name."""
+"""One number of each point by name, and what is shown of a step when nobody says."""
 
 from __future__ import annotations
 
@@ -9,55 +9,108 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.errors import ResultsError, suggest
-from pddecont.plot.style import label
-from pddecont.results.reader import Step
+from pddecont.plot.axis_labels import format_name
+from pddecont.results import Step
 
+# Columns of their own that axes may show beside parameters and monitors.
 PLAIN = ("period", "error_estimate", "clearance", "arclength", "n_unstable", "trivial_error")
 
 
-def column(step: Step, name: str) -> NDArray[Any]:
+def read_column(step: Step, name: str) -> NDArray[Any]:
     """Return a parameter, a monitor or another number of each point, by name, shape (n_points,)."""
     for group in ("parameters", "monitors"):
         if name in step.meta[group]:
             return step.points[group][:, step.meta[group].index(name)]
     if name in step.points and step.points[name].ndim == 1 and step.points[name].dtype.kind in "fi":
         return step.points[name]
-    known = columns(step)
+    known = list_columns(step)
     raise ResultsError(f"step '{step.name}' has no column '{name}'{suggest(name, known)} (columns: {', '.join(known)})")
 
 
-def columns(step: Step) -> list[str]:
-    """Return the names that :func:`column` offers."""
+def list_columns(step: Step) -> list[str]:
+    """Return the names that :func:`read_column` takes."""
     return [*step.meta["parameters"], *step.meta["monitors"], *(n for n in PLAIN if n in step.points)]
 
 
-def free_of(step: Step) -> list[str]:
-    """Return the names of the free parameters of a branch or curve; none for other steps."""
+def read_parameter(step: Step, name: str) -> NDArray[np.float64]:
+    """Return a parameter of each point, shape (n_points,), or raise :class:`ResultsError` with those there are."""
+    names = list(step.meta["parameters"])
+    if name not in names:
+        raise ResultsError(
+            f"step '{step.name}' has no parameter '{name}'{suggest(name, names)} (parameters: {', '.join(names)})"
+        )
+    return np.asarray(step.points["parameters"][:, names.index(name)])
+
+
+def find_state(step: Step, name: str) -> int:
+    """Return a state's number, or raise :class:`ResultsError` with the states there are."""
+    states = list(step.meta["states"])
+    if name not in states:
+        raise ResultsError(
+            f"step '{step.name}' has no state '{name}'{suggest(name, states)} (states: {', '.join(states)})"
+        )
+    return states.index(name)
+
+
+def list_free_parameters(step: Step) -> list[str]:
+    """Return the names of the free parameters of a branch, a curve or a sweep; none for other steps."""
     return list(step.meta.get("free") or [])
 
 
-def default_height(step: Step) -> str:
-    """Return what is shown over the free parameters when nobody says: the first monitor with values, else the period."""
-    others = [m for m in step.meta["monitors"] if np.any(np.isfinite(column(step, m)))]
-    return others[0] if others else "period"
+def choose_monitor(step: Step) -> str:
+    """Return what is shown over free parameters when nobody says: the first monitor with values, else the period."""
+    known = [m for m in step.meta["monitors"] if np.any(np.isfinite(read_column(step, m)))]
+    return known[0] if known else "period"
 
 
-def default_columns(step: Step) -> tuple[str, str]:
-    """Return what a diagram shows when nobody says: the free parameter and :func:`default_height`."""
-    return (free_of(step) or step.meta["parameters"][:1] or ["period"])[0], default_height(step)
+def choose_columns(step: Step) -> tuple[str, str]:
+    """Return what a diagram shows when nobody says: the free parameter and :func:`choose_monitor`."""
+    return (list_free_parameters(step) or step.meta["parameters"][:1] or ["period"])[0], choose_monitor(step)
 
 
-def title(step: Step, row: int) -> str:
+def choose_states(step: Step, x: str | None, y: str | None) -> tuple[str, str]:
+    """Return the two states of a phase plot: those asked for, else the first two (of one state twice the same)."""
+    states = list(step.meta["states"])
+    return x or states[0], y or states[min(1, len(states) - 1)]
+
+
+def choose_plane(steps: Sequence[Step], x: str | None, y: str | None) -> tuple[str, str]:
+    """Return the two parameters of a plane: those asked for, else the free parameters of the first curve."""
+    free = next((found for step in steps if len(found := list_free_parameters(step)) == 2), [])
+    if not free and not (x and y):
+        raise ResultsError("there is no curve in two parameters to say which plane is meant; give -x and -y")
+    x = x or next(name for name in free if name != y)
+    return x, y or next(name for name in free if name != x)
+
+
+def keep_same_free(steps: Sequence[Step]) -> list[Step]:
+    """Return those of ``steps`` that have the free parameters of the last one, in whatever order."""
+    return [step for step in steps if set(list_free_parameters(step)) == set(list_free_parameters(steps[-1]))]
+
+
+def describe_point(step: Step, row: int) -> str:
     """Return a point's label and its free parameters."""
-    values = [f"{label(name)} = {column(step, name)[row]:.6g}" for name in free_of(step)]
+    values = [f"{format_name(name)} = {read_column(step, name)[row]:.6g}" for name in list_free_parameters(step)]
     return "  ".join([t for t in (step.labels[row],) if t] + values)
 
 
-def agree(step: Step, other: Step, names: Sequence[str]) -> bool:
-    """Whether parameters have one value on two steps."""
+def describe_differences(names: Sequence[str], values: NDArray[np.float64]) -> list[str]:
+    """Return for each row of parameters, ``values`` of shape (n, n_parameters), those that are not the same in all."""
+    varying = np.ptp(values, axis=0) > 0
+    shown = [format_name(name) for name, varies in zip(names, varying, strict=True) if varies]
+    return [
+        "  ".join(f"{name} = {value:.6g}" for name, value in zip(shown, row, strict=True)) for row in values[:, varying]
+    ]
 
-    def value(s: Step, name: str) -> float:
+
+def share_values(step: Step, other: Step, names: Sequence[str]) -> bool:
+    """Return whether parameters have one value on two steps."""
+
+    def read_value(s: Step, name: str) -> float:
         return float(s.points["parameters"][0, list(s.meta["parameters"]).index(name)])
 
-    return all(name in step.meta["parameters"] and np.isclose(value(step, name), value(other, name), rtol=1e-9, atol=1e-12)
-               for name in names)  # fmt: skip
+    return all(
+        name in step.meta["parameters"]
+        and np.isclose(read_value(step, name), read_value(other, name), rtol=1e-9, atol=1e-12)
+        for name in names
+    )

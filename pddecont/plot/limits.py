@@ -3,46 +3,59 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.results.reader import Step
+from pddecont.plot.columns import read_column
+from pddecont.results import Step
 
-# What varies by less than this share of its size is constant.
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+# What varies by less than this share of its size is constant: the tolerances of orbits are larger by far, rounding is
+# smaller.
 ROUNDING = 1e-9
 # Nothing is taken to be smaller than this share of the largest state: all of it is rounding, then.
 SMALL = 1e-5
+# Half the height of an axis that shows a constant, as a share of the constant.
+HALF_OF_CONSTANT = 0.05
 
 
-def size_of(steps: Sequence[Step], values: NDArray[Any]) -> float:
-    """Return how large ``values`` that belong to some steps are, for telling what of them is rounding."""
+def measure_size(steps: Sequence[Step], values: NDArray[Any]) -> float:
+    """Return how large ``values`` (any shape) that belong to some steps are, to know what of them is rounding."""
     states = [step.orbits[name] for step in steps for name in ("states", "returns") if name in step.orbits]
-    return max(_largest(values), SMALL * max(map(_largest, states), default=0.0))
+    return max(_find_largest(values), SMALL * max(map(_find_largest, states), default=0.0))
 
 
 def varies(values: NDArray[Any], size: float) -> bool:
-    """Whether ``values`` of a size vary beyond rounding."""
+    """Return whether ``values`` (n,) of a size vary beyond rounding."""
     finite = values[np.isfinite(values)]
     return len(finite) > 0 and float(np.ptp(finite)) > ROUNDING * size
 
 
-def widened(low: float, high: float, size: float) -> tuple[float, float]:
-    """Return the limits of an axis for values from ``low`` to ``high``; far apart, where between these there is only rounding."""
+def widen_limits(low: float, high: float, size: float) -> tuple[float, float]:
+    """Return the limits of an axis for values from ``low`` to ``high``, far apart if these differ by rounding only."""
     if high - low > ROUNDING * size:
         return low, high
-    middle, half = 0.5 * (low + high), 0.05 * (size or 1.0)
+    middle, half = 0.5 * (low + high), HALF_OF_CONSTANT * (size or 1.0)
     return middle - half, middle + half
 
 
-def widen(axes: Any, which: str, size: float) -> None:
-    """Widen the limits of the axis ``which`` (x, y or z), whose values have a ``size``, where only rounding shows between them."""
+def widen_axis(axes: Axes, which: str, size: float) -> None:
+    """Widen the limits of the axis ``which`` (x, y or z), whose values have a ``size``, if they show only rounding."""
     low, high = getattr(axes, f"get_{which}lim")()
-    limits = widened(low, high, size)
+    limits = widen_limits(low, high, size)
     if limits != (low, high):
         getattr(axes, f"set_{which}lim")(limits)
 
 
-def _largest(values: NDArray[Any]) -> float:
+def widen_for_columns(axes: Axes, steps: Sequence[Step], names: dict[str, str]) -> None:
+    """Widen the axes, by their letters, that show columns of points if these differ by rounding only."""
+    for which, name in names.items():
+        widen_axis(axes, which, measure_size(steps, np.concatenate([read_column(step, name) for step in steps])))
+
+
+def _find_largest(values: NDArray[Any]) -> float:
     return float(np.max(np.abs(values), initial=0.0, where=np.isfinite(values)))

@@ -1,1 +1,5 @@
 """One page on a results file: pictures, tables, settings, versions."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

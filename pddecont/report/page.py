@@ -1,109 +1,134 @@
 """A results file as one HTML page that needs nothing from outside.
 
-All text comes from the file, which may come from anybody: it is escaped, pictures are images (in which nothing runs), and the page
-forbids scripts and loading.
+All text comes from the file, which may come from anybody: the template escapes it, pictures are images (in which
+nothing runs), and the page forbids scripts and loading.
 """
 
 from __future__ import annotations
 
 import base64
 import json
-from collections.abc import Iterable
-from html import escape
-from importlib.resources import files
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
 from pddecont.errors import ResultsError
-from pddecont.plot.choice import View, views_of
-from pddecont.plot.figure import image
-from pddecont.report.cells import html_table, listed, special_tables
-from pddecont.results.reader import Results, Step
-from pddecont.results.summary import left_out_of, step_summary
+from pddecont.plot import VIEWS, ViewRequest, list_views, render_image
+from pddecont.report.step_tables import Row, build_tables, format_value, is_number
+from pddecont.results import Results, Step
+from pddecont.tables import describe_endings, find_left_out, summarise_step
 
-POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'"
-# Their pictures show several steps at once, or move.
-APART = ("manifold", "animate")
+# Steps that a picture of the whole file shows together, and how many it takes for one.
+OVERVIEW_KINDS, OVERVIEW_STEPS = ("continue", "sweep"), 2
+# Rows beyond these are left to 'pddecont export'.
+MAX_ROWS = 200
+# What the page shows of a summary elsewhere.
+ELSEWHERE = ("name", "kind", "termination", "done", "special")
 
 
-def page(results: Results) -> str:
+@dataclass(frozen=True)
+class Picture:
+    """An image as an address that holds it (``data:``) with its caption, or why there is none."""
+
+    caption: str
+    address: str = ""
+    problem: str = ""
+
+
+@dataclass(frozen=True)
+class Section:
+    """What the page says of one step; ``facts`` are names with texts."""
+
+    anchor: str
+    step: Step
+    endings: list[str]
+    facts: Mapping[str, str]
+    tables: list[tuple[str, list[Row]]]
+    pictures: list[Picture]
+    settings: str
+    effects_off: list[str]
+
+
+def render_page(results: Results) -> str:
     """Return the page on a results file."""
-    model = next((str(s.meta.get("model", "")) for s in results.steps.values()), "") or results.path.stem
-    style = files("pddecont.report").joinpath("page.css").read_text()
-    parts = [
-        "<!DOCTYPE html>", '<html lang="en">', "<head>", '<meta charset="utf-8">',
-        f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">',
-        '<meta name="viewport" content="width=device-width, initial-scale=1">',
-        f"<title>{escape(model)}: {escape(results.path.name)}</title>", f"<style>{style}</style>", "</head>", "<body>",
-        f"<h1>{escape(model)}</h1>", f'<p class="from">{escape(results.path.name)}, from {escape(Path(results.source).name)}</p>',
-        *_contents(results), *_overview(results),
-        *(line for step in results.steps.values() for line in _step(results, step)),
-        '<h2 id="texts">Texts and versions</h2>',
-        *_text("Model", results.model_text),
-        *(_text("Run", results.run_text) if results.run_text != results.model_text else ()),
-        "<h3>Versions</h3>", html_table([{"package": k, "version": str(v)} for k, v in results.versions.items()]),
-        "</body>", "</html>",
-    ]  # fmt: skip
-    return "\n".join(parts) + "\n"
+    return (
+        make_environment()
+        .get_template("page.html")
+        .render(
+            model=next((str(s.meta.get("model", "")) for s in results.steps.values()), "") or results.path.stem,
+            results=results,
+            source=Path(results.source).name,
+            contents=[_list_contents(step) for step in results.steps.values()],
+            overview=list(_draw_overview(results)),
+            sections=[_make_section(results, step, k) for k, step in enumerate(results.steps.values())],
+            versions=[{"package": name, "version": version} for name, version in results.versions.items()],
+        )
+    )
 
 
-def _contents(results: Results) -> Iterable[str]:
-    rows = []
-    for step in results.steps.values():
-        said = step_summary(step)
-        rows.append({"step": step.name, "kind": step.kind, "points": len(step), "special points": ", ".join(said["special"]),
-                     "ended": "\n".join(step.termination) or "not finished"})  # fmt: skip
-    yield "<h2>Steps</h2>"
-    yield html_table(rows, links={step.name: f"#step-{k}" for k, step in enumerate(results.steps.values())})
+def make_environment() -> Environment:
+    """Return what renders the templates of this folder: every text is escaped."""
+    environment = Environment(
+        loader=PackageLoader("pddecont.report", "."),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.filters["format_value"] = format_value
+    environment.tests["number_value"] = is_number
+    environment.globals["max_rows"] = MAX_ROWS
+    return environment
 
 
-def _overview(results: Results) -> Iterable[str]:
-    """Return the pictures that show several steps at once, where there are any."""
-    drawn = [s for s in results.steps.values() if views_of(s)]
-    if sum(s.kind in ("continue", "sweep") for s in drawn) < 2:
+def _list_contents(step: Step) -> Row:
+    return {
+        "step": step.name,
+        "kind": step.kind,
+        "points": len(step),
+        "special points": ", ".join(summarise_step(step)["special"]),
+        "ended": "\n".join(describe_endings(step)) or "not finished",
+    }
+
+
+def _draw_overview(results: Results) -> Iterator[Picture]:
+    """Yield the pictures that show several steps at once, where there are any."""
+    views = {step.name: list_views(step) for step in results.steps.values()}
+    if sum(step.kind in OVERVIEW_KINDS and bool(views[step.name]) for step in results.steps.values()) < OVERVIEW_STEPS:
         return
-    yield "<h2>Overview</h2>"
-    yield _picture(results, View(), "overview")
-    if any("manifold" in views_of(s) for s in drawn):
-        yield _picture(results, View("manifold"), "manifold")
+    yield _draw_picture(results, ViewRequest(), "overview")
+    for view in VIEWS.values():
+        if view.in_overview and any(view in found for found in views.values()):
+            yield _draw_picture(results, ViewRequest(view.name), view.name)
 
 
-def _step(results: Results, step: Step) -> Iterable[str]:
-    number = list(results.steps).index(step.name)
-    yield f'<h2 id="step-{number}">{escape(step.name)} <small>{escape(step.kind)}</small></h2>'
-    for text in step.termination:
-        yield f"<p>{escape(text)}</p>"
-    if not step.done:
-        yield "<p>This step is not finished.</p>"
-    said = step_summary(step)
-    yield listed({k: v for k, v in said.items() if k not in ("name", "kind", "termination", "done", "special")})
-    for title, rows in special_tables(step):
-        yield f"<h3>{escape(title)}</h3>"
-        yield html_table(rows)
-    for kind in views_of(step):
-        if kind not in APART:
-            yield _picture(results, View(kind, (step.name,)), f"{step.name}: {kind}")
-    yield from _settings(step)
+def _list_facts(step: Step) -> dict[str, str]:
+    texts = {name: format_value(value) for name, value in summarise_step(step).items() if name not in ELSEWHERE}
+    return {name.replace("_", " "): text for name, text in texts.items() if text}
 
 
-def _picture(results: Results, view: View, caption: str) -> str:
-    """Return a picture with its caption; a view that this file cannot give says why."""
-    try:
-        media, contents = image(results, view)
-    except ResultsError as exc:
-        return f'<p class="none">{escape(caption)}: {escape(str(exc))}</p>'
-    data = base64.b64encode(contents).decode()
-    return f'<figure><img alt="{escape(caption)}" src="data:{media};base64,{data}"><figcaption>{escape(caption)}</figcaption></figure>'
-
-
-def _settings(step: Step) -> Iterable[str]:
+def _make_section(results: Results, step: Step, number: int) -> Section:
     settings = json.loads(step.meta.get("settings") or "{}")
-    if settings:
-        yield "<details><summary>Settings</summary>"
-        yield f"<pre>{escape(json.dumps(settings, indent=2, ensure_ascii=False))}</pre></details>"
-    gone = left_out_of(step)
-    if gone.get("effects"):
-        yield f"<p>Computed without: {escape(', '.join(map(str, gone['effects'])))}</p>"
+    views = [view.name for view in list_views(step) if not (view.in_overview or view.is_moving)]
+    return Section(
+        anchor=f"step-{number}",
+        step=step,
+        endings=describe_endings(step),
+        facts=_list_facts(step),
+        tables=list(build_tables(step)),
+        pictures=[_draw_picture(results, ViewRequest(name, (step.name,)), f"{step.name}: {name}") for name in views],
+        settings=json.dumps(settings, indent=2, ensure_ascii=False) if settings else "",
+        effects_off=[str(name) for name in find_left_out(step).get("effects") or []],
+    )
 
 
-def _text(title: str, text: str) -> Iterable[str]:
-    yield f"<details><summary>{escape(title)}</summary><pre>{escape(text)}</pre></details>"
+def _draw_picture(results: Results, request: ViewRequest, caption: str) -> Picture:
+    """Return a picture; a view that this file cannot give says why."""
+    try:
+        media, contents = render_image(results, request)
+    except ResultsError as exc:
+        return Picture(caption, problem=str(exc))
+    return Picture(caption, address=f"data:{media};base64,{base64.b64encode(contents).decode()}")

@@ -1,7 +1,7 @@
 """One run at a time writes a results file.
 
-A run holds the system's advisory lock on a file beside the results file. The system lets go of it when the process ends,
-however that happens, so that a file left behind by a killed run stands in nobody's way.
+A run holds the system's advisory lock on a file beside the results file. The system lets go of it when the process
+ends, however that happens, so that a file left behind by a killed run stands in nobody's way.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from pddecont.errors import ResultsError
 
 
 @contextlib.contextmanager
-def writing(path: Path) -> Iterator[None]:
+def hold_lock(path: Path) -> Iterator[None]:
     """Hold the right to write the results file at ``path``; raise :class:`ResultsError` if another run holds it."""
     if path.exists() and not path.is_file():
         raise ResultsError(f"{path} is not a file that can hold results; give another -o")
@@ -24,8 +24,9 @@ def writing(path: Path) -> Iterator[None]:
     try:
         descriptor = _take(lock)
     except BlockingIOError as exc:
-        raise ResultsError(f"{path} is being written by another run (process {_holder(lock)}); wait until it ends, or give another "
-                           "-o") from exc  # fmt: skip
+        raise ResultsError(
+            f"{path} is being written by another run (process {_holder(lock)}); wait until it ends, or give another -o"
+        ) from exc
     except OSError as exc:
         raise ResultsError(f"{path} cannot be written: {exc.strerror}; check the folder") from exc
     try:
@@ -33,7 +34,8 @@ def writing(path: Path) -> Iterator[None]:
         part_of(path).unlink(missing_ok=True)
         yield
     finally:
-        # Removed while it is held, so that no one can hold a lock on a file that has lost its name and believe to be alone.
+        # Removed while it is held, so that no one can hold a lock on a file that has lost its name and believe to be
+        # alone.
         lock.unlink(missing_ok=True)
         os.close(descriptor)
 
@@ -69,7 +71,7 @@ def _holder(lock: Path) -> str:
 
 
 def check_unlocked(path: Path) -> None:
-    """Raise :class:`ResultsError` if another program has the results file open and locked, as HDF5 does while it writes."""
+    """Raise :class:`ResultsError` if another program has the file open and locked, as HDF5 does while it writes."""
     try:
         with path.open("rb") as stream:
             fcntl.flock(stream, fcntl.LOCK_SH | fcntl.LOCK_NB)

@@ -14,18 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.errors import ResultsError, suggest
-from pddecont.results.checks import (
-    ARRAYS,
-    COLUMNS,
-    NAME,
-    check_columns,
-    check_contents,
-    check_meta,
-    child,
-    rows,
-    text,
-)
-from pddecont.results.layout import BRANCH, FORMAT_VERSION, N_TERMINATIONS
+from pddecont.reasons import NO_REASON, Reason, reason_from_json
+from pddecont.results.checks import NAME, check_columns, check_contents, check_endings, check_meta, child, rows, text
+from pddecont.results.format import FORMAT_VERSION, N_TERMINATIONS, OLDEST_VERSION, StepFormat
+from pddecont.results.step_formats import find_format
+from pddecont.results.upgrade import upgrade_step
 
 
 class Fields(dict[str, Any]):
@@ -43,8 +36,8 @@ class Fields(dict[str, Any]):
 class Step:
     """One step of a results file.
 
-    ``points`` holds arrays with one row a point; ``orbit(i)`` the rows of point ``i``. ``done``: all of it was computed;
-    ``sealed``: its arrays have no spare room, and a branch has its table of special points.
+    ``points`` holds arrays with one row a point; ``orbit(i)`` the rows of point ``i``. ``done``: all of it was
+    computed; ``compact``: its arrays have no spare room, and a branch has its table of special points.
     """
 
     name: str
@@ -52,9 +45,9 @@ class Step:
     meta: Mapping[str, Any]
     points: Mapping[str, NDArray[Any]]
     orbits: Mapping[str, NDArray[Any]]
-    termination: tuple[str, ...]
+    endings: tuple[Reason, ...]
     done: bool
-    sealed: bool = True
+    compact: bool = True
 
     def __len__(self) -> int:
         return len(next(iter(self.points.values()))) if self.points else 0
@@ -67,6 +60,27 @@ class Step:
                 ends = self.orbits[f"{name}_end"]
                 result[name] = values[ends[i - 1] if i else 0 : ends[i]]
         return result
+
+    @property
+    def format(self) -> StepFormat:
+        """What this kind of step keeps."""
+        return find_format(self.kind)
+
+    def kind_of(self, i: int) -> str:
+        """Return the kind of point ``i``, as labels begin with it; empty for an ordinary one."""
+        return str(self.points["kind"][i].decode()) if "kind" in self.points else ""
+
+    def reason(self, i: int) -> Reason:
+        """Return what was recorded of why point ``i`` is special, or failed."""
+        if "reason" not in self.orbits:
+            return NO_REASON
+        ends = self.orbits["reason_end"]
+        return reason_from_json(self.orbits["reason"][ends[i - 1] if i else 0 : ends[i]].tobytes().decode())
+
+    @property
+    def curve_reason(self) -> Reason:
+        """What was recorded of the special point that a curve in two parameters follows."""
+        return reason_from_json(self.meta.get("curve_reason") or "")
 
     @cached_property
     def order(self) -> NDArray[np.intp]:
@@ -82,7 +96,7 @@ class Step:
         if "kind" in self.points:
             counts: dict[str, int] = {}
             for i in self.order:
-                kind = self.points["kind"][i].decode()
+                kind = self.kind_of(i)
                 if kind:
                     counts[kind] = counts.get(kind, 0) + 1
                     labels[i] = f"{kind}{'_' if kind[-1].isdigit() else ''}{counts[kind]}"
@@ -93,14 +107,21 @@ class Step:
         if label in self.labels:
             return self.labels.index(label)
         known = [x for x in self.labels if x]
-        raise ResultsError(f"step '{self.name}' has no point '{label}'{suggest(str(label), known)} (labels: {', '.join(known) or 'none'})")
+        raise ResultsError(
+            f"step '{self.name}' has no point '{label}'{suggest(str(label), known)} (labels: "
+            f"{', '.join(known) or 'none'})"
+        )
 
 
 @dataclass(frozen=True, eq=False)
 class Results:
-    """The contents of a results file; ``names`` lists all its steps, of which ``steps`` holds those that were read."""
+    """The contents of a results file; ``names`` lists all its steps, of which ``steps`` holds those that were read.
+
+    ``version`` is that of its format.
+    """
 
     path: Path
+    version: int
     versions: Mapping[str, str]
     source: str
     model_text: str
@@ -111,8 +132,10 @@ class Results:
     def step(self, name: str) -> Step:
         """Return a step by name, or raise :class:`ResultsError` with those there are."""
         if name not in self.steps:
-            raise ResultsError(f"{self.path} has no step '{name}'{suggest(str(name), self.names)} "
-                               f"(steps: {', '.join(self.names) or 'none'})")  # fmt: skip
+            raise ResultsError(
+                f"{self.path} has no step '{name}'{suggest(str(name), self.names)} "
+                f"(steps: {', '.join(self.names) or 'none'})"
+            )
         return self.steps[name]
 
 
@@ -128,7 +151,9 @@ def read_results(path: str | Path, only: str | None = None) -> Results:
     if not path.is_file():
         raise ResultsError(f"{path} does not exist; make it with 'pddecont run'")
     if not h5py.is_hdf5(path):
-        raise ResultsError(f"{path} cannot be read as a results file: it is not HDF5; results files are made with 'pddecont run'")
+        raise ResultsError(
+            f"{path} cannot be read as a results file: it is not HDF5; results files are made with 'pddecont run'"
+        )
     try:
         with h5py.File(path, "r") as file:
             return _read(path, file, only)
@@ -139,15 +164,17 @@ def read_results(path: str | Path, only: str | None = None) -> Results:
     except (OSError, KeyError, ValueError, TypeError, AttributeError, OverflowError, RuntimeError, MemoryError) as exc:
         # h5py raises all of these for files that are damaged in one place or another.
         reason = "it is shorter than it says" if "truncated file" in str(exc) else " ".join(str(exc).split())[:200]
-        raise ResultsError(f"{path} cannot be read as a results file: {reason}; the file is damaged or of another kind") from exc
+        raise ResultsError(
+            f"{path} cannot be read as a results file: {reason}; the file is damaged or of another kind"
+        ) from exc
 
 
 def _read(path: Path, file: h5py.File, only: str | None) -> Results:
     version = _format_version(file)
     if version > FORMAT_VERSION:
         raise ResultsError(f"its format version is {version}, newer than {FORMAT_VERSION}; install a newer pddecont")
-    if version < FORMAT_VERSION:
-        raise ResultsError(f"its format version is {version}, older than {FORMAT_VERSION}; compute it again")
+    if version < OLDEST_VERSION:
+        raise ResultsError(f"its format version is {version}, older than {OLDEST_VERSION}; compute it again")
     room = [path.stat().st_size]
     versions = json.loads(text(file, "versions", room))
     if not isinstance(versions, dict) or not all(isinstance(v, str) for v in versions.values()):
@@ -160,10 +187,19 @@ def _read(path: Path, file: h5py.File, only: str | None) -> Results:
         if only not in (None, name):
             continue
         try:
-            steps[name] = _read_step(name, child(group, name, h5py.Group), room)
+            steps[name] = _read_step(name, child(group, name, h5py.Group), room, version)
         except ResultsError as exc:
             raise ResultsError(f"step '{name}': {exc}; the file is damaged or of another kind") from exc
-    return Results(path, versions, text(file, "source", room), text(file, "model", room), text(file, "run", room), tuple(group), steps)
+    return Results(
+        path,
+        version,
+        versions,
+        text(file, "source", room),
+        text(file, "model", room),
+        text(file, "run", room),
+        tuple(group),
+        steps,
+    )
 
 
 def _format_version(file: h5py.File) -> int:
@@ -176,23 +212,30 @@ def _format_version(file: h5py.File) -> int:
     return int(file.attrs["format_version"])
 
 
-def _read_step(name: str, group: h5py.Group, room: list[int]) -> Step:
+def _read_step(name: str, group: h5py.Group, room: list[int], version: int) -> Step:
     kind, meta = text(group, "kind", room), json.loads(text(group, "meta", room))
-    check_meta(kind, meta)
+    step_format = find_format(kind)
+    check_meta(step_format, meta)
     n = int(rows(group, "finished", room, 1)[0])
     columns = child(group, "points", h5py.Group)
     points = {key: rows(columns, key, room, n) for key in columns}
-    check_columns(meta, points, COLUMNS)
     orbits: dict[str, NDArray[Any]] = {}
     arrays = child(group, "orbits", h5py.Group) if "orbits" in group else {}
     for key in arrays:
         if key.endswith("_end"):
             orbits[key] = rows(arrays, key, room, n)
             orbits[key[:-4]] = rows(arrays, key[:-4], room, int(orbits[key][-1]) if n else 0)
-    check_columns(meta, orbits, ARRAYS)
-    check_contents(kind, meta, points, orbits)
-    texts = tuple(line.decode(errors="replace") for line in rows(group, "termination", room, N_TERMINATIONS) if line)
-    done = len(texts) >= meta.get("directions", 1)
     full = all(len(columns[key]) == n for key in points) and all(len(arrays[key]) == len(orbits[key]) for key in orbits)
-    sealed = full and (kind != BRANCH or "special_points" in group)
-    return Step(name, kind, Fields(name, meta), Fields(name, points), Fields(name, orbits), texts, done, sealed)
+    lines = [line for line in rows(group, "termination", room, N_TERMINATIONS) if line]
+    if version < FORMAT_VERSION:
+        points, orbits, endings = upgrade_step(kind, meta, points, orbits, lines)
+    else:
+        endings = tuple(reason_from_json(line.decode()) for line in lines)
+    check_endings(endings)
+    check_columns(meta, points, step_format.points)
+    check_columns(meta, orbits, step_format.orbits)
+    check_contents(step_format, meta, points, orbits)
+    done = len(endings) >= meta.get("directions", 1)
+    compact = full and (not step_format.has_branch or "special_points" in group)
+    held = [Fields(name, values) for values in (meta, points, orbits)]
+    return Step(name, kind, held[0], held[1], held[2], endings, done, compact)

@@ -1,16 +1,17 @@
 """Appending to a results file so that a process killed at any instant leaves a file that opens.
 
-The file's structure only ever changes by writing a new file beside it and renaming that onto the old one, which is atomic.
-Between such changes every array has room for rows to come at a fixed place in the file, and a new point is written there
-directly, its count last: no metadata of HDF5 is touched while a computation runs.
+The file's structure only ever changes by writing a new file beside it and renaming that onto the old one, which is
+atomic. Between such changes every array has room for rows to come at a fixed place in the file, and a new point is
+written there directly, its count last: no metadata of HDF5 is touched while a computation runs.
 
-HDF5 arranges a file in memory; plain system calls put it on the disk. The library itself must not meet a full disk: after a
-failed write it can neither close the file nor let the process end.
+HDF5 arranges a file in memory; plain system calls put it on the disk. The library itself must not meet a full disk:
+after a failed write it can neither close the file nor let the process end.
 """
 
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -18,22 +19,30 @@ from typing import Any
 
 import h5py
 import numpy as np
+from numpy.typing import NDArray
 
 from pddecont.errors import ResultsError
-from pddecont.results.layout import BRANCH, FORMAT_VERSION, N_TERMINATIONS, TEXT_BYTES, Column, StepSpec
+from pddecont.reasons import Reason
+from pddecont.results.format import FORMAT_VERSION, N_TERMINATIONS, TEXT_BYTES, Column, StepFormat
 from pddecont.results.lock import check_unlocked, part_of
-from pddecont.results.reader import read_results
+from pddecont.results.reader import Step, read_results
 
-ROOM = 64
+# Rows that arrays have room for at first; each time that is used up they get twice as much.
+CAPACITY = 64
 # Bytes by which a file grows in memory.
 BLOCK = 1 << 20
+TEXT = Column(f"S{TEXT_BYTES}")
 
 
-def create(path: Path, model_text: str, run_text: str, source: str, versions: str, *, overwrite: bool = False) -> None:
+def create_results(
+    path: Path, model_text: str, run_text: str, source: str, versions: str, *, overwrite: bool = False
+) -> None:
     """Make a new results file; refuse to touch an existing one unless ``overwrite``."""
     if path.exists():
         if not overwrite:
-            raise ResultsError(f"{path} exists already; give --resume to go on with it, --overwrite to replace it, or another -o")
+            raise ResultsError(
+                f"{path} exists already; give --resume to go on with it, --overwrite to replace it, or another -o"
+            )
         check_unlocked(path)
 
     def fill(_: h5py.File | None, new: h5py.File) -> None:
@@ -74,22 +83,37 @@ def _write_all(descriptor: int, data: bytes, offset: int) -> None:
 
 
 def _cannot_write(path: Path, exc: OSError) -> ResultsError:
-    return ResultsError(f"{path} cannot be written: {exc.strerror or exc}; what was finished is kept. Check the folder and the space on "
-                        "the disk, then go on with --resume")  # fmt: skip
+    return ResultsError(
+        f"{path} cannot be written: {exc.strerror or exc}; what was finished is kept. Check the folder and the space "
+        f"on "
+        "the disk, then go on with --resume"
+    )
 
 
 class StepWriter:
     """Rows of one step; a context manager that leaves the file without spare room when the step is done.
 
-    ``kept`` rows (with ``kept_rows`` rows in each array of orbits) of an unfinished step stay; the rest is written anew.
+    The first ``kept`` rows of ``recorded``, what the file holds of the step, stay; the rest is written anew.
     """
 
-    def __init__(self, path: Path, spec: StepSpec, *, capacity: int = ROOM, kept: int = 0, kept_rows: Mapping[str, int] | None = None):
-        self.path, self.spec = path, spec
-        self.n, self._room = kept, capacity
-        self.used = dict.fromkeys(spec.orbits, 0) | dict(kept_rows or {})
-        capacity = max(capacity, kept, *self.used.values()) if self.used else max(capacity, kept)
-        self.capacity = dict.fromkeys((*spec.points, *spec.orbits), capacity)
+    def __init__(
+        self,
+        path: Path,
+        name: str,
+        step_format: StepFormat,
+        meta: Mapping[str, Any],
+        *,
+        capacity: int = CAPACITY,
+        recorded: Step | None = None,
+        kept: int = 0,
+    ):
+        self.path, self.name, self.format, self.meta = path, name, step_format, meta
+        self.n, self._capacity = kept, capacity
+        self.used = dict.fromkeys(step_format.orbits, 0)
+        if recorded is not None and kept:
+            self.used = {name: int(recorded.orbits[f"{name}_end"][kept - 1]) for name in step_format.orbits}
+        capacity = max(capacity, kept, *self.used.values())
+        self.capacity = dict.fromkeys((*step_format.points, *step_format.orbits), capacity)
         self._descriptor = -1
         self._offsets: dict[str, int] = {}
         self._arrange()
@@ -102,30 +126,41 @@ class StepWriter:
         with contextlib.suppress(*([] if kind is None else [ResultsError])):
             self.close()
 
-    def append(self, points: Mapping[str, Any], orbits: Mapping[str, np.ndarray] | None = None) -> None:
-        """Write one point; it counts as finished only when all of it is written."""
-        orbits = orbits or {}
+    def append(
+        self, points: Mapping[str, Any], orbits: Mapping[str, NDArray[Any]] | None = None, reason: Reason | None = None
+    ) -> None:
+        """Write one point; it counts as finished only when all of it is written.
+
+        Arrays of orbits that are not given have no rows for it. ``reason`` goes to the array of that name.
+        """
+        rows = dict(orbits or {})
+        if reason:
+            rows["reason"] = np.frombuffer(reason.to_json().encode(), dtype=np.uint8)
         self._check_place()
-        self._make_room({**dict.fromkeys(self.spec.points, (self.n, 1)), **{k: (self.used[k], len(v)) for k, v in orbits.items()}})
-        for name, rows in orbits.items():
-            self._write(f"orbits/{name}", self.spec.orbits[name], self.used[name], rows)
-            self.used[name] += len(rows)
+        wanted = dict.fromkeys(self.format.points, (self.n, 1))
+        self._make_room({**wanted, **{name: (self.used[name], len(values)) for name, values in rows.items()}})
+        for name, column in self.format.orbits.items():
+            values = rows.get(name, np.zeros(0))
+            if len(values):
+                self._write(f"orbits/{name}", column, self.used[name], values)
+                self.used[name] += len(values)
             self._write(f"orbits/{name}_end", Column("i8"), self.n, np.array([self.used[name]]))
-        for name, column in self.spec.points.items():
+        for name, column in self.format.points.items():
             self._write(f"points/{name}", column, self.n, np.asarray(points[name])[None])
         self.n += 1
         self._write("finished", Column("i8"), 0, np.array([self.n]))
 
-    def terminate(self, text: str, direction: int = 0) -> None:
+    def terminate(self, ending: Reason, place: int = 0) -> None:
         """Record how the step, or one of its directions, ended."""
-        self._write("termination", Column(f"S{TEXT_BYTES}"), direction, np.array([text.encode()[:TEXT_BYTES]], dtype=f"S{TEXT_BYTES}"))
+        text = _fit(ending, TEXT_BYTES).encode()
+        self._write("termination", TEXT, place, np.array([text], dtype=TEXT.dtype))
 
     def close(self) -> None:
         """Take the spare room out of the file."""
         if self._descriptor >= 0:
             os.close(self._descriptor)
             self._descriptor = -1
-            seal(self.path, self.spec.name)
+            compact_step(self.path, self.name)
 
     def _check_place(self) -> None:
         """Check that the file still stands where it was opened: what is written to a file that has no name is lost."""
@@ -134,35 +169,45 @@ class StepWriter:
         except OSError:
             here = False
         if not here:
-            raise ResultsError(f"{self.path} was removed, moved or replaced while this run wrote to it; nothing more can be kept there")
+            raise ResultsError(
+                f"{self.path} was removed, moved or replaced while this run wrote to it; nothing more can be kept there"
+            )
 
     def _make_room(self, wanted: Mapping[str, tuple[int, int]]) -> None:
-        """Where an array has no room for more rows (rows used, rows to come), make room in all that will soon have none."""
+        """Make room where an array has none for more rows, and in all arrays that will soon have none.
+
+        ``wanted`` holds the rows used and the rows to come.
+        """
         if any(used + n > self.capacity[name] for name, (used, n) in wanted.items()):
-            self.capacity |= {name: max(2 * self.capacity[name], used + n * self._room) for name, (used, n) in wanted.items()
-                              if used + n * self._room > self.capacity[name]}  # fmt: skip
+            self.capacity |= {
+                name: max(2 * self.capacity[name], used + n * self._capacity)
+                for name, (used, n) in wanted.items()
+                if used + n * self._capacity > self.capacity[name]
+            }
             self._arrange()
 
     def _arrange(self) -> None:
         """Rewrite the file with the present capacities and note where each array lies in it."""
-        spec, group = self.spec, f"steps/{self.spec.name}"
+        group = f"steps/{self.name}"
 
         def change(old: h5py.File | None, new: h5py.File) -> None:
             assert old is not None
-            target = _copy(old, new, anew=spec.name)
-            _write_text(target, "kind", spec.kind)
-            _write_text(target, "meta", spec.meta_text())
+            target = _copy(old, new, anew=self.name)
+            _write_text(target, "kind", self.format.kind)
+            _write_text(target, "meta", json.dumps(self.meta, sort_keys=True))
             had = old.get(group)
-            _array(target, had, "finished", Column("i8"), 1, 1)
+            _array(target, had, "finished", "i8", (), 1, 1)
             if self.n:
                 target["finished"][0] = self.n
-            _array(target, had, "termination", Column(f"S{TEXT_BYTES}"), N_TERMINATIONS, N_TERMINATIONS)
-            for name, column in spec.points.items():
-                _array(target, had, f"points/{name}", column, self.capacity[name], self.n)
-            n_points = max((self.capacity[name] for name in spec.points), default=0)
-            for name, column in spec.orbits.items():
-                _array(target, had, f"orbits/{name}", column, self.capacity[name], self.used[name])
-                _array(target, had, f"orbits/{name}_end", Column("i8"), n_points, self.n)
+            _array(target, had, "termination", TEXT.dtype, (), N_TERMINATIONS, N_TERMINATIONS)
+            for name, column in self.format.points.items():
+                shape = column.shape(self.meta)
+                _array(target, had, f"points/{name}", column.dtype, shape, self.capacity[name], self.n)
+            n_points = max((self.capacity[name] for name in self.format.points), default=0)
+            for name, column in self.format.orbits.items():
+                shape = column.shape(self.meta)
+                _array(target, had, f"orbits/{name}", column.dtype, shape, self.capacity[name], self.used[name])
+                _array(target, had, f"orbits/{name}_end", "i8", (), n_points, self.n)
 
         _rewrite(self.path, change)
         if self._descriptor >= 0:
@@ -170,13 +215,17 @@ class StepWriter:
         self._descriptor = os.open(self.path, os.O_RDWR)
         with h5py.File(self.path, "r") as file:
             arrays: dict[str, Any] = {}
-            file[group].visititems(lambda name, item: arrays.update({name: item}) if isinstance(item, h5py.Dataset) else None)
-            self._offsets = {name: item.id.get_offset() for name, item in arrays.items() if item.id.get_offset() is not None}
+            file[group].visititems(
+                lambda name, item: arrays.update({name: item}) if isinstance(item, h5py.Dataset) else None
+            )
+            self._offsets = {
+                name: item.id.get_offset() for name, item in arrays.items() if item.id.get_offset() is not None
+            }
 
     def _write(self, name: str, column: Column, first: int, rows: np.ndarray) -> None:
         data = np.ascontiguousarray(rows, dtype=column.dtype)
-        if data.shape[1:] != column.shape:
-            raise ResultsError(f"column {name} takes rows of shape {column.shape}, not {data.shape[1:]}")
+        if data.shape[1:] != column.shape(self.meta):
+            raise ResultsError(f"column {name} takes rows of shape {column.shape(self.meta)}, not {data.shape[1:]}")
         if not data.nbytes:
             return
         row_bytes = data.nbytes // len(data)
@@ -187,32 +236,43 @@ class StepWriter:
 
 
 def _write_text(target: h5py.Group, name: str, text: str) -> None:
-    """Write a text as an array of its own; its length is fixed, as heaps of texts of any length are where damage ends a reader."""
+    """Write a text as an array of its own.
+
+    Its length is fixed, as heaps of texts of any length are where damage ends a reader.
+    """
     data = text.encode()
     target.create_dataset(name, data=data or b" ", dtype=h5py.string_dtype("utf-8", max(1, len(data))))
 
 
-def _array(target: h5py.Group, had: h5py.Group | None, name: str, column: Column, capacity: int, used: int) -> None:
+def _array(
+    target: h5py.Group,
+    had: Mapping[str, Any] | None,
+    name: str,
+    dtype: str,
+    shape: tuple[int, ...],
+    capacity: int,
+    used: int,
+) -> None:
     """Make one array with room for ``capacity`` rows at a fixed place in the file and take over the rows it had."""
     plist = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
     plist.set_layout(h5py.h5d.CONTIGUOUS)
     plist.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
     plist.set_obj_track_times(False)
-    space = h5py.h5s.create_simple((capacity, *column.shape))
+    space = h5py.h5s.create_simple((capacity, *shape))
     parent, _, leaf = name.rpartition("/")
     group = target.require_group(parent) if parent else target
-    kind = h5py.h5t.py_create(np.dtype(column.dtype), logical=True)
+    kind = h5py.h5t.py_create(np.dtype(dtype), logical=True)
     dataset = h5py.Dataset(h5py.h5d.create(group.id, leaf.encode(), kind, space, dcpl=plist))
     if had is not None and name in had and used:
         dataset[:used] = had[name][:used]
 
 
 def _copy(old: h5py.File, new: h5py.File, anew: str | None = None) -> h5py.Group:
-    """Take everything over but the step ``anew``, for which there is an empty group in its place; return that (or all steps')."""
-    new.attrs["format_version"] = FORMAT_VERSION
-    for key in ("versions", "source", "model", "run"):
-        old.copy(key, new)
-    steps = new.create_group("steps", track_order=True)
+    """Take everything over but the step ``anew``, which gets an empty group; return that group.
+
+    Without such a step, return the group of all steps.
+    """
+    steps = _copy_root(old, new)
     for name in old["steps"]:
         if name == anew:
             steps.create_group(name)
@@ -221,10 +281,21 @@ def _copy(old: h5py.File, new: h5py.File, anew: str | None = None) -> h5py.Group
     return steps if anew is None else steps.require_group(anew)
 
 
-def seal(path: Path, name: str) -> None:
-    """Take the spare room out of a step's arrays; where the step is a branch that is done, write its table of special points."""
+def _copy_root(old: h5py.File, new: h5py.File) -> h5py.Group:
+    """Take over what a file says of itself; return the group for its steps."""
+    new.attrs["format_version"] = FORMAT_VERSION
+    for key in ("versions", "source", "model", "run"):
+        old.copy(key, new)
+    return new.create_group("steps", track_order=True)
+
+
+def compact_step(path: Path, name: str) -> None:
+    """Take the spare room out of a step's arrays.
+
+    Where the step is a branch that is done, write its table of special points.
+    """
     step = read_results(path).step(name)
-    if step.sealed:
+    if step.compact:
         return
 
     def change(old: h5py.File | None, new: h5py.File) -> None:
@@ -232,15 +303,50 @@ def seal(path: Path, name: str) -> None:
         had, target = old[f"steps/{name}"], _copy(old, new, anew=name)
         for key in ("kind", "meta"):
             old.copy(had[key], target)
-        lengths = {"finished": 1, "termination": N_TERMINATIONS} | {f"points/{key}": len(rows) for key, rows in step.points.items()}
+        lengths = {"finished": 1, "termination": N_TERMINATIONS} | {
+            f"points/{key}": len(rows) for key, rows in step.points.items()
+        }
         lengths |= {f"orbits/{key}": len(rows) for key, rows in step.orbits.items()}
         for key, n in lengths.items():
-            _array(target, had, key, Column(had[key].dtype.str, had[key].shape[1:]), n, n)
-        if step.done and step.kind == BRANCH:
-            special = [(label, i) for i, label in enumerate(step.labels) if label]
-            group = target.create_group("special_points")
-            group["label"] = np.array([label.encode() for label, _ in special], dtype="S8")
-            group["index"] = np.array([i for _, i in special], dtype="i8")
+            _array(target, had, key, had[key].dtype.str, had[key].shape[1:], n, n)
+        _write_special_points(target, step)
+
+    _rewrite(path, change)
+
+
+def _write_special_points(target: h5py.Group, step: Step) -> None:
+    """Write the table of special points of a branch that is done."""
+    if step.done and step.format.has_branch:
+        special = [(label, i) for i, label in enumerate(step.labels) if label]
+        group = target.create_group("special_points")
+        group["label"] = np.array([label.encode() for label, _ in special], dtype="S8")
+        group["index"] = np.array([i for _, i in special], dtype="i8")
+
+
+def upgrade_results(path: Path) -> None:
+    """Write a file of an older format as this one's, so that it can be continued."""
+    results = read_results(path)
+    if results.version == FORMAT_VERSION:
+        return
+
+    def change(old: h5py.File | None, new: h5py.File) -> None:
+        assert old is not None
+        steps = _copy_root(old, new)
+        for name, step in results.steps.items():
+            target, n = steps.create_group(name), len(step)
+            for key in ("kind", "meta"):
+                old.copy(f"steps/{name}/{key}", target, name=key)
+            endings = np.zeros(N_TERMINATIONS, dtype=TEXT.dtype)
+            endings[: len(step.endings)] = [_fit(ending, TEXT_BYTES).encode() for ending in step.endings]
+            arrays = {"finished": np.array([n]), "termination": endings}
+            arrays |= {f"points/{key}": values for key, values in step.points.items()}
+            arrays |= {f"orbits/{key}": values for key, values in step.orbits.items()}
+            columns = {f"points/{key}": column for key, column in step.format.points.items()}
+            columns |= {f"orbits/{key}": column for key, column in step.format.orbits.items()}
+            for key, values in arrays.items():
+                dtype = columns[key].dtype if key in columns else values.dtype.str
+                _array(target, arrays, key, dtype, values.shape[1:], len(values), len(values))
+            _write_special_points(target, step)
 
     _rewrite(path, change)
 
@@ -256,3 +362,16 @@ def drop_steps(path: Path, names: Sequence[str]) -> None:
                 del steps[name]
 
     _rewrite(path, change)
+
+
+def _fit(reason: Reason, most: int) -> str:
+    """Return a reason as JSON of at most so many bytes; the longest text in it is cut where need be."""
+    text = reason.to_json()
+    while len(text.encode()) > most:
+        longest = max(
+            (k for k, v in reason.values.items() if isinstance(v, str)), key=lambda k: len(str(reason.values[k]))
+        )
+        cut = str(reason.values[longest])[: max(0, len(str(reason.values[longest])) - (len(text.encode()) - most))]
+        reason = Reason(reason.code, {**reason.values, longest: cut})
+        text = reason.to_json()
+    return text

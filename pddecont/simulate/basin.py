@@ -8,73 +8,115 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.simulate.attractors import Attractor, Clock, number_of, settled
-from pddecont.simulate.kernel.returns import recognise_cells
-from pddecont.simulate.task import Start, Task
+from pddecont.simulate.attractors import Attractor, find_attractor, find_or_add
+from pddecont.simulate.initial_state import InitialState
+from pddecont.simulate.integrator import classify_cells
+from pddecont.simulate.motion_task import MotionTask
+from pddecont.simulate.returns import ReturnSettings
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
-class Line:
-    """One line of the grid for one worker: starts in one mode, and the attractors known before any line was looked at."""
+class BasinRow:
+    """One line of the grid, for one worker.
 
-    task: Task
+    ``states`` (n_cells, n_states) are those of its cells, with the mode and the history of ``start``; ``known`` are the
+    attractors known before any line was computed.
+    """
+
     p: Array
-    clock: Clock
+    settings: ReturnSettings
     states: Array
-    start: Start
+    start: InitialState
     known: tuple[Attractor, ...]
 
 
 @dataclass(frozen=True, eq=False)
-class Recognised:
-    """What became of a line: the number of each cell's attractor (-1: none that is known) and the time it took; the strays themselves."""
+class ClassifiedRow:
+    """Where the cells of a line of the grid lead.
+
+    ``labels`` (n_cells,) are the numbers of known attractors, -1 for none, ``times`` (n_cells,) when they were seen;
+    ``strays`` are the attractors of the other cells.
+    """
 
     labels: Integers
     times: Array
     strays: dict[int, Attractor]
 
 
-def basin_line(line: Line) -> Recognised:
-    """Return the attractors of a line of initial states; those that reach no known one are followed until they settle."""
-    simulator = line.task.simulator()
-    values, system, work = simulator.values(line.p), simulator.system, simulator.work
-    start = line.start
-    n_cells = len(line.states)
-    labels, times = np.full(n_cells, -1), np.zeros(n_cells)
+@dataclass(frozen=True, eq=False)
+class _KnownReturns:
+    """The returns of all known attractors with a period, one a row.
+
+    Of each are held its states and how large each state of its attractor is (n_points, n), whose it is, which comes
+    next, and how many its attractor has (n_points,).
+    """
+
+    points: Array
+    size: Array
+    owner: Integers
+    following: Integers
+    length: Integers
+
+
+def classify_row(task: MotionTask, row: BasinRow) -> ClassifiedRow:
+    """Return where the cells of a line lead; those that reach no known attractor are followed until they settle."""
+    simulator = task.make_simulator()
+    values, start, settings = simulator.values(row.p), row.start, row.settings
+    labels, times = np.full(len(row.states), -1), np.zeros(len(row.states))
     template = simulator.start(values, start.states, start.mode, constant=start.constant).y
-    points, owner, following, length, size = _table(line.known, system.n)
-    mode = list(line.task.model.modes).index(start.mode)
-    recognise_cells(system, values, work, template, line.states, mode, int(start.constant), line.clock.period, line.clock.phase,
-                    line.clock.transient, points, owner, following, length, size, labels, times)  # fmt: skip
+    known = _gather_returns(row.known, simulator.system.n)
+    classify_cells(
+        simulator.system,
+        values,
+        simulator.work,
+        template,
+        row.states,
+        list(task.numeric.model.modes).index(start.mode),
+        int(start.constant),
+        settings.forcing_period,
+        settings.phase,
+        settings.transient,
+        known.points,
+        known.owner,
+        known.following,
+        known.length,
+        known.size,
+        labels,
+        times,
+    )
     strays = {}
     for cell in np.flatnonzero(labels < 0):
-        memory = simulator.start(values, line.states[cell], start.mode, constant=start.constant)
-        strays[int(cell)] = settled(simulator, values, memory, line.clock)
-    return Recognised(labels, times, strays)
+        state = simulator.start(values, row.states[cell], start.mode, constant=start.constant)
+        strays[int(cell)] = find_attractor(simulator, values, state, settings)
+    return ClassifiedRow(labels, times, strays)
 
 
-def _table(known: Sequence[Attractor], n: int) -> tuple[Array, Integers, Integers, Integers, Array]:
-    """Return the returns of all attractors with a period: points, whose they are, which comes next, how many there are, their size."""
+def _gather_returns(known: Sequence[Attractor], n: int) -> _KnownReturns:
     periodic = [(k, a) for k, a in enumerate(known) if a.period > 0]
-    points = np.concatenate([np.empty((0, n)), *(a.states for _, a in periodic)])
-    owner = np.concatenate([np.empty(0, int), *(np.full(a.period, k) for k, a in periodic)])
     ends = np.cumsum([0, *(a.period for _, a in periodic)])
-    turns = [end + np.roll(np.arange(a.period), -1) for (_, a), end in zip(periodic, ends, strict=False)]
-    following = np.concatenate([np.empty(0, int), *turns])
-    length = np.concatenate([np.empty(0, int), *(np.full(a.period, a.period) for _, a in periodic)])
-    size = np.concatenate([np.empty((0, n)), *(np.repeat(a.size()[None], a.period, axis=0) for _, a in periodic)])
-    return np.ascontiguousarray(points), owner.astype(np.int64), following.astype(np.int64), length.astype(np.int64), size
+    following = [end + np.roll(np.arange(a.period), -1) for (_, a), end in zip(periodic, ends, strict=False)]
+    no_points, no_numbers = np.empty((0, n)), np.empty(0, np.int64)
+    return _KnownReturns(
+        np.ascontiguousarray(np.concatenate([no_points, *(a.states for _, a in periodic)])),
+        np.concatenate([no_points, *(np.repeat(a.size[None], a.period, axis=0) for _, a in periodic)]),
+        np.concatenate([no_numbers, *(np.full(a.period, k) for k, a in periodic)]).astype(np.int64),
+        np.concatenate([no_numbers, *following]).astype(np.int64),
+        np.concatenate([no_numbers, *(np.full(a.period, a.period) for _, a in periodic)]).astype(np.int64),
+    )
 
 
-def first_look(task: Task, p: Array, clock: Clock, states: Array, start: Start) -> list[Attractor]:
-    """Return the different attractors that a coarse choice of initial states (n, n_states) leads to, in the order of the choice."""
-    simulator = task.simulator()
+def survey_attractors(
+    task: MotionTask, p: Array, settings: ReturnSettings, states: Array, start: InitialState
+) -> list[Attractor]:
+    """Return the different attractors that some initial states (n_motions, n_states) lead to, in their order."""
+    simulator = task.make_simulator()
     values = simulator.values(p)
     found: list[Attractor] = []
     for row in states:
-        memory = simulator.start(values, row, start.mode, constant=start.constant)
-        number_of(settled(simulator, values, memory, clock), found, values.atol, at_section=not clock.period)
+        state = simulator.start(values, row, start.mode, constant=start.constant)
+        attractor = find_attractor(simulator, values, state, settings)
+        find_or_add(attractor, found, values.atol, at_section=not settings.forcing_period)
     return found

@@ -7,78 +7,85 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.errors import ConvergenceError
 from pddecont.simulate.attractors import Attractor
-from pddecont.simulate.kernel.returns import growth
-from pddecont.simulate.kernel.tables import Memory, Status, Values, enlarged
-from pddecont.simulate.simulator import Simulator
+from pddecont.simulate.failure import MotionFailure
+from pddecont.simulate.integrator import IntegratorState, ParameterValues, Status, enlarge, measure_growth
+from pddecont.simulate.simulator import TANGENT_SEED, Simulator
 from pddecont.simulate.snapshot import unpack
 
+# Intervals over which the growth of a tangent is taken: enough for a slope with an uncertainty, and a bound on memory.
 INTERVALS, MAX_INTERVALS = 200, 1_000_000
+# A tangent that shrinks or grows beyond what numbers hold within an interval is tried in intervals so much shorter.
+SHORTER = (1, 32, 1024)
+# The part of the time that the tangent has to turn into the direction of strongest growth.
+TURNING_PART = 4
 
 
 @dataclass(frozen=True)
-class Exponent:
-    """A largest Lyapunov exponent, per unit of time, and its uncertainty; NaN where there is none, and ``note`` says why."""
+class LyapunovExponent:
+    """A largest Lyapunov exponent, per unit of time, and its uncertainty.
+
+    NaN where there is none; ``failure`` says why where the motion could not be followed for so long.
+    """
 
     value: float = np.nan
     uncertainty: float = np.nan
-    note: str = ""
+    failure: MotionFailure | None = None
 
 
-def lyapunov(simulator: Simulator, values: Values, attractor: Attractor, duration: float) -> tuple[float, float]:
-    """Return the largest Lyapunov exponent of an attractor, per unit of time, and its uncertainty.
+def find_lyapunov_exponent(
+    simulator: Simulator, values: ParameterValues, attractor: Attractor, duration: float
+) -> LyapunovExponent:
+    """Return the largest Lyapunov exponent of an attractor, from ``duration`` of its motion.
 
-    They are the slope of the logarithm of the tangent's length over time, and how much slope the departures from it could hide.
-    The tangent of the motion, its jumps at events and their echoes, and its past are integrated along with the motion (Benettin et
-    al., Meccanica 15, 1980), after a quarter of ``duration`` that lets it turn into the direction of strongest growth.
+    It is the slope of the logarithm of the tangent's length over time, its uncertainty how much slope the departures
+    from it could hide. The tangent of the motion, its jumps at events and where they come back through delays, and its
+    past are integrated along with the motion, after a part of ``duration`` that lets it turn into the direction of
+    strongest growth.
+
+    References
+    ----------
+    Benettin, Galgani, Giorgilli, Strelcyn, Meccanica 15 (1980).
     """
-    if attractor.failed:
-        return np.nan, np.nan
+    if attractor.failure is not None:
+        return LyapunovExponent()
     with_tangent = replace(simulator, tangent=True)
     logs = np.zeros(0)
-    # A tangent that shrinks or grows beyond what numbers hold within an interval wants shorter ones.
-    for shorter in (1, 32, 1024):
+    for shorter in SHORTER:
         n_intervals = shorter * max(INTERVALS, int(np.ceil(duration / attractor.turn)) if attractor.turn > 0 else 0)
         if n_intervals > MAX_INTERVALS:
             break
         logs = np.zeros(n_intervals)
         interval = duration / n_intervals
-        memory = _tangent_at(with_tangent, values, attractor)
-        memory, status = _grown(with_tangent, values, memory, interval, logs[: n_intervals // 4])
+        state = _start_tangent(with_tangent, values, attractor)
+        state, status = _follow_growth(with_tangent, values, state, interval, logs[: n_intervals // TURNING_PART])
         if status == Status.REACHED and np.all(np.isfinite(logs)):
-            memory, status = _grown(with_tangent, values, memory, interval, logs)
+            state, status = _follow_growth(with_tangent, values, state, interval, logs)
         if status != Status.REACHED:
-            raise ConvergenceError(simulator.complaint(memory, status, values.p))
+            return LyapunovExponent(failure=simulator.diagnose(state, status, values.p))
         if np.all(np.isfinite(logs)):
             total, times = np.cumsum(logs), interval * np.arange(1, n_intervals + 1)
             slope, level = np.polyfit(times, total, 1)
             departure = float(np.std(total - slope * times - level))
-            return float(slope), float(np.sqrt(12.0) * departure / duration)
+            return LyapunovExponent(float(slope), float(np.sqrt(12.0) * departure / duration))
     # The tangent vanishes at once: the motion forgets where it came from.
-    return (-np.inf, 0.0) if np.any(np.isneginf(logs)) else (np.nan, np.nan)
+    return LyapunovExponent(-np.inf, 0.0) if np.any(np.isneginf(logs)) else LyapunovExponent()
 
 
-def _grown(simulator: Simulator, values: Values, memory: Memory, interval: float, logs: NDArray[np.float64]) -> tuple[Memory, Status]:
-    """Write the logarithm of the tangent's growth over each interval; return the memory, which may have grown, and how it ended."""
+def _follow_growth(
+    simulator: Simulator, values: ParameterValues, state: IntegratorState, interval: float, logs: NDArray[np.float64]
+) -> tuple[IntegratorState, Status]:
+    """Write the logarithm of the tangent's growth over each interval to ``logs``; return the state and how it ended."""
     done = np.array([0.0, np.nan])
     while True:
-        status = Status(growth(simulator.system, values, memory, simulator.work, interval, logs, done))
-        if status != Status.ROOM:
-            return memory, status
-        memory = enlarged(memory)
+        status = Status(measure_growth(simulator.system, values, state, simulator.work, interval, logs, done))
+        if status != Status.CAPACITY:
+            return state, status
+        state = enlarge(state)
 
 
-def known_exponent(simulator: Simulator, values: Values, attractor: Attractor, duration: float) -> Exponent:
-    """Return the exponent of :func:`lyapunov`, or why there is none where the motion cannot be followed for so long."""
-    try:
-        return Exponent(*lyapunov(simulator, values, attractor, duration))
-    except ConvergenceError as exc:
-        return Exponent(note=f"no Lyapunov exponent: {exc}")
-
-
-def _tangent_at(simulator: Simulator, values: Values, attractor: Attractor) -> Memory:
-    """Return the integration at an attractor's last return with a tangent in a direction of no meaning."""
-    memory = unpack(simulator.system, values, attractor.memory)
-    memory.y[simulator.system.n_full :] = np.random.default_rng(1).standard_normal(simulator.system.n_full)
-    return memory
+def _start_tangent(simulator: Simulator, values: ParameterValues, attractor: Attractor) -> IntegratorState:
+    """Return the integration at the last return of an attractor, with a tangent in a direction of no meaning."""
+    state = unpack(simulator.system, values, attractor.packed_state)
+    state.y[simulator.system.n_full :] = np.random.default_rng(TANGENT_SEED).standard_normal(simulator.system.n_full)
+    return state

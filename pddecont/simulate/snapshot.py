@@ -1,14 +1,15 @@
-"""The state of an integration as one row of numbers, to be kept in a file and gone on from."""
+"""The state of an integration as one row of numbers, which files keep, and integrations that go on from it."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.model.codegen import NumericModel
-from pddecont.simulate.kernel.tables import (
+from pddecont.codegen import NumericModel
+from pddecont.simulate.integrator import (
     FIRST,
     LAST_EVENT,
+    LAST_EVENT_TIME,
     MODE,
     N_BREAKING,
     N_COEFFICIENTS,
@@ -16,41 +17,67 @@ from pddecont.simulate.kernel.tables import (
     READY,
     SHIFT,
     T_START,
-    TURN,
     USED,
     ZENO_TIME,
-    Memory,
+    IntegratorState,
+    ParameterValues,
     System,
     T,
-    Values,
-    enlarged,
-    new_memory,
+    enlarge,
+    make_state,
 )
 
 Array = NDArray[np.float64]
+# Floats are whole numbers up to here.
+LARGEST_WHOLE = 2.0**53
+# A return at a phase is at that phase whatever rounding made of it on the way.
+PHASE_DIGITS = 12
+NOT_THIS_MODEL = "the recorded state of the integration is not one of this model"
 
 
-def pack(memory: Memory) -> Array:
-    """Return all that is needed to go on: clock, counters, variables, the past as far as delays reach, what is under way."""
-    first, used = int(memory.count[FIRST]), int(memory.count[USED])
-    ring = np.arange(first, first + used) % len(memory.past_time)
-    pending, breaking = slice(int(memory.count[N_PENDING])), slice(int(memory.count[N_BREAKING]))
-    parts = [memory.clock, memory.count, memory.y, memory.constant, memory.reading, memory.accumulation, memory.hits, memory.side,
-             memory.next_step, memory.past_time[ring], memory.past_length[ring], memory.past_end[ring],
-             memory.past_arc[ring], memory.past_value[ring], memory.past_coefficients[ring], memory.pending_time[pending],
-             memory.pending_event[pending], memory.breaking_time[breaking], memory.breaking_level[breaking]]  # fmt: skip
+def pack(state: IntegratorState) -> Array:
+    """Return all that an integration needs to go on, shape (n_numbers,).
+
+    That is the clock, the counters, all variables, the past as far as delays reach, and what is under way. A tangent is
+    not kept: the state has none.
+    """
+    first, used = int(state.count[FIRST]), int(state.count[USED])
+    ring = np.arange(first, first + used) % len(state.past_time)
+    pending, breaking = slice(int(state.count[N_PENDING])), slice(int(state.count[N_BREAKING]))
+    parts = [
+        state.clock,
+        state.count,
+        state.y,
+        state.constant,
+        state.reading,
+        state.accumulation,
+        state.segment_counts,
+        state.side,
+        state.next_step,
+        state.past_time[ring],
+        state.past_length[ring],
+        state.past_end[ring],
+        state.past_arc[ring],
+        state.past_value[ring],
+        state.past_coefficients[ring],
+        state.pending_time[pending],
+        state.pending_event[pending],
+        state.breaking_time[breaking],
+        state.breaking_level[breaking],
+    ]
     return np.concatenate([np.ravel(part).astype(float) for part in parts])
 
 
-def unpack(system: System, values: Values, row: Array) -> Memory:
-    """Return the state of an integration from :func:`pack`; with a tangent in ``system`` the tangent is zero.
+def unpack(system: System, values: ParameterValues, row: Array) -> IntegratorState:
+    """Return the state of an integration from what :func:`pack` returned; a tangent of ``system`` is zero.
 
     Raises
     ------
     ValueError
-        If the row is not the state of an integration of this system: machine code would read and write anywhere with it.
+        If the row is not the state of an integration of this system: machine code would read and write anywhere with
+        it.
     """
-    memory = new_memory(system, values)
+    state = make_state(system, values)
     left = np.array(row)
 
     def take(shape: tuple[int, ...]) -> Array:
@@ -61,66 +88,86 @@ def unpack(system: System, values: Values, row: Array) -> Memory:
         part, left = left[:size], left[size:]
         return part.reshape(shape)
 
-    memory.clock[:] = take(memory.clock.shape)
-    memory.count[:] = _whole(take(memory.count.shape))
-    memory.y[: system.n_full] = take((system.n_full,))
-    for target in (memory.constant, memory.reading, memory.accumulation, memory.hits, memory.side, memory.next_step):
+    state.clock[:] = take(state.clock.shape)
+    state.count[:] = _check_whole(take(state.count.shape))
+    state.y[: system.n_full] = take((system.n_full,))
+    for target in (
+        state.constant,
+        state.reading,
+        state.accumulation,
+        state.segment_counts,
+        state.side,
+        state.next_step,
+    ):
         part = take(target.shape)
-        target[:] = part if target.dtype.kind == "f" else _whole(part)
-    _check_counts(system, memory, len(row))
-    first, used, kept = int(memory.count[FIRST]), int(memory.count[USED]), len(system.kept)
-    n_pending, n_breaking = int(memory.count[N_PENDING]), int(memory.count[N_BREAKING])
-    # An empty memory grows without its ring having to be moved.
-    memory.count[USED] = 0
-    while len(memory.past_time) <= max(used, n_pending, n_breaking) + 2:
-        memory = enlarged(memory)
-    memory.count[USED] = used
-    ring = np.arange(first, first + used) % len(memory.past_time)
-    for target in (memory.past_time, memory.past_length, memory.past_end):
+        target[:] = part if target.dtype.kind == "f" else _check_whole(part)
+    _check_counts(system, state, len(row))
+    first, used, kept = int(state.count[FIRST]), int(state.count[USED]), len(system.kept)
+    n_pending, n_breaking = int(state.count[N_PENDING]), int(state.count[N_BREAKING])
+    # An empty past grows without its steps being copied.
+    state.count[USED] = 0
+    while len(state.past_time) <= max(used, n_pending, n_breaking) + 2:
+        state = enlarge(state)
+    state.count[USED] = used
+    ring = np.arange(first, first + used) % len(state.past_time)
+    for target in (state.past_time, state.past_length, state.past_end):
         target[ring] = take((used,))
-    memory.past_arc[ring] = _whole(take((used,)))
-    memory.past_value[ring, :kept] = take((used, kept))
-    memory.past_coefficients[ring, :, :kept] = take((used, N_COEFFICIENTS, kept))
-    memory.pending_time[:n_pending], memory.pending_event[:n_pending] = take((n_pending,)), _whole(take((n_pending,)))
-    memory.breaking_time[:n_breaking], memory.breaking_level[:n_breaking] = take((n_breaking,)), _whole(take((n_breaking,)))
-    if len(left) or np.any((memory.pending_event < 0) | (memory.pending_event >= max(1, len(system.after)))):
-        raise ValueError("the recorded state of the integration is not one of this model")
-    memory.count[READY] = 0
-    memory.clock[SHIFT] = 0.0
-    return memory
+    state.past_arc[ring] = _check_whole(take((used,)))
+    state.past_value[ring, :kept] = take((used, kept))
+    state.past_coefficients[ring, :, :kept] = take((used, N_COEFFICIENTS, kept))
+    state.pending_time[:n_pending], state.pending_event[:n_pending] = (
+        take((n_pending,)),
+        _check_whole(take((n_pending,))),
+    )
+    state.breaking_time[:n_breaking], state.breaking_level[:n_breaking] = (
+        take((n_breaking,)),
+        _check_whole(take((n_breaking,))),
+    )
+    if len(left) or np.any((state.pending_event < 0) | (state.pending_event >= max(1, len(system.after)))):
+        raise ValueError(NOT_THIS_MODEL)
+    state.count[READY] = 0
+    state.clock[SHIFT] = 0.0
+    return state
 
 
-def _whole(part: Array) -> Array:
-    """Return numbers that count or name something, or raise if they cannot."""
-    if not np.all(np.abs(part) < 2.0**53):
-        raise ValueError("the recorded state of the integration is not one of this model")
+def _check_whole(part: Array) -> Array:
+    """Return numbers that count or name something, or raise ValueError if they cannot."""
+    if not np.all(np.abs(part) < LARGEST_WHOLE):
+        raise ValueError(NOT_THIS_MODEL)
     return part
 
 
-def _check_counts(system: System, memory: Memory, length: int) -> None:
-    """Check all numbers that count or name something: how much of each there is, the mode, events, steps read last."""
-    count = memory.count
+def _check_counts(system: System, state: IntegratorState, length: int) -> None:
+    """Raise ValueError if numbers that count or name something cannot: capacities, the mode, the last event."""
+    count = state.count
     sizes = count[[FIRST, USED, N_PENDING, N_BREAKING]]
     if np.any(sizes < 0) or np.any(sizes[1:] > length) or not 0 <= count[MODE] < system.n_modes:
-        raise ValueError("the recorded state of the integration is not one of this model")
+        raise ValueError(NOT_THIS_MODEL)
     if not -1 <= count[LAST_EVENT] <= len(system.after):
-        raise ValueError("the recorded state of the integration is not one of this model")
+        raise ValueError(NOT_THIS_MODEL)
 
 
-def restart_time(numeric: NumericModel, before: Array, after: Array, t: float) -> float:
-    """Return the time within one forcing period at which a motion goes on with other parameters: in the same phase."""
+def find_restart_time(numeric: NumericModel, before: Array, after: Array, t: float) -> float:
+    """Return the time at which a motion goes on with parameters ``after`` instead of ``before``.
+
+    It is within a forcing period, in the phase that ``t`` had before; 0 in an autonomous model.
+    """
     if not numeric.model.forced:
         return 0.0
     turns = t / float(numeric.period.value(before)[0])
-    # A return at a phase is at that phase, whatever rounding made of it on the way.
-    return float(round(turns % 1.0, 12) % 1.0) * float(numeric.period.value(after)[0])
+    return float(round(turns % 1.0, PHASE_DIGITS) % 1.0) * float(numeric.period.value(after)[0])
 
 
-def moved(memory: Memory, t: float) -> Memory:
-    """Return an integration whose clock, with all times it keeps, is set so that it stands at ``t``."""
-    back = float(memory.clock[T]) - t
-    for place in (T, T_START, ZENO_TIME, TURN):
-        memory.clock[place] -= back
-    for times in (memory.past_time, memory.past_end, memory.pending_time, memory.breaking_time, memory.accumulation[:, 0]):
+def read_time(state: IntegratorState) -> float:
+    """Return how far an integration has come."""
+    return float(state.clock[T])
+
+
+def shift_time(state: IntegratorState, t: float) -> IntegratorState:
+    """Return an integration set to the time ``t``, with all the times that it keeps."""
+    back = read_time(state) - t
+    for place in (T, T_START, ZENO_TIME, LAST_EVENT_TIME):
+        state.clock[place] -= back
+    for times in (state.past_time, state.past_end, state.pending_time, state.breaking_time, state.accumulation[:, 0]):
         times -= back
-    return memory
+    return state

@@ -2,86 +2,93 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.simulate.attractors import Attractor, Clock, number_of, settled
-from pddecont.simulate.kernel.tables import T, Values
-from pddecont.simulate.lyapunov import Exponent, known_exponent
+from pddecont.simulate.attractors import Attractor, find_attractor, group_attractors
+from pddecont.simulate.initial_state import InitialState
+from pddecont.simulate.integrator import ParameterValues
+from pddecont.simulate.lyapunov import LyapunovExponent, find_lyapunov_exponent
+from pddecont.simulate.motion_task import MotionTask
+from pddecont.simulate.returns import ReturnSettings
 from pddecont.simulate.simulator import Simulator
-from pddecont.simulate.snapshot import moved, restart_time, unpack
-from pddecont.simulate.task import Start, Task
+from pddecont.simulate.snapshot import find_restart_time, read_time, shift_time, unpack
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Cell:
-    """One parameter point of a sweep: parameters, when returns come, where motions start."""
+class ParameterPoint:
+    """One point of a sweep, numbered: parameters (n_parameters,), when returns come, and where motions start."""
 
     index: int
     p: Array
-    clock: Clock
-    starts: tuple[Start, ...]
+    settings: ReturnSettings
+    starts: tuple[InitialState, ...]
 
 
 @dataclass(frozen=True, eq=False)
-class Found:
+class SweepAttractor:
     """An attractor at one parameter point, the share of the starts that lead to it, and its Lyapunov exponent."""
 
-    cell: Cell
+    point: ParameterPoint
     attractor: Attractor
     share: float
-    exponent: Exponent
+    exponent: LyapunovExponent
 
 
 @dataclass(frozen=True, eq=False)
-class Chunk:
-    """Parameter points for one worker; where ``carried``, each motion goes on from where it stood at the point before."""
+class SweepChunk:
+    """Parameter points for one worker.
 
-    task: Task
-    cells: tuple[Cell, ...]
+    Where ``carried``, each motion goes on from where it was at the point before. ``exponents`` says whether Lyapunov
+    exponents are computed.
+    """
+
+    points: tuple[ParameterPoint, ...]
     carried: bool
     exponents: bool
 
 
-def sweep_chunk(chunk: Chunk) -> list[Found]:
-    """Return the attractors of a chunk's parameter points, those of one point in the order in which the starts find them."""
-    simulator = chunk.task.simulator()
-    # A motion that is carried along takes as much of its past with it as the longest delay on the way will read.
-    delays = [simulator.numeric.delays.value(cell.p).max(initial=0.0) for cell in chunk.cells] if chunk.carried else [0.0]
-    longest = float(max(delays))
-    before: list[Attractor | None] = []
-    found: list[Found] = []
-    for cell in chunk.cells:
-        values = simulator.values(cell.p, longest)
+def sweep_chunk(task: MotionTask, chunk: SweepChunk) -> list[SweepAttractor]:
+    """Return the attractors at the points of a chunk, those of a point in the order in which the starts find them."""
+    simulator = task.make_simulator()
+    # A motion that is carried along keeps as much of its past as the longest delay on the way will read.
+    longest = 0.0
+    if chunk.carried:
+        longest = max(float(simulator.numeric.delays.value(point.p).max(initial=0.0)) for point in chunk.points)
+    before: list[Attractor] = []
+    found: list[SweepAttractor] = []
+    for point in chunk.points:
+        values = simulator.values(point.p, longest)
         now = []
-        for i, start in enumerate(cell.starts):
+        for i, start in enumerate(point.starts):
             previous = before[i] if chunk.carried and before else None
-            now.append(_follow(simulator, values, cell, start, previous))
-        before = list(now)
-        for attractor, share in distinct(now, values.atol, at_section=not cell.clock.period):
-            exponent = known_exponent(simulator, values, attractor, cell.clock.transient) if chunk.exponents else Exponent()
-            found.append(Found(cell, attractor, share, exponent))
+            now.append(_follow_motion(simulator, values, point, start, previous))
+        before = now
+        for attractor, share in group_attractors(now, values.atol, at_section=not point.settings.forcing_period):
+            exponent = LyapunovExponent()
+            if chunk.exponents:
+                exponent = find_lyapunov_exponent(simulator, values, attractor, point.settings.transient)
+            found.append(SweepAttractor(point, attractor, share, exponent))
     return found
 
 
-def _follow(simulator: Simulator, values: Values, cell: Cell, start: Start, previous: Attractor | None) -> Attractor:
-    if previous is None or previous.halted:
-        memory = simulator.start(values, start.states, start.mode, constant=start.constant)
+def _follow_motion(
+    simulator: Simulator,
+    values: ParameterValues,
+    point: ParameterPoint,
+    start: InitialState,
+    previous: Attractor | None,
+) -> Attractor:
+    """Return where a motion settles that starts anew, or from where it was at the point before."""
+    if previous is None or (previous.failure is not None and previous.failure.reason.halts):
+        state = simulator.start(values, start.states, start.mode, constant=start.constant)
     else:
         old = simulator.values(previous.p, values.longest)
-        memory = unpack(simulator.system, old, previous.memory)
-        memory = moved(memory, restart_time(simulator.numeric, previous.p, cell.p, float(memory.clock[T])))
-        memory, _ = simulator.change(memory, old, cell.p, values.longest)
-    return settled(simulator, values, memory, cell.clock)
-
-
-def distinct(attractors: Sequence[Attractor], atol: float, *, at_section: bool) -> list[tuple[Attractor, float]]:
-    """Return each different attractor once, with its share."""
-    kinds: list[Attractor] = []
-    numbers = [number_of(attractor, kinds, atol, at_section=at_section) for attractor in attractors]
-    return [(kind, numbers.count(k) / len(numbers)) for k, kind in enumerate(kinds)]
+        state = unpack(simulator.system, old, previous.packed_state)
+        state = shift_time(state, find_restart_time(simulator.numeric, previous.p, point.p, read_time(state)))
+        state, _ = simulator.change_parameters(state, old, point.p, values.longest)
+    return find_attractor(simulator, values, state, point.settings)

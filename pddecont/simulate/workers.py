@@ -8,7 +8,7 @@ from __future__ import annotations
 import contextlib
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
@@ -24,24 +24,29 @@ RETRIES = 5
 
 @dataclass(frozen=True)
 class Workers:
-    """Who computes: threads of this process (the integrator runs outside Python's lock), or the workers of a Dask scheduler."""
+    """Who computes: threads of this process, or the workers of a Dask scheduler.
+
+    The integrator runs outside Python's lock.
+    """
 
     number: int = 1
     scheduler: str | None = None
 
 
-def in_order(workers: Workers, work: Callable[[Chunk], Result], chunks: Sequence[Chunk]) -> Iterator[Result]:
-    """Yield ``work(chunk)`` for each chunk, in order; chunks are handed out as results are taken."""
+def map_in_order(workers: Workers, work: Callable[[Chunk], Result], chunks: Sequence[Chunk]) -> Iterator[Result]:
+    """Yield ``work(chunk)`` for each chunk, in order; chunks are handed out as results are taken.
+
+    What ``work`` holds is sent to a worker once and is kept there for all its chunks.
+    """
     if workers.scheduler is None and workers.number == 1:
         yield from map(work, chunks)
         return
     with contextlib.ExitStack() as stack:
-        executor, n = _executor(workers, stack)
+        submit, n = _make_submit(workers, work, stack)
         waiting: deque[Future[Result]] = deque()
         stack.callback(lambda: [future.cancel() for future in waiting])
-        todo = iter(chunks)
-        for chunk in todo:
-            waiting.append(executor.submit(work, chunk))
+        for chunk in chunks:
+            waiting.append(submit(chunk))
             if len(waiting) < AHEAD * n:
                 continue
             yield waiting.popleft().result()
@@ -49,20 +54,37 @@ def in_order(workers: Workers, work: Callable[[Chunk], Result], chunks: Sequence
             yield waiting.popleft().result()
 
 
-def _executor(workers: Workers, stack: contextlib.ExitStack) -> tuple[Executor, int]:
+def _make_submit(
+    workers: Workers, work: Callable[[Chunk], Result], stack: contextlib.ExitStack
+) -> tuple[Callable[[Chunk], Future[Result]], int]:
+    """Return a function that hands out a chunk, and how many are computed at once; ``stack`` closes what it needs."""
     if workers.scheduler is None:
-        return stack.enter_context(ThreadPoolExecutor(workers.number)), workers.number
-    client = stack.enter_context(_client(workers.scheduler))
+        pool = stack.enter_context(ThreadPoolExecutor(workers.number))
+        return lambda chunk: pool.submit(work, chunk), workers.number
+    client = stack.enter_context(_connect(workers.scheduler))
     n = max(1, sum(client.nthreads().values()))
-    return stack.enter_context(client.get_executor(retries=RETRIES, pure=False)), n
+    executor = stack.enter_context(client.get_executor(retries=RETRIES, pure=False))
+    # A result on the cluster: workers fetch it once, and it is computed anew if the worker that holds it is lost.
+    shared = client.submit(_identity, work, retries=RETRIES, pure=False)
+    return lambda chunk: executor.submit(_apply, shared, chunk), n
 
 
-def _client(address: str) -> Any:
+def _identity(work: Callable[[Chunk], Result]) -> Callable[[Chunk], Result]:
+    return work
+
+
+def _apply(work: Callable[[Chunk], Result], chunk: Chunk) -> Result:
+    return work(chunk)
+
+
+def _connect(address: str) -> Any:
+    """Return a client of the Dask scheduler at an address."""
     try:
         from distributed import Client
     except ImportError as exc:
         raise RunError.at("--scheduler", 0, 0, "needs Dask; install it with: pip install 'pddecont[cluster]'") from exc
     try:
-        return Client(address, timeout="10s", set_as_default=False)
+        connect: Callable[..., Any] = Client
+        return connect(address, timeout="10s", set_as_default=False)
     except (OSError, ValueError) as exc:
         raise RunError.at(f"--scheduler {address}", 0, 0, f"no Dask scheduler answers there: {exc}") from exc

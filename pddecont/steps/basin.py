@@ -2,113 +2,101 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
 
-from pddecont.results.attractors import wilson
-from pddecont.results.layout import Column, StepSpec
-from pddecont.results.reader import Step as RecordedStep
-from pddecont.results.writer import StepWriter
-from pddecont.simulate.attractors import Attractor, number_of
-from pddecont.simulate.basin import Line, basin_line, first_look
-from pddecont.simulate.lyapunov import Exponent, known_exponent
-from pddecont.simulate.task import Task
-from pddecont.simulate.workers import in_order
-from pddecont.steps.attractors import attractor_arrays, attractor_columns, attractor_row, describe, no_attractor, recorded_attractor
-from pddecont.steps.context import Context, settings_text
-from pddecont.steps.integration import clock_of, grid_values, start_of, task_of
-from pddecont.steps.plan import Plan
-from pddecont.steps.schema import Step
-from pddecont.steps.units import units_of
+import numpy as np
+import sympy
+from numpy.typing import NDArray
+from pydantic import Field
+
+from pddecont.errors import suggest
+from pddecont.model import Identifier
+from pddecont.results import BASIN
+from pddecont.runfile import Holding, StepInput
+from pddecont.simulate import InitialState
+from pddecont.steps.fields import Grid
+from pddecont.steps.kind import StepKind
+from pddecont.steps.motion import Initial, evaluate_start, resolve_start
+from pddecont.steps.settling import Settling, SettlingSettings, list_section_names, resolve_grid, resolve_settling
 
 Array = NDArray[np.float64]
-# Initial states along each side of the grid that are followed first, to learn which attractors there are.
-FIRST_LOOK = 7
+# What one step may hold at most.
+MAX_CELLS = 25_000_000
 
 
-def run_basin(context: Context, step: Step, recorded: RecordedStep | None) -> None:
-    """Label every cell; rows are attractors as they are found (with a label) and lines of the grid (with their cells' labels)."""
-    plan, body = context.plan, step.basin
-    assert body is not None
-    names, p = list(body.over), plan.step_parameters(step)
-    xs, ys = (grid_values(plan, step, name) for name in names)
-    spec = StepSpec(
-        step.name, "basin", {**attractor_columns(plan), "line": Column("i8")},
-        {**attractor_arrays(plan), "label": Column("i4"), "settling": Column("f8")},
-        {"parameters": list(plan.model.parameters), "states": list(plan.model.states), "segments": list(plan.model.segments), "over": names,
-         "x": xs.tolist(), "y": ys.tolist(), "model": plan.model.name, "units": units_of(plan),
-         "settings": settings_text(plan, step)})  # fmt: skip
-    task = task_of(plan, step, body, body.initial)
-    clock, start = clock_of(plan, body, p), start_of(plan, body.initial, p)
-    places = [plan.model.states.index(name) for name in names]
+class Basin(Settling):
+    """Which attractor each of a grid of initial states leads to."""
 
-    def states(points: Array) -> Array:
-        rows = np.repeat(start.states[None], len(points), axis=0)
-        rows[:, places] = points
-        return rows
-
-    few_x, few_y = (v[np.unique(np.linspace(0, len(v) - 1, FIRST_LOOK).round().astype(int))] for v in (xs, ys))
-    coarse = states(np.stack(np.meshgrid(few_x, few_y), axis=-1).reshape(-1, 2))
-    context.reporter.progress("looking for attractors")
-    first = tuple(first_look(task, p, clock, coarse, start))
-    known = list(first)
-    rows = recorded if recorded is not None and len(recorded) > len(first) else None
-    done = 0
-    if rows is not None:
-        done = int(rows.points["line"].max()) + 1
-        known = [recorded_attractor(rows, int(i)) for i in np.flatnonzero(rows.points["line"] < 0)]
-    kept = len(rows) if rows is not None else 0
-    kept_rows = {name: int(rows.orbits[f"{name}_end"][kept - 1]) if rows is not None else 0 for name in spec.orbits}
-    counts = np.zeros(0, int) if rows is None else _counts(rows)
-    with StepWriter(context.path, spec, kept=kept, kept_rows=kept_rows) as writer:
-        if rows is None:
-            for attractor in first:
-                _write_attractor(writer, task, p, attractor, clock.transient, exponents=body.lyapunov, plan=plan)
-        lines = [Line(task, p, clock, states(np.stack([xs, np.full(len(xs), y)], axis=-1)), start, first) for y in ys[done:]]
-        for number, result in enumerate(in_order(context.workers, basin_line, lines), done):
-            labels = result.labels.copy()
-            for cell, attractor in result.strays.items():
-                before = len(known)
-                labels[cell] = number_of(attractor, known, body.atol, at_section=not clock.period)
-                if len(known) > before:
-                    _write_attractor(writer, task, p, attractor, clock.transient, exponents=body.lyapunov, plan=plan)
-            writer.append({**no_attractor(plan), "line": number},
-                          {**{name: np.zeros((0, *c.shape)) for name, c in attractor_arrays(plan).items()}, "label": labels,
-                           "settling": result.times})  # fmt: skip
-            counts = _added(counts, labels)
-            context.reporter.advance(number + 1, len(ys), "lines of the grid")
-        text = _summary(known, _added(counts, np.zeros(0, int), len(known)), list(plan.model.segments))
-        writer.terminate(text)
-    context.reporter.done(text)
+    over: dict[Identifier, Grid] = Field(
+        min_length=2, max_length=2, description="two states: lowest, highest, how many values"
+    )
+    initial: Initial = Field(
+        default_factory=lambda: Initial.model_validate({"history": "constant"}),
+        description=("the other states, the mode and the history (constant unless given)"),
+    )
 
 
-def _write_attractor(writer: StepWriter, task: Task, p: Array, attractor: Attractor, duration: float, *, exponents: bool,
-                     plan: Plan) -> None:  # fmt: skip
-    exponent = Exponent()
-    if exponents and not attractor.failed:
-        simulator = task.simulator()
-        exponent = known_exponent(simulator, simulator.values(p), attractor, duration)
-    points, arrays = attractor_row(attractor, p, exponent)
-    nothing = {"label": np.zeros(0, int), "settling": np.zeros(0)}
-    writer.append({**points, "line": -1}, {**arrays, **nothing})
+@dataclass(frozen=True, eq=False)
+class BasinSettings:
+    """What a basin step does: the two states that vary, by name and index, their values, where motions start else."""
+
+    parameters: Array
+    settling: SettlingSettings
+    names: tuple[str, str]
+    places: tuple[int, int]
+    x: Array
+    y: Array
+    start: InitialState
+    history: tuple[sympy.Expr, ...] | None
 
 
-def _counts(rows: RecordedStep) -> NDArray[np.int64]:
-    return np.bincount(rows.orbits["label"]).astype(np.int64)
+def resolve_basin(given: StepInput[Basin]) -> BasinSettings:
+    """Return what a basin step does; note what is wrong with it."""
+    body, states = given.body, list(given.model.states)
+    settling = resolve_settling(given, body)
+    grids = resolve_grid(given, body.over)
+    start = resolve_start(given, ("initial",), body.initial)
+    cells = math.prod(int(n) for _, _, n in body.over.values())
+    if cells > MAX_CELLS:
+        given.add_error(("over",), f"{cells} initial states in one step; at most {MAX_CELLS}")
+    for name in body.over:
+        if name not in states:
+            known = f"{suggest(name, states)} (states: {', '.join(states)})"
+            given.add_error(("over", name), f"'{name}' is not a state{known}", key=True)
+        elif name in body.initial.states:
+            given.add_error(("initial", name), f"'{name}' varies over the grid and cannot be given too", key=True)
+    x, y = body.over
+    first, second = (states.index(name) if name in states else 0 for name in (x, y))
+    at_start = evaluate_start(given, ("initial",), start)
+    return BasinSettings(
+        given.parameters, settling, (x, y), (first, second), grids[x], grids[y], at_start, start.history
+    )
 
 
-def _added(counts: NDArray[np.int64], labels: NDArray[np.int64], least: int = 0) -> NDArray[np.int64]:
-    more = np.bincount(labels, minlength=max(len(counts), least))
-    more[: len(counts)] += counts
-    return more.astype(np.int64)
+def list_basin_names(body: Basin) -> Iterator[Any]:
+    """Return the texts of a basin step whose names the model must have."""
+    yield from list_section_names(body)
+    yield from body.over
 
 
-def _summary(known: list[Attractor], counts: NDArray[np.int64], segments: list[str]) -> str:
-    total, parts, number = int(counts.sum()), [], 0
-    for attractor, count in zip(known, counts, strict=True):
-        low, high = wilson(int(count), total)
-        number += not attractor.failed
-        name = f"A{number}" if not attractor.failed else "none"
-        share = f"{100 * count / total:.2f} % ({100 * low:.2f} to {100 * high:.2f})"
-        parts.append(f"{name} ({describe(attractor, segments)}): {share}")
-    return f"{total} initial states; " + "; ".join(parts)
+def list_basin_modes(body: Basin) -> Iterator[str]:
+    """Return the modes that motions are put into."""
+    yield from body.stick.values()
+    yield from [] if body.initial.mode is None else [body.initial.mode]
+
+
+BASIN_STEP = StepKind(
+    name="basin",
+    fields=Basin,
+    resolve=resolve_basin,
+    format=BASIN,
+    run="pddecont.steps.execution.basin:run_basin",
+    resumes=True,
+    holds=Holding.ATTRACTORS,
+    integrates=True,
+    list_names=list_basin_names,
+    list_modes=list_basin_modes,
+)

@@ -2,113 +2,173 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import sympy
 from numpy.typing import NDArray
+from pydantic import Field
 
-from pddecont.results.layout import Column, StepSpec
-from pddecont.results.writer import StepWriter
-from pddecont.simulate.integrate import simulate
-from pddecont.simulate.simulator import Method
-from pddecont.simulate.trajectory import Trajectory
-from pddecont.steps.context import Context, settings_text
-from pddecont.steps.integration import history_of, method_of, start_of
-from pddecont.steps.plan import Plan, as_number
-from pddecont.steps.schema import Step
-from pddecont.steps.signals import signal_values
-from pddecont.steps.units import units_of
+from pddecont.model import Formula, Identifier, Strict
+from pddecont.results import SIMULATE
+from pddecont.runfile import Holding, StepInput, as_number
+from pddecont.simulate import InitialState, Method
+from pddecont.steps.kind import StepKind
+from pddecont.steps.motion import (
+    Initial,
+    Integration,
+    evaluate_start,
+    resolve_method,
+    resolve_start,
+    resolve_time,
+    warn_of_start,
+)
 
 Array = NDArray[np.float64]
+# What one step may hold at most.
+MAX_SAMPLES = 100_000_000
 
 
-def integrate(context: Context, step: Step) -> Trajectory:
-    """Return the trajectory of a simulate step; it is kept in memory for the steps that start from it."""
-    if step.name in context.trajectories:
-        return context.trajectories[step.name][0]
-    plan = context.plan
-    assert step.simulate is not None
-    p = plan.step_parameters(step)
-    t_end, changes = plan.number(step.simulate.t_end, p), schedule(plan, step, p)
-    trajectory = trajectory_of(plan, step, method_of(plan, step, step.simulate),
-                               lambda t: context.reporter.progress(f"t = {t:.6g}", t / t_end))  # fmt: skip
-    context.trajectories[step.name] = (trajectory, changes[-1][1] if changes else p)
-    return trajectory
+class Record(Strict):
+    """What is kept of a trajectory."""
+
+    from_: Formula = Field(0.0, alias="from", description="time from which on it is kept")
+    every: Formula | None = Field(None, description="time between the samples that are written (default: four a step)")
+    signals: dict[Identifier, Formula] = Field(
+        default_factory=dict, description="expressions recorded along it, delayed values too"
+    )
 
 
-def trajectory_of(plan: Plan, step: Step, method: Method, heard: Callable[[float], None] | None = None) -> Trajectory:
-    """Return the trajectory of a simulate step by ``method``; ``heard`` hears of times reached."""
-    body = step.simulate
-    assert body is not None
-    p = plan.step_parameters(step)
-    start, changes = start_of(plan, body.initial, p), schedule(plan, step, p)
-    # Signals read delayed values of what is recorded.
-    longest = max(float(np.max(plan.numeric.delays.value(q), initial=0.0)) for q in (p, *(q for _, q in changes)))
-    return simulate(
-        plan.numeric, p, plan.delay_method(step), plan.number(body.t_end, p), method, initial=list(start.states), mode=start.mode,
-        constant=start.constant, history=history_of(plan, body.initial), schedule=changes,
-        keep_from=plan.number(body.record.from_, p) - longest, heard=heard)  # fmt: skip
+class Simulate(Integration):
+    """Integrate from an initial state or history."""
+
+    t_end: Formula = Field(description="time at which to stop")
+    initial: Initial = Field(default_factory=lambda: Initial.model_validate({}))
+    at: dict[str, dict[Identifier, Formula]] = Field(
+        default_factory=dict, description="parameters that change, by time"
+    )
+    record: Record = Field(default_factory=lambda: Record.model_validate({}))
 
 
-def past_of(plan: Plan, step: Step, p: Array) -> Sequence[sympy.Expr]:
-    """Return the history of a step's motion as expressions in t."""
-    assert step.simulate is not None
-    initial = step.simulate.initial
-    if initial.history == "constant":
-        return [sympy.Float(x) for x in start_of(plan, initial, p).states]
-    return history_of(plan, initial) or plan.model.history
+@dataclass(frozen=True, eq=False)
+class SimulateSettings:
+    """What a simulate step does.
+
+    Attributes
+    ----------
+    parameters
+        Parameters at the start, shape (n_parameters,).
+    history
+        The expressions in t before the start that the step gives; None for the model's.
+    past
+        The history, whoever gives it, one expression in t a state.
+    schedule
+        The times at which parameters change, in order, with the parameters from then on.
+    record_from, record_every
+        The time from which on it is kept, and that between samples (None: four a step).
+    signals
+        Expressions recorded along it, by name.
+    """
+
+    parameters: Array
+    method: Method
+    start: InitialState
+    history: tuple[sympy.Expr, ...] | None
+    past: tuple[sympy.Expr, ...]
+    t_end: float
+    schedule: tuple[tuple[float, Array], ...]
+    record_from: float
+    record_every: float | None
+    signals: Mapping[str, sympy.Expr]
+
+    @property
+    def stages(self) -> list[tuple[float, Array]]:
+        """Times, the first minus infinity, with the parameters that hold from each on."""
+        return [(-np.inf, self.parameters), *self.schedule]
+
+    @property
+    def last_parameters(self) -> Array:
+        """Parameters at the end."""
+        return self.stages[-1][1]
 
 
-def schedule(plan: Plan, step: Step, p: Array) -> list[tuple[float, Array]]:
-    """Return the times at which parameters change, in order, and the parameters from then on."""
-    assert step.simulate is not None
-    changes = []
-    for time, values in sorted(((plan.number(as_number(text), p), v) for text, v in step.simulate.at.items()), key=lambda pair: pair[0]):
-        p = p.copy()
-        for name, text in values.items():
-            p[plan.numeric.parameter_index(name)] = plan.number(text, p)
-        changes.append((time, plan.numeric.with_fixed(p)))
-    return changes
+def resolve_simulate(given: StepInput[Simulate]) -> SimulateSettings:
+    """Return what a simulate step does; note what is wrong with it."""
+    body, model = given.body, given.model
+    t_end = resolve_time(given, ("t_end",), body.t_end)
+    start = resolve_start(given, ("initial",), body.initial)
+    initial = evaluate_start(given, ("initial",), start)
+    warn_of_start(given, body.initial, initial)
+    method = resolve_method(given, body)
+    schedule = _resolve_schedule(given, t_end)
+    since = given.evaluate(("record", "from"), body.record.from_)
+    if not 0 <= since < t_end:
+        given.add_error(("record", "from"), f"the time {since:g} does not lie between 0 and t_end, {t_end:g}")
+    signals = _resolve_signals(given)
+    every = None if body.record.every is None else resolve_time(given, ("record", "every"), body.record.every)
+    if every is not None and (t_end - since) > MAX_SAMPLES * every:
+        given.add_error(("record", "every"), f"more than {MAX_SAMPLES} samples; take longer times between them")
+    past = start.history or model.history
+    if start.constant:
+        past = tuple(sympy.Float(x) for x in initial.states)
+    return SimulateSettings(
+        given.parameters, method, initial, start.history, past, t_end, schedule, since, every, signals
+    )
 
 
-def run_simulate(context: Context, step: Step) -> None:
-    """Integrate and record the trajectory with its events."""
-    plan = context.plan
-    trajectory = integrate(context, step)
-    assert step.simulate is not None
-    p = plan.step_parameters(step)
-    record, changes = step.simulate.record, schedule(plan, step, p)
-    signals = record.signals
-    model, n = plan.model, plan.numeric.n_states
-    modes, segments = list(model.modes), list(model.segments)
-    spec = StepSpec(
-        step.name, "simulate",
-        {"parameters": Column("f8", (len(p),)), "t_end": Column("f8"), "n_steps": Column("i8"), "n_events": Column("i8")},
-        {"time": Column("f8"), "states": Column("f8", (n,)), "mode": Column("i4"), "event_time": Column("f8"),
-         "event_segment": Column("i4"), "before": Column("f8", (n,)), "after": Column("f8", (n,)),
-         "signals": Column("f8", (len(signals),))},
-        {"parameters": list(model.parameters), "states": list(model.states), "modes": modes, "segments": segments,
-         "model": model.name, "units": units_of(plan), "settings": settings_text(plan, step),
-         "changes": [t for t, _ in changes], "signals": list(signals)})  # fmt: skip
-    since = plan.number(record.from_, p)
-    if record.every is None:
-        times, states, in_mode = trajectory.sampled()
-        late = times >= since
-        times, states, in_mode = times[late], states[late], [m for m, kept in zip(in_mode, late, strict=True) if kept]
-    else:
-        times, states, in_mode = trajectory.every(plan.number(record.every, p), since)
-    values = signal_values(plan, signals, trajectory, times, states, [(-np.inf, p), *changes],
-                           past_of(plan, step, p))  # fmt: skip
-    events = trajectory.events
-    late = events.t >= since
-    with StepWriter(context.path, spec, capacity=1) as writer:
-        writer.append(
-            {"parameters": p, "t_end": trajectory.t_end, "n_steps": trajectory.n_steps, "n_events": int(late.sum())},
-            {"time": times, "states": states, "mode": np.array([modes.index(m) for m in in_mode]), "signals": values,
-             "event_time": events.t[late], "event_segment": np.array([segments.index(s) for s in events.segment], dtype=int)[late],
-             "before": events.before[late], "after": events.after[late]})  # fmt: skip
-        when = f" since t = {since:.10g}" if since else ""
-        text = f"reached t = {trajectory.t_end:.10g} in {trajectory.n_steps} steps with {int(late.sum())} events{when}"
-        writer.terminate(text)
-    context.reporter.done(text)
+def _resolve_schedule(given: StepInput[Simulate], t_end: float) -> tuple[tuple[float, Array], ...]:
+    later, schedule = dict(given.values), []
+    times = {text: given.evaluate(("at", text), as_number(text)) for text in given.body.at}
+    for text, time in sorted(times.items(), key=lambda pair: pair[1]):
+        here = ("at", text)
+        if not 0 < time < t_end:
+            given.add_error(here, f"the time {time:g} does not lie between 0 and t_end, {t_end:g}", key=True)
+        for name, value in given.body.at[text].items():
+            if given.check_settable((*here, name), name):
+                later[name] = given.evaluate((*here, name), value, later)
+        given.check_durations(here, later)
+        p = given.numeric.with_fixed(np.array([later[name] for name in given.model.parameters]))
+        later = dict(zip(given.model.parameters, p.tolist(), strict=True))
+        schedule.append((time, p))
+    return tuple(schedule)
+
+
+def _resolve_signals(given: StepInput[Simulate]) -> dict[str, sympy.Expr]:
+    model, signals = given.model, {}
+    scope = model.scope("a signal", delayed=model.delayed_value)
+    for name, text in given.body.record.signals.items():
+        here = ("record", "signals", name)
+        if name in model.states:
+            given.add_error(here, f"'{name}' is a state already; give the signal another name", key=True)
+        signals[name] = given.parse(here, text, scope)
+        if given.delay.method == "chain" and signals[name].free_symbols & set(model.delayed_symbols):
+            given.add_error(
+                here, "a chain has no delayed values of its own to record; give this step 'delay: {method: direct}'"
+            )
+    return signals
+
+
+def list_simulate_names(body: Simulate) -> Iterator[Any]:
+    """Return the texts of a simulate step whose names the model must have."""
+    yield from body.record.signals.values()
+
+
+def list_simulate_modes(body: Simulate) -> Iterator[str]:
+    """Return the modes that the motion is put into."""
+    yield from body.stick.values()
+    yield from [] if body.initial.mode is None else [body.initial.mode]
+
+
+SIMULATE_STEP = StepKind(
+    name="simulate",
+    fields=Simulate,
+    resolve=resolve_simulate,
+    format=SIMULATE,
+    run="pddecont.steps.execution.simulate:run_simulate",
+    holds=Holding.TRAJECTORY,
+    integrates=True,
+    list_names=list_simulate_names,
+    list_modes=list_simulate_modes,
+)

@@ -3,108 +3,163 @@
 from __future__ import annotations
 
 import itertools
-from collections import Counter
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
 
 import numpy as np
+import sympy
 from numpy.typing import NDArray
+from pydantic import Field
 
-from pddecont.results.layout import Column, StepSpec
-from pddecont.results.reader import Step as RecordedStep
-from pddecont.results.writer import StepWriter
-from pddecont.simulate.sweep import Cell, Chunk, sweep_chunk
-from pddecont.simulate.task import Start
-from pddecont.simulate.workers import in_order
-from pddecont.steps.attractors import attractor_arrays, attractor_columns, attractor_row
-from pddecont.steps.context import Context, settings_text
-from pddecont.steps.integration import clock_of, grid_values, start_of, task_of
-from pddecont.steps.plan import Plan
-from pddecont.steps.schema import Section, Step, Sweep
-from pddecont.steps.units import units_of
+from pddecont.errors import suggest
+from pddecont.model import Identifier, Strict
+from pddecont.results import SWEEP
+from pddecont.runfile import Holding, ParameterFormula, StepInput
+from pddecont.steps.fields import Grid, Range
+from pddecont.steps.kind import StepKind
+from pddecont.steps.motion import Initial, Start, resolve_start
+from pddecont.steps.settling import Settling, SettlingSettings, list_section_names, resolve_grid, resolve_settling
 
 Array = NDArray[np.float64]
-# Motions in a chunk of work that is not carried along.
-CHUNK = 8
+# What one step may hold at most.
+MAX_MOTIONS = 2_000_000
 
 
-def run_sweep(context: Context, step: Step, recorded: RecordedStep | None) -> None:
-    """Find the attractors at every parameter point; those of an unfinished step are kept."""
-    plan, body = context.plan, step.sweep
-    assert body is not None
+class Scatter(Strict):
+    """Initial states at random."""
+
+    number: int = Field(ge=1, le=100_000, description="how many")
+    seed: int = Field(1, ge=0, description="start of the random numbers")
+    box: dict[Identifier, Range] = Field(min_length=1, description="lowest and highest value of each state that varies")
+
+
+class Sweep(Settling):
+    """Where motions settle over a grid of one or two parameters."""
+
+    over: dict[Identifier, Grid] = Field(
+        min_length=1, max_length=2, description="parameters: lowest, highest, how many values"
+    )
+    initial: list[Initial] = Field(
+        default_factory=lambda: [Initial.model_validate({})],
+        min_length=1,
+        description=("initial states; each is tried at every parameter"),
+    )
+    random: Scatter | None = Field(None, description="more initial states, at random")
+    carry: Literal["none", "up", "down", "both"] = Field(
+        "none",
+        description=(
+            "go on from where the motion stood at the parameter before, upwards, downwards or both; the first "
+            "parameter is carried along"
+        ),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class ScatterSettings:
+    """Initial states at random in a box: their number, the seed, lowest and highest value of states by index."""
+
+    number: int
+    seed: int
+    box: Mapping[int, tuple[ParameterFormula, ParameterFormula]]
+
+
+@dataclass(frozen=True, eq=False)
+class SweepSettings:
+    """What a sweep step does.
+
+    Attributes
+    ----------
+    grids
+        Values of each parameter that varies, by name.
+    starts
+        Where motions start at every parameter point (none: at random alone).
+    scattered_from
+        The start that those at random vary.
+    history
+        The expressions in t before the start that the step gives; None for the model's.
+    ways
+        Directions in which motions are carried along: +1 up, -1 down; none where they are not.
+    """
+
+    parameters: Array
+    settling: SettlingSettings
+    grids: Mapping[str, Array]
+    starts: tuple[Start, ...]
+    scattered_from: Start
+    scatter: ScatterSettings | None
+    history: tuple[sympy.Expr, ...] | None
+    ways: tuple[int, ...]
+
+
+def resolve_sweep(given: StepInput[Sweep]) -> SweepSettings:
+    """Return what a sweep step does; note what is wrong with it."""
+    body = given.body
+    settling = resolve_settling(given, body)
     names = list(body.over)
-    spec = StepSpec(
-        step.name, "sweep",
-        {**attractor_columns(plan), "chunk": Column("i8"), "cell": Column("i8"), "direction": Column("i4"), "share": Column("f8")},
-        attractor_arrays(plan),
-        {"parameters": list(plan.model.parameters), "states": list(plan.model.states), "segments": list(plan.model.segments), "free": names,
-         "section": (body.section or Section.model_validate({"phase": 0.0})).model_dump(exclude_none=True), "model": plan.model.name,
-         "units": units_of(plan),
-         "settings": settings_text(plan, step)})  # fmt: skip
-    chunks = chunks_of(plan, step)
-    first, kept, kept_rows, points = 0, 0, dict.fromkeys(spec.orbits, 0), {}
-    if recorded is not None and len(recorded):
-        # The last chunk in the file may lack some of its rows: it is done again.
-        points = dict(recorded.points)
-        first = int(points["chunk"][-1])
-        kept = int(np.sum(points["chunk"] < first))
-        kept_rows = {name: int(recorded.orbits[f"{name}_end"][kept - 1]) if kept else 0 for name in spec.orbits}
-    counts = Counter(_kind(not points["kind"][i], int(points["period"][i])) for i in range(kept))
-    n_cells, done = sum(len(c.cells) for _, c in chunks), sum(len(c.cells) for _, c in chunks[:first])
-    with StepWriter(context.path, spec, kept=kept, kept_rows=kept_rows) as writer:
-        for number, found in enumerate(in_order(context.workers, sweep_chunk, [c for _, c in chunks[first:]]), first):
-            direction, chunk = chunks[number]
-            for f in found:
-                row, arrays = attractor_row(f.attractor, f.cell.p, f.exponent)
-                writer.append({**row, "chunk": number, "cell": f.cell.index, "direction": direction, "share": f.share}, arrays)
-                counts[_kind(bool(f.attractor.failed), f.attractor.period)] += 1
-            done += len(chunk.cells)
-            context.reporter.advance(done, n_cells, "parameter points")
-        text = f"{n_cells} parameter points; attractors: " + ", ".join(f"{n} {what}" for what, n in sorted(counts.items()))
-        writer.terminate(text)
-    context.reporter.done(text)
+    settable = [given.check_settable(("over", name), name) for name in names]
+    if all(settable):
+        for ends in itertools.product(*(body.over[name][:2] for name in names)):
+            corner = {name: given.evaluate(("over", name), end) for name, end in zip(names, ends, strict=True)}
+            given.check_durations(("over",), {**given.values, **corner})
+    grids = resolve_grid(given, body.over)
+    scattered = body.random.number if body.random else 0
+    motions = math.prod(int(n) for _, _, n in body.over.values()) * (scattered + len(body.initial))
+    if motions > MAX_MOTIONS:
+        given.add_error(("over",), f"{motions} motions in one step; at most {MAX_MOTIONS}: make it several steps")
+    starts = []
+    for i, initial in enumerate(body.initial):
+        starts.append(resolve_start(given, ("initial", i), initial))
+        histories = initial.history, body.initial[0].history
+        if any(isinstance(h, Mapping) for h in histories) and histories[0] != histories[1]:
+            given.add_error(
+                ("initial", i),
+                "all initial states of a sweep share one history; give other histories a step of their own",
+            )
+    scatter = None if body.random is None else _resolve_scatter(given, body.random)
+    alone = scatter is not None and "initial" not in body.model_fields_set
+    ways = {"none": (), "up": (1,), "down": (-1,), "both": (1, -1)}[body.carry]
+    own, history = () if alone else tuple(starts), starts[0].history
+    return SweepSettings(given.parameters, settling, grids, own, starts[0], scatter, history, ways)
 
 
-def _kind(failed: bool, period: int) -> str:
-    return "failed" if failed else "periodic" if period else "without period"
+def _resolve_scatter(given: StepInput[Sweep], random: Scatter) -> ScatterSettings:
+    states, box = given.model.states, {}
+    for name, limits in random.box.items():
+        here = ("random", "box", name)
+        if name not in states:
+            given.add_error(here, f"'{name}' is not a state{suggest(name, states)}", key=True)
+            continue
+        low, high = (given.parse_formula((*here, k), text) for k, text in enumerate(limits))
+        ends = [given.evaluate((*here, k), text) for k, text in enumerate(limits)]
+        if ends[0] > ends[1]:
+            given.add_error(here, f"the range is empty: {ends[0]:g} is not below {ends[1]:g}")
+        box[list(states).index(name)] = (low, high)
+    return ScatterSettings(random.number, random.seed, box)
 
 
-def chunks_of(plan: Plan, step: Step) -> list[tuple[int, Chunk]]:
-    """Return the work of a sweep: direction (+1 up, -1 down, 0 not carried) and chunk, in an order that only the file decides."""
-    body = step.sweep
-    assert body is not None
-    p = plan.step_parameters(step)
-    names = list(body.over)
-    grids = [grid_values(plan, step, name) for name in names]
-    task = task_of(plan, step, body, body.initial[0])
-
-    def cell(index: int, values: tuple[float, ...]) -> Cell:
-        here = p.copy()
-        for name, value in zip(names, values, strict=True):
-            here[plan.numeric.parameter_index(name)] = value
-        here = plan.numeric.with_fixed(here)
-        return Cell(index, here, clock_of(plan, body, here), starts(plan, body, here))
-
-    # The first parameter runs fastest, so that one line of cells is one motion carried along.
-    lines = [[cell(j * len(grids[0]) + i, (x, *rest)) for i, x in enumerate(grids[0])]
-             for j, rest in enumerate(itertools.product(*grids[1:]))]  # fmt: skip
-    if body.carry == "none":
-        cells = [c for line in lines for c in line]
-        size = max(1, CHUNK // len(cells[0].starts))
-        return [(0, Chunk(task, tuple(cells[i : i + size]), False, body.lyapunov)) for i in range(0, len(cells), size)]
-    ways = {"up": (1,), "down": (-1,), "both": (1, -1)}[body.carry]
-    return [(way, Chunk(task, tuple(line[::way]), True, body.lyapunov)) for line in lines for way in ways]
+def list_sweep_names(body: Sweep) -> Iterator[Any]:
+    """Return the texts of a sweep step whose names the model must have."""
+    yield from list_section_names(body)
+    yield from () if body.random is None else body.random.box
 
 
-def starts(plan: Plan, body: Sweep, p: Array) -> tuple[Start, ...]:
-    """Return where motions start at parameters ``p``: the states that are given, then those at random, the same at every point."""
-    given = [start_of(plan, initial, p) for initial in body.initial]
-    if body.random is None:
-        return tuple(given)
-    rng = np.random.default_rng(body.random.seed)
-    base = given[0]
-    scattered = []
-    for _ in range(body.random.number):
-        states = base.states.copy()
-        for name, (low, high) in body.random.box.items():
-            states[plan.model.states.index(name)] = rng.uniform(plan.number(low, p), plan.number(high, p))
-        scattered.append(Start(states, base.mode, base.constant))
-    return (*given, *scattered) if "initial" in body.model_fields_set else tuple(scattered)
+def list_sweep_modes(body: Sweep) -> Iterator[str]:
+    """Return the modes that motions are put into."""
+    yield from body.stick.values()
+    yield from (initial.mode for initial in body.initial if initial.mode is not None)
+
+
+SWEEP_STEP = StepKind(
+    name="sweep",
+    fields=Sweep,
+    resolve=resolve_sweep,
+    format=SWEEP,
+    run="pddecont.steps.execution.sweep:run_sweep",
+    resumes=True,
+    holds=Holding.ATTRACTORS,
+    integrates=True,
+    list_names=list_sweep_names,
+    list_modes=list_sweep_modes,
+)

@@ -16,10 +16,14 @@ import pddecont.api
 from pddecont.errors import ConvergenceError, ModelError, PddecontError, ResultsError, RunError
 from tests.cli.test_cli import call
 from tests.conftest import ROOT
+from tests.runs import to_yaml
 
 RELAY = (ROOT / "models" / "relay.yaml").read_text()
-STEPS = [{"name": "transient", "simulate": {"t_end": 60}}, {"name": "orbit", "orbit": {"from": "transient"}},
-         {"name": "in_growth", "continue": {"from": "orbit", "free": ["a"], "range": {"a": [np.float64(0.3), 0.6]}}}]  # fmt: skip
+STEPS = [
+    {"name": "transient", "simulate": {"t_end": 60}},
+    {"name": "orbit", "orbit": {"from": "transient"}},
+    {"name": "in_growth", "continue": {"from": "orbit", "free": ["a"], "range": {"a": [np.float64(0.3), 0.6]}}},
+]
 
 
 @pytest.fixture(scope="module")
@@ -54,7 +58,11 @@ def test_a_branch_is_a_data_set_with_units_and_coordinates(relay):
     assert ds.sizes["point"] == len(relay["in_growth"])
     assert set(ds.coords) == {"a", "label"}
     assert {name: ds[name].attrs.get("units") for name in ("a", "top", "period", "tau")} == {
-        "a": "1/s", "top": "mm", "period": "s", "tau": None}  # fmt: skip
+        "a": "1/s",
+        "top": "mm",
+        "period": "s",
+        "tau": None,
+    }
     at = ds.where(ds.label == "EP2", drop=True)
     assert at.a.item() == pytest.approx(0.6)
     assert "multiplier" not in ds
@@ -62,7 +70,10 @@ def test_a_branch_is_a_data_set_with_units_and_coordinates(relay):
 
 
 def test_multipliers_are_in_the_data_set():
-    steps = [{"name": "transient", "simulate": {"t_end": 150}}, {"name": "orbit", "orbit": {"from": "transient", "stability": True}}]
+    steps = [
+        {"name": "transient", "simulate": {"t_end": 150}},
+        {"name": "orbit", "orbit": {"from": "transient", "stability": True}},
+    ]
     found = pddecont.run("wright", steps=steps)
     ds = found.branch("orbit")
     z = ds["multiplier"].values[0]
@@ -71,20 +82,23 @@ def test_multipliers_are_in_the_data_set():
     assert bool(ds["stable"].item())
 
 
-@pytest.mark.parametrize(("ask", "message"), [
-    (lambda r: r["nothing"], r"has no step 'nothing' \(steps: transient, orbit, in_growth\)"),
-    (lambda r: r[0], r"has no step '0' \(steps: "),
-    (lambda r: r.branch("in_growht"), "has no step 'in_growht'; did you mean 'in_growth'"),
-    (lambda r: r["in_growth"].table("foo"), r"has no table 'foo' \(it has: points, special, orbit, multipliers\)$"),
-    (lambda r: r["in_growth"].table("point"), r"has no table 'point'; did you mean 'points'\? \(it has: "),
-    (lambda r: r["transient"].table("points"), r"has no table 'points' \(it has: trajectory, events\)$"),
-    (lambda r: r["in_growth"].table("orbit", "LP3"), r"has no point 'LP3' \(labels: EP1, EP2\)"),
-    (lambda r: r["in_growth"].orbit("LP3"), r"has no point 'LP3'"),
-    (lambda r: r["in_growth"].orbit(1000), r"points, no index 1000"),
-    (lambda r: r["in_growth"].orbit(-1), r"points, no index -1"),
-    (lambda r: r["transient"].orbit(), "is a simulate step and holds no orbits"),
-    (lambda r: r.plot(view="profile", indices=[-1]), "there is no index -1"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("ask", "message"),
+    [
+        (lambda r: r["nothing"], r"has no step 'nothing' \(steps: transient, orbit, in_growth\)"),
+        (lambda r: r[0], r"has no step '0' \(steps: "),
+        (lambda r: r.branch("in_growht"), "has no step 'in_growht'; did you mean 'in_growth'"),
+        (lambda r: r["in_growth"].table("foo"), r"has no table 'foo' \(it has: points, special, orbit, multipliers\)$"),
+        (lambda r: r["in_growth"].table("point"), r"has no table 'point'; did you mean 'points'\? \(it has: "),
+        (lambda r: r["transient"].table("points"), r"has no table 'points' \(it has: trajectory, events\)$"),
+        (lambda r: r["in_growth"].table("orbit", "LP3"), r"has no point 'LP3' \(labels: EP1, EP2\)"),
+        (lambda r: r["in_growth"].orbit("LP3"), r"has no point 'LP3'"),
+        (lambda r: r["in_growth"].orbit(1000), r"points, no index 1000"),
+        (lambda r: r["in_growth"].orbit(-1), r"points, no index -1"),
+        (lambda r: r["transient"].orbit(), "is a simulate step and holds no orbits"),
+        (lambda r: r.plot(view="profile", indices=[-1]), "there is no index -1"),
+    ],
+)
 def test_what_is_not_there_is_a_results_error(relay, ask, message):
     with pytest.raises(ResultsError, match=message):
         ask(relay)
@@ -146,7 +160,13 @@ def test_parameters_and_effects_as_on_the_command_line():
 
 
 def test_a_model_may_be_a_mapping_and_nothing_is_kept_without_output(in_folder):
-    model = {"name": "decay", "states": ["x"], "parameters": {"k": 2.0}, "modes": {"only": {"x'": "-k*x"}}, "initial": {"x": 1}}
+    model = {
+        "name": "decay",
+        "states": ["x"],
+        "parameters": {"k": 2.0},
+        "modes": {"only": {"x'": "-k*x"}},
+        "initial": {"x": 1},
+    }
     found = pddecont.run(model, steps=[{"name": "fall", "simulate": {"t_end": 1, "rtol": 1e-10}}])
     assert found["fall"].arrays()["x"][-1] == pytest.approx(np.exp(-2.0), rel=1e-8)
     assert not found.path.exists()
@@ -156,19 +176,24 @@ def test_a_model_may_be_a_mapping_and_nothing_is_kept_without_output(in_folder):
 def test_a_run_file_keeps_its_model_when_its_keys_are_replaced(in_folder):
     (in_folder / "there").mkdir()
     (in_folder / "there" / "m.yaml").write_text(RELAY)
-    (in_folder / "there" / "r.yaml").write_text("model: m.yaml\nsteps:\n  - {name: a, simulate: {t_end: 1}}\n")
+    (in_folder / "there" / "r.yaml").write_text(
+        to_yaml({"model": "m.yaml", "steps": [{"name": "a", "simulate": {"t_end": 1}}]})
+    )
     found = pddecont.run(in_folder / "there" / "r.yaml", steps=[{"name": "b", "simulate": {"t_end": 2}}])
     assert found["b"].arrays()["t"][-1] == 2.0
 
 
-@pytest.mark.parametrize(("arguments", "error", "message"), [
-    (("no_such_model",), RunError, "does not exist"),
-    (("states: [x\n",), RunError, "not valid YAML"),
-    ((RELAY.replace("a*x - 1", "a*y - 1"),), ModelError, "<python>:7:.*'y'"),
-    (({"name": "m", "states": ["x"]},), ModelError, "'modes' is missing"),
-    (({"name": "m", "states": ["x"], "modes": {"m": {"x'": 0}}},), RunError, "says nothing of a run"),
-    (({"name": object()},), RunError, "cannot stand in a run"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("arguments", "error", "message"),
+    [
+        (("no_such_model",), RunError, "does not exist"),
+        (("states: [x\n",), RunError, "not valid YAML"),
+        ((RELAY.replace("a*x - 1", "a*y - 1"),), ModelError, "<python>:7:.*'y'"),
+        (({"name": "m", "states": ["x"]},), ModelError, "'modes' is missing"),
+        (({"name": "m", "states": ["x"], "modes": {"m": {"x'": 0}}},), RunError, "says nothing of a run"),
+        (({"name": object()},), RunError, "cannot be written in a run; expected text, a number"),
+    ],
+)
 def test_errors_are_those_of_the_command_line(arguments, error, message):
     with pytest.raises(error, match=message):
         pddecont.run(*arguments)
@@ -215,8 +240,10 @@ def test_without_xarray_there_are_arrays_and_advice(relay, monkeypatch):
 
 
 def test_importing_the_package_loads_nothing_heavy():
-    code = "import sys, pddecont; pddecont.__version__; print([m for m in ('numpy', 'sympy', 'h5py', 'pddecont.api') if m in sys.modules])"
-    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip() == "[]"
+    heavy = ("numpy", "sympy", "h5py", "pddecont.api")
+    code = f"import sys, pddecont; pddecont.__version__; print([m for m in {heavy} if m in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
     assert {"run", "load", "RunResults"} <= set(dir(pddecont))
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):
         pddecont.nothing  # noqa: B018

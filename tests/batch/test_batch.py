@@ -9,17 +9,24 @@ import time
 
 import pytest
 
-from pddecont.results.reader import read_results
-from pddecont.steps.run import execute
+from pddecont.results import read_results
+from pddecont.steps.execution import execute
 from tests.conftest import ROOT
-from tests.faults.runs import plan_of, text_of
+from tests.faults.runs import plan_of, run_of, text_of
+from tests.runs import change, to_yaml
 
 COMMAND = [sys.executable, "-m", "pddecont"]
 
 
 def run(folder, *args, **environment):
-    done = subprocess.run([*COMMAND, *args], cwd=folder, capture_output=True, text=True, check=False,
-                          env={**os.environ, "PYTHONPATH": str(ROOT), **environment})  # fmt: skip
+    done = subprocess.run(
+        [*COMMAND, *args],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, "PYTHONPATH": str(ROOT), **environment},
+    )
     return done.returncode, done.stdout, done.stderr
 
 
@@ -27,8 +34,15 @@ def test_fifty_runs_at_once_in_one_folder(tmp_path, tally):
     (tmp_path / "quick.yaml").write_text(text_of("simulate"))
     walls = [f"{0.15 + 0.002 * k:.3f}" for k in range(50)]
     one = f"{sys.executable} -m pddecont run quick.yaml --set wall={{}} -o wall_{{}}.h5 --json > wall_{{}}.json"
-    done = subprocess.run(["xargs", "-P", "8", "-I", "{}", "sh", "-c", one], input="\n".join(walls), cwd=tmp_path, capture_output=True,
-                          text=True, check=False, env={**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"})  # fmt: skip
+    done = subprocess.run(
+        ["xargs", "-P", "8", "-I", "{}", "sh", "-c", one],
+        input="\n".join(walls),
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"},
+    )
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
     for wall in walls:
@@ -43,24 +57,35 @@ def test_fifty_runs_at_once_in_one_folder(tmp_path, tally):
 
 def test_runs_at_once_on_one_file_leave_one_of_them(tmp_path, tally):
     (tmp_path / "quick.yaml").write_text(text_of("sweep"))
-    runs = [subprocess.Popen([*COMMAND, "run", "quick.yaml", "-o", "q.h5", "-q"], cwd=tmp_path, stderr=subprocess.PIPE, text=True,
-                             env={**os.environ, "PYTHONPATH": str(ROOT)}) for _ in range(4)]  # fmt: skip
+    runs = [
+        subprocess.Popen(
+            [*COMMAND, "run", "quick.yaml", "-o", "q.h5", "-q"],
+            cwd=tmp_path,
+            stderr=subprocess.PIPE,
+            text=True,
+            env={**os.environ, "PYTHONPATH": str(ROOT)},
+        )
+        for _ in range(4)
+    ]
     ends = [(process.communicate()[1], process.returncode) for process in runs]
     assert sorted(code for _, code in ends) == [0, 1, 1, 1]
     assert all("being written by another run" in err or "exists already" in err for err, code in ends if code)
     execute(plan_of("sweep"), tmp_path / "whole.h5")
     assert read_results(tmp_path / "q.h5").step("last").points["period"].tobytes() == (
-        read_results(tmp_path / "whole.h5").step("last").points["period"].tobytes())  # fmt: skip
+        read_results(tmp_path / "whole.h5").step("last").points["period"].tobytes()
+    )
     tally("batch", "4 runs at once on one file", "one writes, three are refused")
 
 
-LONG = text_of("sweep").replace("[0.15, 0.3, 24]", "[0.15, 0.3, 4000]")
-FAILS = text_of("orbit").replace("t_end: 40*pi", "t_end: 7").replace("record: {from: 36*pi}, ", "")
+LONG = to_yaml(change(run_of("sweep"), "run.steps.0.sweep.over.wall", [0.15, 0.3, 4000]))
+SHORT = {"t_end": 7, "rtol": 1e-6, "atol": 1e-8}
+FAILS = to_yaml(change(run_of("orbit"), "run.steps.0.simulate", SHORT))
 
 
-@pytest.mark.parametrize(("text", "args", "code"), [
-    (text_of("simulate"), [], 0), ("name: m", [], 1), (text_of("simulate"), ["--set", "wall"], 2), (FAILS, [], 3),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("text", "args", "code"),
+    [(text_of("simulate"), [], 0), ("name: m", [], 1), (text_of("simulate"), ["--set", "wall"], 2), (FAILS, [], 3)],
+)
 def test_exit_codes_and_json(tmp_path, text, args, code, tally):
     (tmp_path / "quick.yaml").write_text(text)
     found, out, err = run(tmp_path, "run", "quick.yaml", "-o", "q.h5", "--json", *args)
@@ -76,8 +101,14 @@ def test_exit_codes_and_json(tmp_path, text, args, code, tally):
 
 def test_exit_code_of_an_interruption_and_its_json(tmp_path, tally):
     (tmp_path / "quick.yaml").write_text(LONG)
-    process = subprocess.Popen([*COMMAND, "run", "quick.yaml", "-o", "q.h5", "--json"], cwd=tmp_path, text=True, stdout=subprocess.PIPE,
-                               stderr=subprocess.PIPE, env={**os.environ, "PYTHONPATH": str(ROOT)})  # fmt: skip
+    process = subprocess.Popen(
+        [*COMMAND, "run", "quick.yaml", "-o", "q.h5", "--json"],
+        cwd=tmp_path,
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+    )
     until = time.monotonic() + 120
     while not ((tmp_path / "q.h5").exists() and len(read_results(tmp_path / "q.h5").steps)):
         assert time.monotonic() < until
@@ -91,9 +122,15 @@ def test_exit_code_of_an_interruption_and_its_json(tmp_path, tally):
 
 def most_threads(folder, *args, **environment):
     """Return the largest number of threads that a run has had."""
-    process = subprocess.Popen([*COMMAND, "run", "quick.yaml", "-o", "q.h5", "--overwrite", "-q", *args], cwd=folder,
-                               env={**{k: v for k, v in os.environ.items() if not k.endswith("_NUM_THREADS")}, "PYTHONPATH": str(ROOT),
-                                    **environment})  # fmt: skip
+    process = subprocess.Popen(
+        [*COMMAND, "run", "quick.yaml", "-o", "q.h5", "--overwrite", "-q", *args],
+        cwd=folder,
+        env={
+            **{k: v for k, v in os.environ.items() if not k.endswith("_NUM_THREADS")},
+            "PYTHONPATH": str(ROOT),
+            **environment,
+        },
+    )
     most = 0
     while process.poll() is None:
         try:

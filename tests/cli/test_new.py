@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from pddecont.cli.new import KINDS
-from pddecont.results.reader import read_results
+from pddecont.results import read_results
 from tests.cli.test_cli import call
 
 
@@ -52,9 +52,15 @@ def test_the_script_is_one_that_the_shell_reads(shell):
 
 def test_commands_and_options_are_completed():
     def completed(words):
-        environment = os.environ | {"_PDDECONT_COMPLETE": "bash_complete", "COMP_WORDS": words, "COMP_CWORD": str(words.count(" "))}
+        environment = os.environ | {
+            "_PDDECONT_COMPLETE": "bash_complete",
+            "COMP_WORDS": words,
+            "COMP_CWORD": str(words.count(" ")),
+        }
         code = "from pddecont.cli import main; main()"
-        return subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=False).stdout.split()
+        return subprocess.run(
+            [sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=False
+        ).stdout.split()
 
     assert completed("pddecont re") == ["plain,report"]
     assert "plain,--overwrite" in completed("pddecont run --o")

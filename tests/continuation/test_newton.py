@@ -1,12 +1,46 @@
-"""What Newton's method says when it does not arrive."""
+"""Newton's method: how it converges, when it damps its steps, and what it says when it does not arrive."""
 
+import math
 from itertools import count
 
 import numpy as np
 import pytest
 
-from pddecont.continuation.newton import newton
+from pddecont.continuation import NewtonSettings, solve_newton
 from pddecont.errors import ConvergenceError
+from tests.continuation.systems import Algebraic
+
+
+def solve(equations, derivatives, x, scale=None, settings=None, sparse=False):
+    """Solve equations given as functions; sizes of unknowns are one by default."""
+    x = np.array(x, dtype=float)
+    system = Algebraic(equations, derivatives, sparse=sparse)
+    return solve_newton(system.at, x, np.ones(len(x)) if scale is None else np.array(scale), settings)
+
+
+@pytest.mark.parametrize("sparse", [False, True])
+def test_newton_converges_quadratically_and_keeps_its_history(sparse):
+    solution = solve(lambda x: x**2 - 2, lambda x: np.diag(2 * x), [1.0], sparse=sparse)
+    assert solution.x[0] == pytest.approx(math.sqrt(2), abs=1e-15)
+    errors = solution.history
+    assert errors[3] < 10 * errors[2] ** 2
+    assert solution.n_iterations == len(errors) - 1
+    # Rows are scaled by the Jacobian's largest entry: (1 - 2) / 2 before the first step.
+    assert errors[0] == 0.5
+
+
+def test_newton_damps_where_a_full_step_overshoots():
+    solution = solve(np.arctan, lambda x: np.diag(1 / (1 + x**2)), [3.0])
+    assert solution.x[0] == pytest.approx(0, abs=1e-12)
+    assert list(solution.history) == sorted(solution.history, reverse=True)
+
+
+def test_failures_carry_their_history():
+    with pytest.raises(ConvergenceError) as info:
+        solve(lambda x: x**2 + 1, lambda x: np.diag(2 * x), [1.0])
+    assert len(info.value.history) >= 1
+    with pytest.raises(ConvergenceError, match="singular"):
+        solve(lambda x: x + 1, lambda x: np.zeros((1, 1)), [1.0])
 
 
 def test_steps_that_stay_large_are_told_where_the_equations_hold():
@@ -17,11 +51,78 @@ def test_steps_that_stay_large_are_told_where_the_equations_hold():
         return np.array([1e-15, -1e-15]) * (-1.0) ** next(call)
 
     with pytest.raises(ConvergenceError) as caught:
-        newton(residual, lambda x: matrix, np.zeros(2), np.ones(2))
-    assert "did not converge in 12 iterations (the equations hold to 1.0e-15, but the unknowns still move" in str(caught.value)
+        solve(residual, lambda x: matrix, np.zeros(2))
+    assert "did not converge in 12 iterations (the equations hold to 1.0e-15, but the unknowns still move" in str(
+        caught.value
+    )
     assert "the last steps are 2.0e-02, 2.0e-02, 2.0e-02, expected below 1e-08" in str(caught.value)
 
 
 def test_residuals_that_stay_large_are_told():
     with pytest.raises(ConvergenceError, match=r"did not converge in 12 iterations \(residuals: 1\.0e\+00, "):
-        newton(lambda x: np.exp(-x), lambda x: np.diag(-np.exp(-x)), np.zeros(1), np.ones(1))
+        solve(lambda x: np.exp(-x), lambda x: np.diag(-np.exp(-x)), np.zeros(1))
+
+
+def test_the_solution_solves_with_its_last_jacobian():
+    def derivatives(x):
+        return np.array([[2 * x[0], 1.0], [x[1], x[0]]])
+
+    solution = solve(lambda x: [x[0] ** 2 + x[1] - 5, x[0] * x[1] - 2], derivatives, [2.2, 1.2], scale=[5.0, 0.1])
+    rhs = np.array([0.3, -0.8])
+    assert derivatives(solution.x) @ solution.solve(rhs) == pytest.approx(rhs, abs=1e-7)
+
+
+def test_units_of_unknowns_and_equations_change_nothing():
+    """The same equations in other units take the same steps."""
+    plain = solve(lambda x: [x[0] ** 2 - 2, x[0] * x[1] - 3], lambda x: [[2 * x[0], 0], [x[1], x[0]]], [1.0, 1.0])
+    units, rows = np.array([1024.0, 2.0**-20]), np.array([2.0**30, 0.5])
+
+    def equations(y):
+        x = y / units
+        return rows * [x[0] ** 2 - 2, x[0] * x[1] - 3]
+
+    def derivatives(y):
+        x = y / units
+        return rows[:, None] * [[2 * x[0], 0], [x[1], x[0]]] / units
+
+    scaled = solve(equations, derivatives, units, scale=units)
+    assert np.array_equal(scaled.x, units * plain.x)
+    assert scaled.history == plain.history
+
+
+def test_a_step_into_a_region_without_values_is_shortened():
+    """sqrt has no values beyond 0, where the first full step would go."""
+
+    def equations(x):
+        return np.sqrt(x) - 0.1 if x[0] >= 0 else [np.nan]
+
+    assert solve(equations, lambda x: [[0.5 / np.sqrt(x[0])]], [1.0]).x[0] == pytest.approx(0.01, abs=1e-12)
+
+
+def test_where_no_step_is_short_enough_the_obstacle_is_named():
+    """Every step leads to where there are no values."""
+
+    def equations(x):
+        return [1.0] if x[0] == 0.0 else [np.nan]
+
+    with pytest.raises(
+        ConvergenceError, match=r"cannot lower the residual further \(residuals: 1\.0e\+00\); the equat"
+    ):
+        solve(equations, lambda x: [[1.0]], [0.0])
+
+
+@pytest.mark.parametrize(("tol", "n"), [(1e-1, 2), (1e-8, 5)])
+def test_the_last_step_is_as_small_as_asked(tol, n):
+    """From 1 the steps are .5, .083, .0025, 2.1e-6 and 1.6e-12."""
+    settings = NewtonSettings(step_tol=tol, residual_tol=1e-1)
+    assert solve(lambda x: x**2 - 2, lambda x: np.diag(2 * x), [1.0], settings=settings).n_iterations == n
+
+
+@pytest.mark.parametrize(("residual_tol", "n"), [(10.0, 1), (1.2, 2)])
+def test_a_damped_step_is_never_the_last(residual_tol, n):
+    """From 1.45 a full step leads to -1.55, where the residual is larger, half of it to -0.05.
+
+    One that is cut short says nothing of the error that is left, however small it is.
+    """
+    settings = NewtonSettings(step_tol=10.0, residual_tol=residual_tol)
+    assert solve(np.arctan, lambda x: np.diag(1 / (1 + x**2)), [1.45], settings=settings).n_iterations == n

@@ -1,7 +1,7 @@
 """Integrations interrupted at random instants, in one process: ``python -m tests.faults.interrupted NUMBER SEED``.
 
-A signal that comes while machine code runs becomes an exception as soon as Python runs again, and that must not be within what machine
-code does on its way back. Prints how many were interrupted; a process that dies prints nothing.
+A signal that comes while machine code runs becomes an exception as soon as Python runs again, and that must not be
+within what machine code does on its way back. Prints how many were interrupted; a process that dies prints nothing.
 """
 
 from __future__ import annotations
@@ -11,10 +11,8 @@ import random
 import signal
 import sys
 
-from pddecont.delay.direct import Direct
-from pddecont.simulate.attractors import Clock, settled
-from pddecont.simulate.lyapunov import lyapunov
-from pddecont.simulate.simulator import Simulator
+from pddecont.delay import Direct
+from pddecont.simulate import ReturnSettings, Simulator, find_attractor, find_lyapunov_exponent
 from tests.conftest import shipped
 
 NEVER = 1e12
@@ -25,15 +23,15 @@ def main(number, seed):
     numeric = shipped("wall_oscillator")
     simulator = Simulator(numeric, Direct())
     values = simulator.values(numeric.parameter_values)
-    clock = Clock(numeric.period.value(numeric.parameter_values)[0], 0.0, 200.0, 4, 50)
+    settings = ReturnSettings(numeric.period.value(numeric.parameter_values)[0], 0.0, 200.0, 4, 50)
     simulator.advance(values, simulator.start(values), 1.0)
-    attractor = settled(simulator, values, simulator.start(values), clock)
-    lyapunov(simulator, values, attractor, 50.0)
+    attractor = find_attractor(simulator, values, simulator.start(values), settings)
+    find_lyapunov_exponent(simulator, values, attractor, 50.0)
     ways = (
         lambda: simulator.advance(values, simulator.start(values), NEVER),
         lambda: simulator.advance(values, simulator.start(values), 1.0),
-        lambda: settled(simulator, values, simulator.start(values), clock),
-        lambda: lyapunov(simulator, values, attractor, 5.0),
+        lambda: find_attractor(simulator, values, simulator.start(values), settings),
+        lambda: find_lyapunov_exponent(simulator, values, attractor, 5.0),
     )
 
     def interrupt(*_):

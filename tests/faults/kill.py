@@ -1,8 +1,10 @@
-"""A run killed again and again; started as a process of its own: ``python -m tests.faults.kill KIND WAY NUMBER SEED FOLDER``.
+"""A run killed again and again; started as a process of its own: ``python -m tests.faults.kill KIND WAY NUMBER SEED
+FOLDER``.
 
-Everything is imported and compiled once; each victim is a fork of that, so that it dies while it works and not while it starts.
-WAY ``random`` kills at random instants; ``calls`` makes the victim kill itself before, in the middle of, and after each call to the
-system that changes a file, one call after another until a run comes through. Prints one JSON object.
+Everything is imported and compiled once; each victim is a fork of that, so that it dies while it works and not while it
+starts. WAY ``random`` kills at random instants; ``calls`` makes the victim kill itself before, in the middle of, and
+after each call to the system that changes a file, one call after another until a run comes through. Prints one JSON
+object.
 """
 
 from __future__ import annotations
@@ -18,9 +20,8 @@ import sys
 import time
 from pathlib import Path
 
-from pddecont.results import lock, writer
-from pddecont.results.reader import read_results
-from pddecont.steps.run import execute
+from pddecont.results import lock, read_results, writer
+from pddecont.steps.execution import execute
 from tests.faults.runs import contents, is_beginning, plan_of
 
 CALLS = ("open", "pwrite", "replace", "ftruncate")
@@ -31,7 +32,7 @@ class Bench:
 
     def __init__(self, kind, folder):
         self.plan, self.folder = plan_of(kind), Path(folder)
-        steps = [step.name for step in self.plan.run.steps]
+        steps = [step.name for step in self.plan.steps]
         self.before = self.folder / "before.h5"
         if len(steps) > 1:
             execute(self.plan, self.before, until=steps[-2])
@@ -97,16 +98,24 @@ class Bench:
 
 
 def at_random(bench, number, rng):
-    """Kill ``number`` victims at instants spread over the last step; return how many had begun to write it, and how many tries it took."""
+    """Kill ``number`` victims at instants spread over the last step; return how many had begun to write it, and how
+    many tries it took.
+
+    How long the step takes is learnt on the way, as a busy machine is slower: longer if a victim had not yet begun to
+    write, shorter if it came through.
+    """
     killed = tries = written = 0
+    seconds = bench.seconds
     while killed < number and not bench.failures:
         tries += 1
         child = bench.victim(lambda: None)
-        delay = rng.uniform(0.0, bench.seconds)
+        delay = rng.uniform(0.0, seconds)
         time.sleep(delay)
         os.kill(child, signal.SIGKILL)
-        killed += os.WIFSIGNALED(os.waitpid(child, 0)[1])
-        written += bench.path.exists() and "last" in read_results(bench.path).steps
+        died = os.WIFSIGNALED(os.waitpid(child, 0)[1])
+        had_written = bench.path.exists() and "last" in read_results(bench.path).steps
+        seconds *= 0.9 if not died else 1.0 if had_written else 1.1
+        killed, written = killed + died, written + had_written
         bench.check(f"after {delay:.4f} s")
     return {"killed": killed, "had_written": written, "tries": tries}
 
@@ -155,8 +164,18 @@ def main(kind, way, number, seed, folder):
     bench = Bench(kind, folder)
     begun = time.perf_counter()
     found = at_calls(bench) if way == "calls" else at_random(bench, int(number), random.Random(int(seed)))
-    print(json.dumps({**found, "seconds_of_a_run": bench.seconds, "seconds": time.perf_counter() - begun, "failures": bench.failures[:20],
-                      "n_failures": len(bench.failures), "points": sum(map(len, bench.whole.steps.values()))}))  # fmt: skip
+    print(
+        json.dumps(
+            {
+                **found,
+                "seconds_of_a_run": bench.seconds,
+                "seconds": time.perf_counter() - begun,
+                "failures": bench.failures[:20],
+                "n_failures": len(bench.failures),
+                "points": sum(map(len, bench.whole.steps.values())),
+            }
+        )
+    )
 
 
 if __name__ == "__main__":

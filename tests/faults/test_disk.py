@@ -1,4 +1,6 @@
-"""The disk is full, the folder goes away, the file is shorter, newer, locked or another's: an error that says so, nothing lost."""
+"""The disk is full, the folder goes away, the file is shorter, newer, locked or another's: an error that says so,
+nothing lost.
+"""
 
 import os
 import resource
@@ -10,12 +12,12 @@ import h5py
 import pytest
 
 from pddecont.errors import ResultsError
-from pddecont.results.reader import read_results
-from pddecont.results.writer import StepWriter
-from pddecont.steps.run import execute
+from pddecont.results import StepWriter, read_results
+from pddecont.steps.execution import execute
 from tests.cli.test_cli import call
 from tests.conftest import ROOT
-from tests.faults.runs import contents, is_beginning, plan_of, text_of
+from tests.faults.runs import contents, is_beginning, plan_of, run_of, text_of
+from tests.runs import change, to_yaml
 
 
 @pytest.fixture(scope="module")
@@ -29,8 +31,15 @@ def whole(tmp_path_factory):
 def run_with_room(folder, size, *options):
     """Run the command where no file may grow beyond ``size`` bytes; return its code and what it says."""
     command = [sys.executable, "-m", "pddecont", "run", "quick.yaml", "-o", "quick.h5", "-q", *options]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False, env={**os.environ, "PYTHONPATH": str(ROOT)},
-                          preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size)))  # fmt: skip
+    done = subprocess.run(
+        command,
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size)),
+    )
     return done.returncode, done.stderr
 
 
@@ -48,7 +57,11 @@ def test_a_full_disk_ends_a_run_with_a_message_and_costs_nothing(whole, tmp_path
     assert sorted(p.name for p in tmp_path.iterdir()) == ["quick.h5"] * (share > 0.02) + ["quick.yaml"]
     assert call("run", tmp_path / "quick.yaml", "-o", tmp_path / "quick.h5", "--resume", "-q")[0] == 0
     assert same_numbers(tmp_path / "quick.h5", whole / "quick.h5")
-    tally("faults", f"disk full at {100 * share:.0f} % of the file", "error, finished points kept, --resume gives the same file")
+    tally(
+        "faults",
+        f"disk full at {100 * share:.0f} % of the file",
+        "error, finished points kept, --resume gives the same file",
+    )
 
 
 def same_numbers(a, b):
@@ -59,8 +72,15 @@ def same_numbers(a, b):
 
 def test_standard_output_on_a_full_disk_is_an_error_too(whole):
     with open("/dev/full", "w") as full:
-        done = subprocess.run([sys.executable, "-m", "pddecont", "info", "quick.h5"], cwd=whole, stdout=full, stderr=subprocess.PIPE,
-                              text=True, check=False, env={**os.environ, "PYTHONPATH": str(ROOT)})  # fmt: skip
+        done = subprocess.run(
+            [sys.executable, "-m", "pddecont", "info", "quick.h5"],
+            cwd=whole,
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+            env={**os.environ, "PYTHONPATH": str(ROOT)},
+        )
     assert done.returncode == 1
     assert done.stderr == "pddecont: standard output cannot be written: No space left on device\n"
 
@@ -78,11 +98,21 @@ def interfere(monkeypatch, after, deed):
     monkeypatch.setattr(StepWriter, "append", interfering)
 
 
-@pytest.mark.parametrize(("what", "deed"), [
-    ("folder removed", lambda folder: shutil.rmtree(folder)), ("folder renamed", lambda folder: folder.rename(folder.with_name("away"))),
-    ("file removed", lambda folder: (folder / "q.h5").unlink()), ("file renamed", lambda folder: (folder / "q.h5").rename(folder / "r.h5")),
-    ("file replaced", lambda folder: shutil.copy(folder / "q.h5", folder / "r.h5") and os.replace(folder / "r.h5", folder / "q.h5")),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("what", "deed"),
+    [
+        ("folder removed", lambda folder: shutil.rmtree(folder)),
+        ("folder renamed", lambda folder: folder.rename(folder.with_name("away"))),
+        ("file removed", lambda folder: (folder / "q.h5").unlink()),
+        ("file renamed", lambda folder: (folder / "q.h5").rename(folder / "r.h5")),
+        (
+            "file replaced",
+            lambda folder: (
+                shutil.copy(folder / "q.h5", folder / "r.h5") and os.replace(folder / "r.h5", folder / "q.h5")
+            ),
+        ),
+    ],
+)
 def test_a_file_that_goes_away_ends_the_run_at_the_next_point(tmp_path, monkeypatch, whole, what, deed, tally):
     folder = tmp_path / "out"
     folder.mkdir()
@@ -90,7 +120,11 @@ def test_a_file_that_goes_away_ends_the_run_at_the_next_point(tmp_path, monkeypa
     code, _, err = call("run", whole / "quick.yaml", "-o", folder / "q.h5", "-q")
     assert code == 1
     assert "was removed, moved or replaced while this run wrote to it" in err
-    moved = {"folder renamed": tmp_path / "away" / "q.h5", "file renamed": folder / "r.h5", "file replaced": folder / "q.h5"}
+    moved = {
+        "folder renamed": tmp_path / "away" / "q.h5",
+        "file renamed": folder / "r.h5",
+        "file replaced": folder / "q.h5",
+    }
     if what in moved:
         assert sum(map(len, read_results(moved[what]).steps.values())) == 3
     tally("faults", f"{what} during a run", "error at the next point")
@@ -112,11 +146,13 @@ def test_a_truncated_file_is_refused_whole(whole, tmp_path, tally):
 def test_files_of_a_newer_version_and_of_another_model_are_left_alone(whole, tmp_path, tally):
     newer = shutil.copy(whole / "quick.h5", tmp_path / "newer.h5")
     with h5py.File(newer, "r+") as file:
-        file.attrs["format_version"] = 3
-    (tmp_path / "other.yaml").write_text(text_of("continue").replace("c: 0.1", "c: 0.2"))
+        file.attrs["format_version"] += 1
+    (tmp_path / "other.yaml").write_text(to_yaml(change(run_of("continue"), "parameters.c", 0.2)))
     other = shutil.copy(whole / "quick.h5", tmp_path / "other.h5")
-    for path, model, words in ((newer, whole / "quick.yaml", "install a newer pddecont"),
-                               (other, tmp_path / "other.yaml", "was made from another model")):  # fmt: skip
+    for path, model, words in (
+        (newer, whole / "quick.yaml", "install a newer pddecont"),
+        (other, tmp_path / "other.yaml", "was made from another model"),
+    ):
         before = path.read_bytes()
         code, _, err = call("run", model, "-o", path, "--resume")
         assert code == 1
@@ -128,8 +164,11 @@ def test_files_of_a_newer_version_and_of_another_model_are_left_alone(whole, tmp
 @pytest.mark.parametrize("option", ["--resume", "--overwrite"])
 def test_a_file_that_another_program_has_locked_is_left_alone(whole, tmp_path, option, tally):
     path = shutil.copy(whole / "quick.h5", tmp_path / "q.h5")
-    holder = subprocess.Popen([sys.executable, "-c", f"import h5py; f = h5py.File({str(path)!r}, 'r+'); print(1, flush=True); input()"],
-                              stdin=subprocess.PIPE, stdout=subprocess.PIPE)  # fmt: skip
+    holder = subprocess.Popen(
+        [sys.executable, "-c", f"import h5py; f = h5py.File({str(path)!r}, 'r+'); print(1, flush=True); input()"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+    )
     assert holder.stdout.readline()
     before = path.read_bytes()
     code, _, err = call("run", whole / "quick.yaml", "-o", path, option)

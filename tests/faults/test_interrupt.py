@@ -9,23 +9,42 @@ import time
 
 import pytest
 
-from pddecont.results.reader import read_results
-from pddecont.steps.run import execute
+from pddecont.results import read_results
+from pddecont.steps.execution import execute
 from tests.cli.test_cli import call
 from tests.conftest import ROOT
-from tests.faults.runs import MODEL, is_beginning, plan_of, text_of
+from tests.faults.runs import is_beginning, plan_of, run_of, text_of
 from tests.faults.test_disk import same_numbers
+from tests.runs import change, to_yaml
 
 MESSAGE = "interrupted; what was finished is kept, and 'run' with --resume goes on from there"
 # Minutes of machine code without a pause, in one motion and on two workers.
-LONG = MODEL + ("    - {name: last, sweep: {over: {wall: [0.15, 0.3, 100]}, transient: 1.0e+9, max_period: 1, returns: 100000, carry: up, "
-                "section: {zero: x - 5}}}\n")  # fmt: skip
+LONG = to_yaml(
+    change(
+        run_of("sweep"),
+        "run.steps.0.sweep",
+        {
+            "over": {"wall": [0.15, 0.3, 100]},
+            "transient": 1e9,
+            "max_period": 1,
+            "returns": 100000,
+            "carry": "up",
+            "section": {"zero": "x - 5"},
+        },
+    )
+)
 
 
 def started(folder, *options):
     """Start a run and wait until it computes."""
-    process = subprocess.Popen([sys.executable, "-m", "pddecont", "run", "quick.yaml", "-o", "q.h5", *options], cwd=folder, text=True,
-                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, env={**os.environ, "PYTHONPATH": str(ROOT)})  # fmt: skip
+    process = subprocess.Popen(
+        [sys.executable, "-m", "pddecont", "run", "quick.yaml", "-o", "q.h5", *options],
+        cwd=folder,
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+    )
     line = process.stderr.readline()
     assert "..." in line, line
     return process
@@ -61,8 +80,13 @@ def test_a_signal_at_a_random_instant_is_a_clean_end(tmp_path, number, code, tal
 
 def test_integrations_are_interrupted_in_machine_code_without_harm(tally):
     number = 400
-    done = subprocess.run([sys.executable, "-X", "faulthandler", "-m", "tests.faults.interrupted", str(number), "1"], cwd=ROOT,
-                          capture_output=True, text=True, check=False)  # fmt: skip
+    done = subprocess.run(
+        [sys.executable, "-X", "faulthandler", "-m", "tests.faults.interrupted", str(number), "1"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert done.returncode == 0, done.stderr[-2000:]
     assert int(done.stdout) == number
     tally("faults", "an integration interrupted within machine code", "one exception, the process goes on", number)
@@ -100,9 +124,14 @@ def test_a_second_signal_ends_the_program_on_the_spot(tmp_path):
 def test_an_ignored_signal_stays_ignored(tmp_path):
     # As in a job that a script puts in the background.
     (tmp_path / "quick.yaml").write_text(text_of("simulate"))
-    process = subprocess.Popen([sys.executable, "-m", "pddecont", "run", "quick.yaml", "-o", "q.h5"], cwd=tmp_path, text=True,
-                               stderr=subprocess.PIPE, env={**os.environ, "PYTHONPATH": str(ROOT)},
-                               preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_IGN))  # fmt: skip
+    process = subprocess.Popen(
+        [sys.executable, "-m", "pddecont", "run", "quick.yaml", "-o", "q.h5"],
+        cwd=tmp_path,
+        text=True,
+        stderr=subprocess.PIPE,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_IGN),
+    )
     assert "..." in process.stderr.readline()
     process.send_signal(signal.SIGINT)
     process.communicate(timeout=60)

@@ -4,15 +4,18 @@ import fcntl
 import json
 import multiprocessing
 import os
+import re
+import signal
+import subprocess
+import sys
 
 import pytest
 
 from pddecont.errors import ResultsError
-from pddecont.results.lock import writing
-from pddecont.results.reader import read_results
-from pddecont.results.writer import StepWriter
-from pddecont.steps.run import execute
+from pddecont.results import StepWriter, hold_lock, read_results
+from pddecont.steps.execution import execute
 from tests.cli.test_cli import call
+from tests.conftest import ROOT
 from tests.faults.runs import contents, is_beginning, plan_of, text_of
 
 
@@ -46,6 +49,32 @@ def test_a_lock_file_that_a_killed_run_left_is_in_nobody_s_way(tmp_path):
     assert [p.name for p in tmp_path.iterdir()] == ["q.h5"]
 
 
+def test_the_lock_of_a_killed_process_is_released(tmp_path, tally):
+    path = tmp_path / "q.h5"
+    code = f"""
+from pathlib import Path
+from pddecont.results import hold_lock
+with hold_lock(Path({str(path)!r})):
+    print(1, flush=True)
+    input()
+"""
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    with subprocess.Popen(
+        [sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment
+    ) as holder:
+        assert holder.stdout.readline()
+        held = f"{path} is being written by another run (process {holder.pid}); wait until it ends, or give another -o"
+        with pytest.raises(ResultsError, match=re.escape(held)), hold_lock(path):
+            pass
+        holder.kill()
+    assert holder.returncode == -signal.SIGKILL
+    assert (tmp_path / ".q.h5.lock").read_text() == str(holder.pid)
+    with hold_lock(path):
+        assert (tmp_path / ".q.h5.lock").read_text() == str(os.getpid())
+    assert list(tmp_path.iterdir()) == []
+    tally("faults", "a process that holds the lock is killed", "the next run is let in")
+
+
 def test_a_lock_file_is_not_followed_where_a_link_leads(tmp_path):
     (tmp_path / "precious").write_text("precious")
     for name in (".q.h5.lock", ".q.h5.part"):
@@ -63,7 +92,7 @@ def contend(path, log, number):
     """Take the lock over and over; write down whenever someone else holds it at the same time."""
     for _ in range(number):
         try:
-            with writing(path), open(log, "a") as stream:
+            with hold_lock(path), open(log, "a") as stream:
                 try:
                     fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
                 except BlockingIOError:
@@ -74,8 +103,10 @@ def contend(path, log, number):
 
 
 def test_the_lock_is_never_held_twice(tmp_path):
-    processes = [multiprocessing.get_context("spawn").Process(target=contend, args=(tmp_path / "q.h5", tmp_path / "log", 400))
-                 for _ in range(3)]  # fmt: skip
+    processes = [
+        multiprocessing.get_context("spawn").Process(target=contend, args=(tmp_path / "q.h5", tmp_path / "log", 400))
+        for _ in range(3)
+    ]
     for process in processes:
         process.start()
     for process in processes:
@@ -93,8 +124,8 @@ def test_readers_may_look_on_while_a_run_writes(tmp_path, monkeypatch, tally):
 
     def watched(self, *rows):
         append(self, *rows)
-        step = read_results(path).step(self.spec.name)
-        counts.append(len(step) == self.n and is_beginning(step, whole.steps[self.spec.name]))
+        step = read_results(path).step(self.name)
+        counts.append(len(step) == self.n and is_beginning(step, whole.steps[self.name]))
         if self.n == 5:
             assert json.loads(call("info", path, "--json")[1])["steps"][-1]["n_points"] == 5
             assert len(call("export", path)[1].splitlines()) == 6

@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from pddecont.delay.direct import Direct
+from pddecont.delay import Direct
 from pddecont.errors import ConvergenceError, PddecontError
-from pddecont.simulate.integrate import simulate
-from pddecont.simulate.simulator import Method
+from pddecont.simulate import Method, simulate
 from tests.conftest import numeric_from
-from tests.runs import run_model
+from tests.runs import change, run, to_yaml
 
 FLOOR = """
 name: floor
@@ -24,19 +23,20 @@ segments: {hop: {mode: flight, event: landing, direction: falling, reset: bounce
 initial: {y: 1, v: 0}
 """
 ACCUMULATION = 4.0637127689
-TABLE = """
-name: table
-states: [y, v]
-parameters: {G: 1.3, r: 0.25}
-forcing: {period: 2*pi}
-modes: {flight: {y': v, v': G*sin(t) - 1}, rest: {y': 0, v': 0}}
-events: {landing: y, lift: G*sin(t) - 1}
-resets: {bounce: {v: -r*v}, stop: {y: 0, v: 0}}
-segments:
-  hop: {mode: flight, event: landing, direction: falling, reset: bounce, to: flight}
-  lift: {mode: rest, event: lift, direction: rising, reset: stop, to: flight}
-initial: {y: 0.01, v: 0.1}
-"""
+TABLE = {
+    "name": "table",
+    "states": ["y", "v"],
+    "parameters": {"G": 1.3, "r": 0.25},
+    "forcing": {"period": "2*pi"},
+    "modes": {"flight": {"y'": "v", "v'": "G*sin(t) - 1"}, "rest": {"y'": 0, "v'": 0}},
+    "events": {"landing": "y", "lift": "G*sin(t) - 1"},
+    "resets": {"bounce": {"v": "-r*v"}, "stop": {"y": 0, "v": 0}},
+    "segments": {
+        "hop": {"mode": "flight", "event": "landing", "direction": "falling", "reset": "bounce", "to": "flight"},
+        "lift": {"mode": "rest", "event": "lift", "direction": "rising", "reset": "stop", "to": "flight"},
+    },
+    "initial": {"y": 0.01, "v": 0.1},
+}
 
 
 @pytest.mark.parametrize("r", [0.3, 0.8, 0.95, 0.99])
@@ -48,7 +48,12 @@ def test_the_time_at_which_impacts_accumulate(r, record):
     with pytest.raises(ConvergenceError, match=r"accumulate at t = ") as failure:
         simulate(numeric, numeric.parameter_values, Direct(), 2 * exact)
     told = float(str(failure.value).split("t = ")[1].split()[0])
-    record(f"ball on a floor, restitution {r}: the time that the refusal names", "closed form", abs(told - exact) / exact, 1e-9)
+    record(
+        f"ball on a floor, restitution {r}: the time that the refusal names",
+        "closed form",
+        abs(told - exact) / exact,
+        1e-9,
+    )
 
 
 def test_what_sticks_stays(record):
@@ -58,13 +63,22 @@ def test_what_sticks_stays(record):
 
 
 def test_chatter_to_rest_and_lift_off(record):
-    """The ball chatters to rest on the table each turn and leaves it where the table's acceleration is the weight's, G sin t = 1."""
-    numeric = numeric_from(TABLE)
-    path = simulate(numeric, numeric.parameter_values, Direct(), 20 * math.pi, Method(1e-11, 1e-13, stick={"landing": "rest"}))
+    """The ball chatters to rest on the table each turn and leaves it where the table's acceleration is the weight's, G
+    sin t = 1.
+    """
+    numeric = numeric_from(to_yaml(TABLE))
+    path = simulate(
+        numeric, numeric.parameter_values, Direct(), 20 * math.pi, Method(1e-11, 1e-13, stick={"landing": "rest"})
+    )
     lifts = path.events.t[np.array(path.events.segment) == "lift"]
     assert len(lifts) >= 8
     release = math.asin(1 / 1.3)
-    record("lift-off after chattering, each turn", "G sin t = 1", np.max(np.abs((lifts - release + 1) % (2 * math.pi) - 1)), 1e-10)
+    record(
+        "lift-off after chattering, each turn",
+        "G sin t = 1",
+        np.max(np.abs((lifts - release + 1) % (2 * math.pi) - 1)),
+        1e-10,
+    )
 
     # From there the flight is explicit: y = G (sin t0 - sin t + (t - t0) cos t0) - (t - t0)^2 / 2.
     def height(t):
@@ -79,9 +93,14 @@ def test_chatter_to_rest_and_lift_off(record):
 
 def test_an_orbit_that_chatters_is_refused(tmp_path, record):
     """Infinitely many impacts a period: no signature can list them. The transient says so, by name and time."""
-    text = TABLE + "run:\n  steps:\n    - {name: t, simulate: {t_end: 20*pi}}\n    - {name: o, orbit: {from: t}}\n"
-    with pytest.raises(PddecontError, match=r"events of 'landing' accumulate at t = [\d.]+ \(Zeno\).*stick: \{landing: MODE\}"):
-        run_model(text, tmp_path / "a.h5")
-    with pytest.raises(PddecontError, match=r"after 'hop' at t = [\d.]+ the motion sticks in mode 'rest'.*accumulate at 'landing'"):
-        run_model(text.replace("20*pi}", "20*pi, stick: {landing: rest}}"), tmp_path / "b.h5")
+    steps = [{"name": "t", "simulate": {"t_end": "20*pi"}}, {"name": "o", "orbit": {"from": "t"}}]
+    model = {**TABLE, "run": {"steps": steps}}
+    with pytest.raises(
+        PddecontError, match=r"events of 'landing' accumulate at t = [\d.]+ \(Zeno\).*stick: \{landing: MODE\}"
+    ):
+        run(model, tmp_path / "a.h5")
+    with pytest.raises(
+        PddecontError, match=r"after 'hop' at t = [\d.]+ the motion sticks in mode 'rest'.*accumulate at 'landing'"
+    ):
+        run(change(model, "run.steps.0.simulate.stick", {"landing": "rest"}), tmp_path / "b.h5")
     record("orbit step on a motion that chatters", "refused", 0, 0)

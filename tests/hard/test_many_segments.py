@@ -1,35 +1,38 @@
 """Orbits with 40 segments.
 
-Twenty and twenty kicks a period: x' = -x + cos(2 pi t), at twenty moments x -> q x, at twenty between them x -> x + kick. One period is an
-affine map.
+Twenty and twenty kicks a period: x' = -x + cos(2 pi t), at twenty moments x -> q x, at twenty between them x -> x +
+kick. One period is an affine map.
 """
 
 import math
 
 import numpy as np
 
-from tests.runs import labels, multipliers, parameter, run_model
+from tests.runs import labels, multipliers, parameter, run
 
-MODEL = """
-name: kicks
-states: [x]
-parameters: {q: 0.9, kick: 0.05}
-forcing: {period: 1}
-modes: {m: {x': cos(2*pi*t) - x}}
-events: {even: sin(40*pi*t), odd: cos(40*pi*t)}
-resets: {shrink: {x: q*x}, push: {x: x + kick}}
-segments:
-  shrink: {mode: m, event: even, direction: rising, reset: shrink, to: m}
-  push: {mode: m, event: odd, direction: rising, reset: push, to: m}
-initial: {x: 0.1}
-run:
-  mesh: {degree: 5, tol: 1.0e-11}
-  monitors: {highest: max(x), lowest: min(x)}
-  steps:
-    - {name: t, simulate: {t_end: 10}}
-    - {name: o, orbit: {from: t, stability: true}}
-    - {name: c, continue: {from: o, free: [q], range: {q: [0.8, 1.0]}, stability: true}}
-"""
+MODEL = {
+    "name": "kicks",
+    "states": ["x"],
+    "parameters": {"q": 0.9, "kick": 0.05},
+    "forcing": {"period": 1},
+    "modes": {"m": {"x'": "cos(2*pi*t) - x"}},
+    "events": {"even": "sin(40*pi*t)", "odd": "cos(40*pi*t)"},
+    "resets": {"shrink": {"x": "q*x"}, "push": {"x": "x + kick"}},
+    "segments": {
+        "shrink": {"mode": "m", "event": "even", "direction": "rising", "reset": "shrink", "to": "m"},
+        "push": {"mode": "m", "event": "odd", "direction": "rising", "reset": "push", "to": "m"},
+    },
+    "initial": {"x": 0.1},
+    "run": {
+        "mesh": {"degree": 5, "tol": 1e-11},
+        "monitors": {"highest": "max(x)", "lowest": "min(x)"},
+        "steps": [
+            {"name": "t", "simulate": {"t_end": 10}},
+            {"name": "o", "orbit": {"from": "t", "stability": True}},
+            {"name": "c", "continue": {"from": "o", "free": ["q"], "range": {"q": [0.8, 1.0]}, "stability": True}},
+        ],
+    },
+}
 
 
 def after(x, start, duration):
@@ -63,7 +66,7 @@ def values(q, kick):
 
 
 def test_forty_segments(tmp_path, record):
-    results = run_model(MODEL, tmp_path / "a.h5")
+    results = run(MODEL, tmp_path / "a.h5")
     step = results.step("o")
     assert len(step.orbit(0)["signature"].tobytes().split()) == 40
     assert step.points["admissible"][0] == 1

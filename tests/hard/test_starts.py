@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 from scipy.optimize import root
 
-from pddecont.delay.direct import Direct
+from pddecont.delay import Direct
 from pddecont.errors import ConvergenceError
-from pddecont.simulate.integrate import simulate
-from pddecont.simulate.simulator import Method
-from pddecont.steps.orbit import is_rotation
+from pddecont.orbit import is_rotation
+from pddecont.simulate import Method, simulate
 from tests.conftest import numeric_from
 from tests.hard.linear import Oscillator
-from tests.runs import labels, parameter, run_model
+from tests.runs import labels, parameter, run
 
 BALL = """
 name: ball
@@ -42,47 +41,59 @@ def test_a_ball_that_starts_on_the_floor(v, landings, record):
     times = path.events.t
     assert len(times) == landings
     expected = [first] if v > 0 else [0.0, first]
-    record(f"ball thrown {'up' if v > 0 else 'down'} from the floor", "2 v / g", np.max(np.abs(times - expected)), 1e-12)
+    record(
+        f"ball thrown {'up' if v > 0 else 'down'} from the floor", "2 v / g", np.max(np.abs(times - expected)), 1e-12
+    )
 
 
 def test_a_jump_between_history_and_start(record):
-    """x' = -x(t - 1), history 1, x(0) = 2: the jump at t = 0 comes back as a kink at 1; x(2) = x(1) - int_0^1 (2 - s) = 1 - 3/2."""
-    numeric = numeric_from("name: m\nstates: [x]\nparameters: {tau: 1}\nmodes: {m: {x': -x(t - tau)}}\ninitial: {x: 1}\n")
+    """x' = -x(t - 1), history 1, x(0) = 2: the jump at t = 0 comes back as a kink at 1; x(2) = x(1) - int_0^1 (2 - s) =
+    1 - 3/2.
+    """
+    numeric = numeric_from(
+        "name: m\nstates: [x]\nparameters: {tau: 1}\nmodes: {m: {x': -x(t - tau)}}\ninitial: {x: 1}\n"
+    )
     path = simulate(numeric, numeric.parameter_values, Direct(), 2.0, Method(1e-12, 1e-14), initial=[2.0])
     record("history that jumps at the start", "method of steps", abs(path(2.0)[0] + 0.5), 1e-12)
 
 
-STICK = """
-name: stops
-states: [x, v]
-parameters: {omega: 0.32, F: 0.45}
-forcing: {period: 2*pi/omega}
-definitions: {push: cos(omega*t) - x}
-modes:
-  forth: {x': v, v': push - F}
-  back: {x': v, v': push + F}
-  held: {x': 0, v': 0}
-  stuck: {x': 0, v': 0}
-events: {stop: v, slip_forth: push - F, slip_back: push + F}
-resets: {still: {v: 0}}
-segments:
-  forth: {mode: forth, event: stop, direction: falling, reset: still, to: held}
-  hold: {mode: held, event: slip_back, direction: falling, reset: still, to: back}
-  back: {mode: back, event: stop, direction: rising, reset: still, to: stuck}
-  stick: {mode: stuck, event: slip_forth, direction: rising, reset: still, to: forth}
-initial: {mode: stuck, x: 0, v: 0}
-run:
-  mesh: {degree: 9, tol: 1.0e-11}
-  monitors: {amplitude: amplitude(x), held: time_in(held)}
-  steps:
-    - {name: t, simulate: {t_end: 40*2*pi/omega}}
-    - {name: o, orbit: {from: t, stability: true}}
-    - {name: c, continue: {from: o, free: [F], range: {F: [0.4, 0.6]}}}
-"""
+STICK = {
+    "name": "stops",
+    "states": ["x", "v"],
+    "parameters": {"omega": 0.32, "F": 0.45},
+    "forcing": {"period": "2*pi/omega"},
+    "definitions": {"push": "cos(omega*t) - x"},
+    "modes": {
+        "forth": {"x'": "v", "v'": "push - F"},
+        "back": {"x'": "v", "v'": "push + F"},
+        "held": {"x'": 0, "v'": 0},
+        "stuck": {"x'": 0, "v'": 0},
+    },
+    "events": {"stop": "v", "slip_forth": "push - F", "slip_back": "push + F"},
+    "resets": {"still": {"v": 0}},
+    "segments": {
+        "forth": {"mode": "forth", "event": "stop", "direction": "falling", "reset": "still", "to": "held"},
+        "hold": {"mode": "held", "event": "slip_back", "direction": "falling", "reset": "still", "to": "back"},
+        "back": {"mode": "back", "event": "stop", "direction": "rising", "reset": "still", "to": "stuck"},
+        "stick": {"mode": "stuck", "event": "slip_forth", "direction": "rising", "reset": "still", "to": "forth"},
+    },
+    "initial": {"mode": "stuck", "x": 0, "v": 0},
+    "run": {
+        "mesh": {"degree": 9, "tol": 1e-11},
+        "monitors": {"amplitude": "amplitude(x)", "held": "time_in(held)"},
+        "steps": [
+            {"name": "t", "simulate": {"t_end": "40*2*pi/omega"}},
+            {"name": "o", "orbit": {"from": "t", "stability": True}},
+            {"name": "c", "continue": {"from": "o", "free": ["F"], "range": {"F": [0.4, 0.6]}}},
+        ],
+    },
+}
 
 
 def stops(F, omega=0.32):
-    """Return amplitude and time at rest of the motion with two stops a period: from rest at -A until the speed is zero at +A."""
+    """Return amplitude and time at rest of the motion with two stops a period: from rest at -A until the speed is zero
+    at +A.
+    """
 
     def miss(unknowns):
         A, start, move = unknowns
@@ -105,7 +116,7 @@ def stops(F, omega=0.32):
 
 def test_an_orbit_that_leaves_its_surfaces_tangentially(tmp_path, record):
     """Dry friction with two stops: each slip begins with v = 0 and v' = 0, on the very surface that ends it."""
-    results = run_model(STICK, tmp_path / "a.h5")
+    results = run(STICK, tmp_path / "a.h5")
     step = results.step("o")
     assert is_rotation(step.orbit(0)["signature"].tobytes().decode().split(), ["forth", "hold", "back", "stick"])
     assert step.points["admissible"][0] == 1
@@ -114,5 +125,7 @@ def test_an_orbit_that_leaves_its_surfaces_tangentially(tmp_path, record):
     branch = results.step("c")
     assert labels(branch) == []
     assert parameter(branch, "F")[[0, -1]] == pytest.approx([0.4, 0.6])
-    errors = [np.max(np.abs(branch.points["monitors"][i] - stops(branch.points["parameters"][i, 1]))) for i in branch.order]
+    errors = [
+        np.max(np.abs(branch.points["monitors"][i] - stops(branch.points["parameters"][i, 1]))) for i in branch.order
+    ]
     record("the same followed in friction", "exact pieces", max(errors), 1e-9)

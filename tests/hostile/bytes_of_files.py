@@ -1,7 +1,9 @@
-"""Results files with bytes changed, read by forks of one process: ``python -m tests.hostile.bytes_of_files FILE NUMBER SEED``.
+"""Results files with bytes changed, read by forks of one process: ``python -m tests.hostile.bytes_of_files FILE NUMBER
+SEED``.
 
-The HDF5 library is given files that it was never meant to see; what it does with them must not reach the process that reports. Prints
-one JSON object: how many files were read, refused, and how many ended the process, with the seeds of those.
+The HDF5 library is given files that it was never meant to see; what it does with them must not reach the process that
+reports. Prints one JSON object: how many files were read, refused, and how many ended the process, with the seeds of
+those.
 """
 
 from __future__ import annotations
@@ -17,15 +19,14 @@ import traceback
 from pathlib import Path
 
 from pddecont.errors import PddecontError
-from pddecont.results.reader import read_results
-from pddecont.results.summary import summary
-from pddecont.results.tables import TABLES, has_multipliers, table
+from pddecont.results import read_results
+from pddecont.tables import has_multipliers, list_tables, make_table, summarise
 
 BATCH = 50
 
 
 def changed(data, seed):
-    """Return ``data`` with some bytes changed, cut or moved; most changes are made where the file's structure stands."""
+    """Return ``data`` with some bytes changed, cut or moved; most changes are where the file's structure stands."""
     rng = random.Random(seed)
     data = bytearray(data)
     structure = [i for i, byte in enumerate(data) if byte] or [0]
@@ -35,7 +36,9 @@ def changed(data, seed):
         if way < 3:
             data[at] = rng.choice((0, 1, 0x7F, 0x80, 0xFF, rng.randrange(256), data[at] ^ (1 << rng.randrange(8))))
         elif way == 3:
-            data[at : at + 8] = rng.choice((0, 1, 2**31, 2**32 - 1, 2**62, 2**63, 2**64 - 1, rng.randrange(2**20))).to_bytes(8, "little")
+            data[at : at + 8] = rng.choice(
+                (0, 1, 2**31, 2**32 - 1, 2**62, 2**63, 2**64 - 1, rng.randrange(2**20))
+            ).to_bytes(8, "little")
         elif way == 4:
             other, n = rng.randrange(len(data)), rng.randrange(1, 64)
             data[at : at + n] = data[other : other + n]
@@ -48,11 +51,11 @@ def look(path):
     """Read a file as ``info`` and ``export`` do; return whether it could be read."""
     try:
         results = read_results(path)
-        summary(results)
+        summarise(results)
         for step in results.steps.values():
-            for name, kinds in TABLES.items():
-                if step.kind in kinds and len(step) and (name != "multipliers" or has_multipliers(step)):
-                    table(step, name)
+            for name in list_tables(step.kind):
+                if len(step) and (name != "multipliers" or has_multipliers(step)):
+                    make_table(step, name)
     except PddecontError as exc:
         assert len(str(exc)) < 2000
         return False

@@ -11,9 +11,28 @@ import mpmath
 import sympy
 
 # What Python reports of itself when code is run, processes are started, files are changed or the network is used.
-FORBIDDEN = ("os.system", "os.exec", "os.posix_spawn", "os.spawn", "os.fork", "os.remove", "os.rename", "os.mkdir", "os.rmdir", "os.chmod",
-             "os.link", "os.symlink", "os.truncate", "subprocess.Popen", "socket.", "ctypes.dlopen", "shutil.", "urllib.Request", "import",
-             "pickle.find_class")  # fmt: skip
+FORBIDDEN = (
+    "os.system",
+    "os.exec",
+    "os.posix_spawn",
+    "os.spawn",
+    "os.fork",
+    "os.remove",
+    "os.rename",
+    "os.mkdir",
+    "os.rmdir",
+    "os.chmod",
+    "os.link",
+    "os.symlink",
+    "os.truncate",
+    "subprocess.Popen",
+    "socket.",
+    "ctypes.dlopen",
+    "shutil.",
+    "urllib.Request",
+    "import",
+    "pickle.find_class",
+)
 # These load parts of themselves when they are first needed.
 LIBRARIES = tuple(f"{os.path.dirname(library.__file__)}{os.sep}" for library in (sympy, mpmath))
 WRITES = os.O_WRONLY | os.O_RDWR | os.O_CREAT

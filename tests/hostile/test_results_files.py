@@ -12,10 +12,11 @@ import h5py
 import numpy as np
 import pytest
 
-from pddecont.steps.run import execute
+from pddecont.reasons import make_reason
+from pddecont.steps.execution import execute
 from tests.cli.test_cli import call
 from tests.conftest import ROOT
-from tests.faults.runs import KINDS, plan_of, text_of
+from tests.faults.runs import plan_of, text_of
 from tests.hostile.bytes_of_files import look
 
 NUMBER = 300
@@ -47,7 +48,9 @@ def names_of(path):
 
 
 def chunked(parent, leaf, old, **options):
-    parent.create_dataset(leaf, shape=(10**12, *old.shape[1:]), maxshape=(None, *old.shape[1:]), dtype=old.dtype, chunks=True, **options)
+    parent.create_dataset(
+        leaf, shape=(10**12, *old.shape[1:]), maxshape=(None, *old.shape[1:]), dtype=old.dtype, chunks=True, **options
+    )
 
 
 def huge(parent, leaf, old):
@@ -80,19 +83,30 @@ def link(target):
 
 
 CHANGES = {
-    "missing": lambda parent, leaf, old: None, "an external link": link(h5py.ExternalLink("secret.h5", "/data")),
-    "a soft link": link(h5py.SoftLink("/steps")), "a link that leads nowhere": link(h5py.SoftLink("/nowhere")),
-    "a group": lambda parent, leaf, old: parent.create_group(leaf), "virtual": virtual, "references": references, "10^11 rows": huge,
-    "10^12 rows that are not there": chunked, "with a filter": lambda parent, leaf, old: chunked(parent, leaf, old, compression="gzip"),
-    "data in another file": lambda parent, leaf, old: parent.create_dataset(leaf, (1000,), "f8", external=[("secret.bin", 0, 8000)]),
-    "text of any length": put(lambda old: ["x"] * 3), "complex": put(lambda old: np.zeros(max(old.shape[:1], default=1), complex)),
-    "empty": put(lambda old: np.zeros((0, *old.shape[1:]), old.dtype)), "one number": put(lambda old: 3.0),
+    "missing": lambda parent, leaf, old: None,
+    "an external link": link(h5py.ExternalLink("secret.h5", "/data")),
+    "a soft link": link(h5py.SoftLink("/steps")),
+    "a link that leads nowhere": link(h5py.SoftLink("/nowhere")),
+    "a group": lambda parent, leaf, old: parent.create_group(leaf),
+    "virtual": virtual,
+    "references": references,
+    "10^11 rows": huge,
+    "10^12 rows that are not there": chunked,
+    "with a filter": lambda parent, leaf, old: chunked(parent, leaf, old, compression="gzip"),
+    "data in another file": lambda parent, leaf, old: parent.create_dataset(
+        leaf, (1000,), "f8", external=[("secret.bin", 0, 8000)]
+    ),
+    "text of any length": put(lambda old: ["x"] * 3),
+    "complex": put(lambda old: np.zeros(max(old.shape[:1], default=1), complex)),
+    "empty": put(lambda old: np.zeros((0, *old.shape[1:]), old.dtype)),
+    "one number": put(lambda old: 3.0),
     "one axis more": put(lambda old: np.zeros((*(old.shape or (1,)), 2), old.dtype)),
     "text": put(lambda old: np.full(max(old.size, 1), b"\xff\x1b[2J")),
     "negative": put(lambda old: np.full(old.shape, -7, old.dtype if old.dtype.kind in "fi" else "i8")),
-    "very large": put(lambda old: np.full(old.shape, 2**62, "i8")), "not finite": put(lambda old: np.full(old.shape, np.nan)),
+    "very large": put(lambda old: np.full(old.shape, 2**62, "i8")),
+    "not finite": put(lambda old: np.full(old.shape, np.nan)),
     "falling": put(lambda old: np.arange(old.size)[::-1].reshape(old.shape).astype("i8")),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("change", CHANGES)
@@ -116,26 +130,56 @@ def test_arrays_that_are_something_else(files, tmp_path, monkeypatch, kind, chan
             not_refused.append(name)
     assert refused > 0
     if change not in ("missing", "negative", "not finite", "falling", "empty", "very large"):
-        # Nothing that is not a plain array is read, wherever it stands; numbers may be any numbers where nothing is counted by them.
+        # Nothing that is not a plain array is read, wherever it stands; numbers may be any numbers where nothing is
+        # counted by them.
         assert not_refused == []
     count(tally, f"results files, an array {change}", len(names), refused)
 
 
-@pytest.mark.parametrize("meta", [
-    "null", "[]", "1", "{", '{"parameters": 3}', '{"parameters": ["a", "a"]}', '{"parameters": ["$\\\\frac{"]}', '{"states": [["x"]]}',
-    '{"directions": "many"}', '{"free": ["nobody"]}', "[" * 100_000, '{"x": ["a"]}', '{"settings": {}}', '{"curve": 3}',
-    '{"free": null}', '{"units": null}', '{"units": {"x": 3}}', '{"settings": "x"}', '{"settings": "[]"}',
-    '{"settings": "{\\"left_out\\": 3}"}',
-    '{"settings": "{\\"left_out\\": {\\"effects\\": [3]}}"}', '{"settings": "{\\"left_out\\": {\\"x\\": 1}}"}',
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "meta",
+    [
+        "null",
+        "[]",
+        "1",
+        "{",
+        '{"parameters": 3}',
+        '{"parameters": ["a", "a"]}',
+        '{"parameters": ["$\\\\frac{"]}',
+        '{"states": [["x"]]}',
+        '{"directions": "many"}',
+        '{"free": ["nobody"]}',
+        "[" * 100_000,
+        '{"x": ["a"]}',
+        '{"settings": {}}',
+        '{"ends": null}',
+        '{"ends": 3}',
+        '{"ends": [[1, 2, 3]]}',
+        '{"section": null}',
+        '{"section": {"phase": "x"}}',
+        '{"curve": 3}',
+        '{"free": null}',
+        '{"units": null}',
+        '{"units": {"x": 3}}',
+        '{"settings": "x"}',
+        '{"settings": "[]"}',
+        '{"settings": "{\\"left_out\\": 3}"}',
+        '{"settings": "{\\"left_out\\": {\\"effects\\": [3]}}"}',
+        '{"settings": "{\\"left_out\\": {\\"x\\": 1}}"}',
+    ],
+)
 def test_settings_that_are_something_else(files, tmp_path, meta):
     path = Path(shutil.copy(files / "continue.h5", tmp_path / "a.h5"))
     with h5py.File(path, "r+") as file:
         del file["steps/last/meta"]
         file.create_dataset("steps/last/meta", data=meta.encode(), dtype=h5py.string_dtype("utf-8", len(meta)))
-    for command in (["info", path], ["export", path], ["plot", path, "-o", tmp_path / "p.png"],
-                    ["report", path, "-o", tmp_path / "p.html"],
-                    ["run", files / "continue.yaml", "-o", path, "--resume"]):  # fmt: skip
+    for command in (
+        ["info", path],
+        ["export", path],
+        ["plot", path, "-o", tmp_path / "p.png"],
+        ["report", path, "-o", tmp_path / "p.html"],
+        ["run", files / "continue.yaml", "-o", path, "--resume"],
+    ):
         code, out, err = call(*command)
         assert (code, out) == (1, ""), command
         assert "a.h5" in err
@@ -149,7 +193,14 @@ def test_columns_of_any_numbers_are_drawn_or_refused(files, tmp_path, kind, tall
             path = Path(shutil.copy(files / f"{kind}.h5", tmp_path / "a.h5"))
             with h5py.File(path, "r+") as file:
                 if file[name].dtype.kind != "f" or name.rpartition("/")[2] not in (
-                        "parameters", "monitors", "states", "returns", "settling", "arclength", "period"):  # fmt: skip
+                    "parameters",
+                    "monitors",
+                    "states",
+                    "returns",
+                    "settling",
+                    "arclength",
+                    "period",
+                ):
                     continue
                 file[name][:] = value
             tried += 1
@@ -161,7 +212,9 @@ def test_columns_of_any_numbers_are_drawn_or_refused(files, tmp_path, kind, tall
     tally("inputs", "results files, a column of NaN, infinity or 1e308", "drawn or refused", tried)
 
 
-@pytest.mark.parametrize("row", [[np.nan], [1e300], [-1.0], [0.0], [5, 1, 3, 1e9, *[0.0] * 36], [1e9, 1, 1, 1, *[0.0] * 36], [7.0]])
+@pytest.mark.parametrize(
+    "row", [[np.nan], [1e300], [-1.0], [0.0], [5, 1, 3, 1e9, *[0.0] * 36], [1e9, 1, 1, 1, *[0.0] * 36], [7.0]]
+)
 @pytest.mark.parametrize("array", ["mesh", "unknowns", "states", "tangent"])
 def test_recorded_orbits_that_are_none(files, tmp_path, array, row):
     path = Path(shutil.copy(files / "continue.h5", tmp_path / "a.h5"))
@@ -180,8 +233,13 @@ def test_recorded_orbits_that_are_none(files, tmp_path, array, row):
 
 def test_recorded_states_of_integrations_are_checked_before_machine_code_sees_them(files, tally):
     """Forks of another process try them: machine code does not ask before it reads."""
-    done = subprocess.run([sys.executable, "-W", "error", "-m", "tests.hostile.integrations", str(files / "sweep.h5"), "150"], cwd=ROOT,
-                          capture_output=True, text=True, check=False)  # fmt: skip
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-m", "tests.hostile.integrations", str(files / "sweep.h5"), "150"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert done.returncode == 0, done.stderr[-1000:]
     found = json.loads(done.stdout)
     assert found["ended"] == []
@@ -191,7 +249,16 @@ def test_recorded_states_of_integrations_are_checked_before_machine_code_sees_th
 
 @pytest.mark.parametrize("kind", ["continue", "sweep", "basin"])
 def test_bytes_that_are_changed_do_not_end_the_process(files, kind, tally):
-    command = [sys.executable, "-W", "error", "-m", "tests.hostile.bytes_of_files", str(files / f"{kind}.h5"), str(NUMBER), "0"]
+    command = [
+        sys.executable,
+        "-W",
+        "error",
+        "-m",
+        "tests.hostile.bytes_of_files",
+        str(files / f"{kind}.h5"),
+        str(NUMBER),
+        "0",
+    ]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr[-1000:]
     found = json.loads(done.stdout)
@@ -201,12 +268,60 @@ def test_bytes_that_are_changed_do_not_end_the_process(files, kind, tally):
     count(tally, "results files, bytes changed", NUMBER, found["refused"])
 
 
-def test_names_do_not_reach_the_terminal_as_commands(files, tmp_path):
+ENDINGS = [
+    b"reached the end",
+    b"[]",
+    b'{"values": 3}',
+    b'{"code": 3}',
+    b'{"code": "range", "value": [1]}',
+    b'{"code": "range"}',
+    b'{"code": "range", "direction": "up"}',
+    b'{"code": "range", "direction": NaN}',
+    b'{"code": "range", "direction": 1, "detail": "range", "parameter": "wall", "value": "much"}',
+    b'{"code": "limit", "direction": 1, "detail": "no exponent", "cause": "no exponent"}',
+    b'{"code": "limit", "direction": 1, "detail": "vanishing"}',
+    b'{"code": "limit", "direction": 1, "unexplained": "many"}',
+    b'{"code": "limit", "direction": 1, "unexplained": Infinity}',
+    b"[" * 4000,
+    b'{"code": "' + b"x" * 4000,
+    b"\xff\xfe",
+]
+
+
+@pytest.mark.parametrize("ending", ENDINGS, ids=lambda ending: ending[:80])
+def test_endings_that_lack_what_belongs_to_them(files, tmp_path, ending):
     path = Path(shutil.copy(files / "continue.h5", tmp_path / "a.h5"))
     with h5py.File(path, "r+") as file:
-        file["steps/last/termination"][0] = b"\x1b[2J\x07up: \xff"
-    code, out, _ = call("info", path)
-    assert code == 0
-    assert "\x1b" not in out
-    assert "\\x1b[2J" in out
-    assert KINDS
+        file["steps/last/termination"][1] = ending
+    for command in (["info", path], ["report", path, "-o", tmp_path / "p.html"]):
+        code, out, err = call(*command)
+        assert (code, out) == (1, ""), command
+        assert "the file is damaged" in err
+    assert call("run", files / "continue.yaml", "-o", path, "--resume", "-q")[0] in (0, 1)
+
+
+@pytest.mark.parametrize("kind", ["sweep", "basin"])
+def test_endings_and_reasons_of_motions_that_lack_what_belongs_to_them(files, tmp_path, kind):
+    path = Path(shutil.copy(files / f"{kind}.h5", tmp_path / "a.h5"))
+    reason = b'{"code": "no exponent", "cause": "no exponent"}'
+    with h5py.File(path, "r+") as file:
+        group = file["steps/last/orbits"]
+        for name, values in (("reason", np.frombuffer(reason, np.uint8)), ("reason_end", group["reason_end"][:])):
+            del group[name]
+            group[name] = values if name == "reason" else np.full_like(values, len(reason))
+    for command in (["export", path], ["report", path, "-o", tmp_path / "p.html"]):
+        code, out, err = call(*command)
+        assert (code, out) == (1, ""), command
+        assert "what belongs to the reason 'no exponent' is not there; the file is damaged" in err
+
+
+def test_names_do_not_reach_the_terminal_as_commands(files, tmp_path):
+    path = Path(shutil.copy(files / "continue.h5", tmp_path / "a.h5"))
+    hidden = make_reason("text", text="\x1b[2J\x07up: \xff").to_json().encode()
+    for ending, expected in ((hidden, 0), (b"\x1b[2J\x07", 1), (b'{"code": "\\u001b[2J", "direction": "up"}', 1)):
+        with h5py.File(path, "r+") as file:
+            file["steps/last/termination"][0] = ending
+        code, out, err = call("info", path)
+        assert code == expected
+        assert "\x1b" not in out + err
+        assert "\\x1b[2J" in out or expected

@@ -5,15 +5,17 @@ import sys
 
 import sympy
 
-from pddecont.model.chain_states import stage_name, with_chain_states
-from pddecont.model.system import symbol
+from pddecont.model.chain_states import add_chain_states, name_stage
+from pddecont.model.system import make_symbol
 from tests.conftest import ROOT, model_from
 
 
 def test_two_stages_of_order_two_are_eq_2_7():
-    model = with_chain_states(model_from("name: m\nstates: [x]\nparameters: {tau: 3}\nmodes: {m: {x': -x(t - tau)}}\n"), 2, 2)
-    (u1, w1), (u2, w2) = ([symbol(stage_name("x", 0, stage, k)) for k in range(2)] for stage in (1, 2))
-    x, delta = symbol("x"), symbol("tau") / 2
+    model = add_chain_states(
+        model_from("name: m\nstates: [x]\nparameters: {tau: 3}\nmodes: {m: {x': -x(t - tau)}}\n"), 2, 2
+    )
+    (u1, w1), (u2, w2) = ([make_symbol(name_stage("x", 0, stage, k)) for k in range(2)] for stage in (1, 2))
+    x, delta = make_symbol("x"), make_symbol("tau") / 2
     assert [s.name for s in model.state_symbols[1:]] == [u1.name, w1.name, u2.name, w2.name]
     equations = model.modes["m"]
     assert equations[0] == -u2
@@ -25,5 +27,7 @@ def test_two_stages_of_order_two_are_eq_2_7():
 
 
 def test_the_chain_of_oscillators_is_what_its_script_writes():
-    written = subprocess.run([sys.executable, "models/oscillator_chain.py", "50"], cwd=ROOT, capture_output=True, text=True, check=True)
+    written = subprocess.run(
+        [sys.executable, "models/oscillator_chain.py", "50"], cwd=ROOT, capture_output=True, text=True, check=True
+    )
     assert (ROOT / "models" / "oscillator_chain_50.yaml").read_text() == written.stdout

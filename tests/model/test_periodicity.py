@@ -3,11 +3,10 @@
 import pytest
 
 from pddecont.errors import ModelError
-from pddecont.model.builder import parse_model
-from pddecont.model.document import parse_document
+from pddecont.model import parse_document, parse_model
 from pddecont.model.expression import TIME
-from pddecont.model.periodicity import not_repeating
-from pddecont.model.system import symbol
+from pddecont.model.periodicity import explain_non_periodic
+from pddecont.model.system import make_symbol
 
 TEXT = """name: m
 states: [x, v]
@@ -30,14 +29,20 @@ def model(*changes):
     return parse_model(parse_document(text, "m.yaml"))
 
 
-@pytest.mark.parametrize(("changes", "message"), [
-    ([("2*pi/omega", "pi/omega")], f"cos(omega*t) in v' of mode 'free' {LATER} 3.9269908: it is "),
-    ([("push - k", "push + sin(3*omega*t/2)*x - k")], f"sin(3*omega*t/2) in v' of mode 'free' {LATER} 7.8539816: it is "),
-    ([("+ sin(omega*t)**2", "+ sin(omega*t/3)**2")], f"sin(omega*t/3)**2 in event 'hit' {LATER}"),
-    ([("+ cos(omega*t)", "+ 1e-3*t")], f"t in v of reset 'back' {LATER}"),
-    ([("+ sin(omega*t)**2", "+ log(x)*sqrt(v)*cos(t)")], f"cos(t) in event 'hit' {LATER}"),
-    ([("push - k", "log(t)*(2 + push) - k")], f"log(t) in v' of mode 'free' {LATER}"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ([("2*pi/omega", "pi/omega")], f"cos(omega*t) in v' of mode 'free' {LATER} 3.9269908: it is "),
+        (
+            [("push - k", "push + sin(3*omega*t/2)*x - k")],
+            f"sin(3*omega*t/2) in v' of mode 'free' {LATER} 7.8539816: it is ",
+        ),
+        ([("+ sin(omega*t)**2", "+ sin(omega*t/3)**2")], f"sin(omega*t/3)**2 in event 'hit' {LATER}"),
+        ([("+ cos(omega*t)", "+ 1e-3*t")], f"t in v of reset 'back' {LATER}"),
+        ([("+ sin(omega*t)**2", "+ log(x)*sqrt(v)*cos(t)")], f"cos(t) in event 'hit' {LATER}"),
+        ([("push - k", "log(t)*(2 + push) - k")], f"log(t) in v' of mode 'free' {LATER}"),
+    ],
+)
 def test_a_wrong_period_is_refused_at_its_place(changes, message):
     with pytest.raises(ModelError) as caught:
         model(*changes)
@@ -48,26 +53,29 @@ def test_a_wrong_period_is_refused_at_its_place(changes, message):
 
 def test_the_values_a_period_apart_are_told():
     t = TIME
-    found = not_repeating([("y", t**2)], 2.0, {})
+    found = explain_non_periodic([("y", t**2)], 2.0, {})
     values = dict(part.split(" at t = ")[::-1] for part in found.split("it is ")[1].split(" and "))
     (t0, a), (t1, b) = ((float(k), float(v)) for k, v in values.items())
     assert (t1 - t0, a, b) == pytest.approx((2.0, t0**2, t1**2), abs=1e-4)
 
 
-@pytest.mark.parametrize("changes", [
-    [],
-    [("2*pi/omega", "4*pi/omega")],
-    [("push - k", "sin(omega*t/2)*cos(omega*t/2) + sin(omega*t/2)**2 - k")],
-    [("push - k", "1e5*(1 - tanh(40*(2 + push))) - k")],
-    [("push - k", "tanh(1e4*push) - k")],
-    [("push - k", "sqrt(push - 20)*log(x - 9) - k")],
-    [("push - k", "1e6*(x + push)*(1e6 + push) - k")],
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "changes",
+    [
+        [],
+        [("2*pi/omega", "4*pi/omega")],
+        [("push - k", "sin(omega*t/2)*cos(omega*t/2) + sin(omega*t/2)**2 - k")],
+        [("push - k", "1e5*(1 - tanh(40*(2 + push))) - k")],
+        [("push - k", "tanh(1e4*push) - k")],
+        [("push - k", "sqrt(push - 20)*log(x - 9) - k")],
+        [("push - k", "1e6*(x + push)*(1e6 + push) - k")],
+    ],
+)
 def test_what_repeats_is_accepted(changes):
     assert model(*changes)[0].forced
 
 
 def test_a_difference_at_one_point_is_no_proof():
-    x = symbol("x")
-    assert not_repeating([("y", x + TIME)], 1.0, {})
-    assert not_repeating([("y", x)], 1.0, {}) == ""
+    x = make_symbol("x")
+    assert explain_non_periodic([("y", x + TIME)], 1.0, {})
+    assert explain_non_periodic([("y", x)], 1.0, {}) == ""

@@ -2,9 +2,10 @@
 
 import pytest
 
-from pddecont.model.document import parse_document
-from pddecont.steps.loading import load_plan
-from pddecont.steps.planner import Overrides
+from pddecont.errors import RunError
+from pddecont.model import parse_document
+from pddecont.runfile import Overrides
+from pddecont.steps import load_run_plan
 from tests.cli.test_cli import call
 
 MODEL = """name: m
@@ -20,8 +21,9 @@ effects: {wall: {drop: [hit]}}
 initial: {mode: m, x: 0, v: 0}
 """
 RUN = "run:\n  steps:\n    - {name: t, simulate: {t_end: 9}}\n"
-AT_HIT = "the motion starts in mode 'm' with -s + x = 0.1 > 0, beyond event 'hit', which ends that mode where this is rising through zero"
-AT_OUT = "the motion starts in mode 'n' with v + 2 = -1 < 0, beyond event 'out', which ends that mode where this is falling through zero"
+BEYOND = "the motion starts in mode '{}' with {}, beyond event '{}', which ends that mode where this is {} through zero"
+AT_HIT = BEYOND.format("m", "-s + x = 0.1 > 0", "hit", "rising")
+AT_OUT = BEYOND.format("n", "v + 2 = -1 < 0", "out", "falling")
 
 
 def warned(*changes, **overrides):
@@ -29,35 +31,49 @@ def warned(*changes, **overrides):
     for old, new in changes:
         assert old in text
         text = text.replace(old, new)
-    return [str(w) for w in load_plan(parse_document(text, "m.yaml"), Overrides(**overrides)).warnings]
+    return [str(w) for w in load_run_plan(parse_document(text, "m.yaml"), Overrides(**overrides)).warnings]
 
 
-@pytest.mark.parametrize(("old", "new", "warning"), [
-    ("x: 0, v: 0}", "x: 0.4, v: 0}", f"m.yaml:14:17: {AT_HIT}"),
-    ("mode: m, x: 0, v: 0}", "mode: n, v: -3}", f"m.yaml:14:17: {AT_OUT}"),
-    ("t_end: 9", "t_end: 9, initial: {x: s + 0.1}", f"m.yaml:14:38: {AT_HIT}"),
-    ("t_end: 9", "t_end: 9, initial: {mode: n, v: -3}", f"m.yaml:14:38: {AT_OUT}"),
-    ("{name: t,", "{name: t, set: {s: -0.1},", f"m.yaml:14:33: {AT_HIT}"),
-])
+@pytest.mark.parametrize(
+    ("old", "new", "warning"),
+    [
+        ("x: 0, v: 0}", "x: 0.4, v: 0}", f"m.yaml:14:17: {AT_HIT}"),
+        ("mode: m, x: 0, v: 0}", "mode: n, v: -3}", f"m.yaml:14:17: {AT_OUT}"),
+        ("t_end: 9", "t_end: 9, initial: {x: s + 0.1}", f"m.yaml:14:38: {AT_HIT}"),
+        ("t_end: 9", "t_end: 9, initial: {mode: n, v: -3}", f"m.yaml:14:38: {AT_OUT}"),
+        ("{name: t,", "{name: t, set: {s: -0.1},", f"m.yaml:14:33: {AT_HIT}"),
+    ],
+)
 def test_a_start_beyond_the_event_is_warned_of(old, new, warning):
     found = warned((old, new))
     assert len(found) == 1
     assert found[0].startswith(warning)
 
 
-@pytest.mark.parametrize("changes", [
-    [],
-    [("x: 0, v: 0}", "x: 0.3, v: 0}")],
-    [("mode: m, x: 0,", "mode: n, x: 0.4,")],
-    [("x: 0, v: 0}", "x: 0.4, v: 0}"), ("rising", "any")],
-    [("x: 0, v: 0}", "x: 0.4, v: 0}"), ("hit: x - s", "hit: sin(x) - s")],
-    [("x: 0, v: 0}", "x: 0.4, v: 0}"), ("hit: x - s", "hit: x(t - tau) - s")],
-    [("x: 0, v: 0}", "x: 0.4, v: 0}"), ("hit: x - s", "hit: x - s*cos(2*pi*t)/4"), ("modes:", "forcing: {period: 1}\nmodes:")],
-    [("x: 0, v: 0}", "x: 0.4, v: 0}"), ("t_end: 9", "t_end: 9, initial: {x: 0}")],
-    [("x: 0, v: 0}", "x: log(t), v: 0}")],
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "changes",
+    [
+        [],
+        [("x: 0, v: 0}", "x: 0.3, v: 0}")],
+        [("mode: m, x: 0,", "mode: n, x: 0.4,")],
+        [("x: 0, v: 0}", "x: 0.4, v: 0}"), ("rising", "any")],
+        [("x: 0, v: 0}", "x: 0.4, v: 0}"), ("hit: x - s", "hit: sin(x) - s")],
+        [("x: 0, v: 0}", "x: 0.4, v: 0}"), ("hit: x - s", "hit: x(t - tau) - s")],
+        [
+            ("x: 0, v: 0}", "x: 0.4, v: 0}"),
+            ("hit: x - s", "hit: x - s*cos(2*pi*t)/4"),
+            ("modes:", "forcing: {period: 1}\nmodes:"),
+        ],
+        [("x: 0, v: 0}", "x: 0.4, v: 0}"), ("t_end: 9", "t_end: 9, initial: {x: 0}")],
+    ],
+)
 def test_other_starts_are_not(changes):
     assert warned(*changes) == []
+
+
+def test_a_start_without_a_value_is_an_error_at_its_place():
+    with pytest.raises(RunError, match=r"m\.yaml:14:27: the history at t = 0 is not a finite real number"):
+        warned(("x: 0, v: 0}", "x: log(t), v: 0}"))
 
 
 def test_an_event_that_is_left_out_is_not_missed():

@@ -1,10 +1,11 @@
 """What the files beside this one expect of a model's own run, and how their expressions are evaluated.
 
-Each entry has ``what``, ``at`` (STEP, STEP/LABEL, STEP/* for every point, STEP/0 for the first along the branch), ``quantity`` and
-``value``: expressions in the parameters, monitors and ``period`` of the point, its multipliers ``mu1``, ``mu2``, .. by falling modulus,
-the time ``start`` at which its first segment begins, the states ``NAME_start`` there, and what ``let``, ``solve`` (name: [expression
-that is zero, lowest, highest]) and ``then`` define. ``source`` says where the value is from, ``because`` why ``tol`` is what it is;
-``independent`` names the test that calculates the value again.
+Each entry has ``what``, ``at`` (STEP, STEP/LABEL, STEP/* for every point, STEP/0 for the first along the branch),
+``quantity`` and ``value``: expressions in the parameters, monitors and ``period`` of the point, its multipliers
+``mu1``, ``mu2``, .. by falling modulus, the time ``start`` at which its first segment begins, the states ``NAME_start``
+there, and what ``let``, ``solve`` (name: [expression that is zero, lowest, highest]) and ``then`` define. ``source``
+says where the value is from, ``because`` why ``tol`` is what it is; ``independent`` names the test that calculates the
+value again.
 """
 
 from __future__ import annotations
@@ -17,14 +18,47 @@ from scipy.linalg import expm
 from scipy.optimize import brentq
 from scipy.special import lambertw
 
-from pddecont.model.document import parse_document
+from pddecont.model import parse_document
 
 FOLDER = Path(__file__).parent
-FUNCTIONS = {name: getattr(np, name) for name in (
-    "sin", "cos", "tan", "arctan", "arctanh", "sinh", "tanh", "exp", "log", "sqrt", "abs", "max", "min", "sum", "sort", "pi", "array",
-    "block", "zeros", "eye", "trace", "real", "angle", "linspace")}  # fmt: skip
-FUNCTIONS |= {"expm": expm, "det": np.linalg.det, "eigvals": np.linalg.eigvals, "solved": np.linalg.solve, "lambertw": lambertw,
-              "integral": lambda f, a, b: quad(f, a, b, epsabs=1e-13, epsrel=1e-13)[0], "range": range}  # fmt: skip
+FUNCTIONS = {
+    name: getattr(np, name)
+    for name in (
+        "sin",
+        "cos",
+        "tan",
+        "arctan",
+        "arctanh",
+        "sinh",
+        "tanh",
+        "exp",
+        "log",
+        "sqrt",
+        "abs",
+        "max",
+        "min",
+        "sum",
+        "sort",
+        "pi",
+        "array",
+        "block",
+        "zeros",
+        "eye",
+        "trace",
+        "real",
+        "angle",
+        "linspace",
+    )
+}
+FUNCTIONS |= {
+    "expm": expm,
+    "det": np.linalg.det,
+    "eigvals": np.linalg.eigvals,
+    "solved": np.linalg.solve,
+    "lambertw": lambertw,
+    "integral": lambda f, a, b: quad(f, a, b, epsabs=1e-13, epsrel=1e-13)[0],
+    "range": range,
+}
 
 
 def entries(name):
@@ -77,6 +111,7 @@ def both(item, names):
     for name, text in item.get("let", {}).items():
         names[name] = evaluated(text, names)
     for name, (text, low, high) in item.get("solve", {}).items():
+
         def miss(x, text=text, name=name):
             return evaluated(text, {**names, name: x})
 

@@ -1,4 +1,6 @@
-"""Delay equations with events by scipy's integrator, piece by piece between breaking points: independent of the package."""
+"""Delay equations with events by scipy's integrator, piece by piece between breaking points: independent of the
+package.
+"""
 
 from __future__ import annotations
 
@@ -59,15 +61,24 @@ class Motion:
 
         watched = []
         for function, direction, *_ in self.exits.get(self.mode, ()):
+
             def event(t, z, function=function, direction=direction, start=self.at):
                 found = function(t, z, past(t))
-                # What has just happened does not happen again because of rounding.
-                return direction * abs(found) if t == start and abs(found) < 1e-9 else found
+                # What has just happened does not happen again because of rounding, nor where it is exactly zero.
+                return direction * max(abs(found), 1e-300) if t == start and abs(found) < 1e-9 else found
 
             event.terminal, event.direction = True, direction
             watched.append(event)
-        part = solve_ivp(lambda t, z: self.fields[self.mode](t, z, past(t)), (self.at, stop), z, method="DOP853", rtol=1e-11, atol=1e-13,
-                         events=watched, dense_output=True)  # fmt: skip
+        part = solve_ivp(
+            lambda t, z: self.fields[self.mode](t, z, past(t)),
+            (self.at, stop),
+            z,
+            method="DOP853",
+            rtol=1e-11,
+            atol=1e-13,
+            events=watched,
+            dense_output=True,
+        )
         self.edges.append(self.at)
         self.pieces.append(part.sol)
         self.at = part.t[-1]

@@ -8,8 +8,8 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq, fsolve
 
 from models.oscillator_chain import chain
-from pddecont.model.builder import load_model
-from pddecont.model.system import symbol
+from pddecont.model import load_model
+from pddecont.model.system import make_symbol
 from tests.conftest import ROOT
 from tests.models.expected import entry
 from tests.models.method_of_steps import Motion, same
@@ -31,10 +31,18 @@ def belt(K, V=0.5, F_stick=1.0, F_slip=0.7, falling=0.1, tau=1.5):
         return z[0] - K * past(tau)[1]
 
     return Motion(
-        {"stick": lambda t, z, past: [V, 0.0], "slip": lambda t, z, past: [z[1], F_slip - falling * (V - z[1]) - pull(z, past)]},
-        {"stick": [(lambda t, z, past: pull(z, past) - F_stick, 1, same, "slip", "tear")],
-         "slip": [(lambda t, z, past: z[1] - V, 1, lambda z: [z[0], V], "stick", "catch")]},
-        (tau,), lambda t: [0.0, V], "stick")  # fmt: skip
+        {
+            "stick": lambda t, z, past: [V, 0.0],
+            "slip": lambda t, z, past: [z[1], F_slip - falling * (V - z[1]) - pull(z, past)],
+        },
+        {
+            "stick": [(lambda t, z, past: pull(z, past) - F_stick, 1, same, "slip", "tear")],
+            "slip": [(lambda t, z, past: z[1] - V, 1, lambda z: [z[0], V], "stick", "catch")],
+        },
+        (tau,),
+        lambda t: [0.0, V],
+        "stick",
+    )
 
 
 @pytest.mark.parametrize(("K", "t_end"), [(-0.5, 200), (0.5, 100)])
@@ -58,10 +66,17 @@ def balance(tau, P=2.0, D=1.5, d=1.0):
     def left(t, z, past):
         return past(tau)[0] + d
 
-    return Motion({"drift": drift, "right": act, "left": act},
-                  {"drift": [(right, 1, same, "right", "on"), (left, -1, same, "left", "on_left")],
-                   "right": [(right, -1, same, "drift", "off")], "left": [(left, 1, same, "drift", "off_left")]},
-                  (tau,), lambda t: [0.5, 0.0], "drift")  # fmt: skip
+    return Motion(
+        {"drift": drift, "right": act, "left": act},
+        {
+            "drift": [(right, 1, same, "right", "on"), (left, -1, same, "left", "on_left")],
+            "right": [(right, -1, same, "drift", "off")],
+            "left": [(left, 1, same, "drift", "off_left")],
+        },
+        (tau,),
+        lambda t: [0.5, 0.0],
+        "drift",
+    )
 
 
 @pytest.mark.parametrize(("tau", "t_end"), [(0.15, 80), (0.3, 80), (0.5, 130)])
@@ -73,15 +88,24 @@ def test_balance(tau, t_end):
 
 def turning(w, zeta=0.02, tau=4.6401058748):
     """The chip is the smallest over the last two revolutions; one mode cuts, one does not, and a kink is no event."""
+
     def chip(z, past):
         return min(1 + past(tau)[0], 2 + past(2 * tau)[0]) - z[0]
 
     return Motion(
-        {"cut": lambda t, z, past: [z[1], w * chip(z, past) - 2 * zeta * z[1] - z[0]],
-         "air": lambda t, z, past: [z[1], -2 * zeta * z[1] - z[0]]},
-        {"cut": [(lambda t, z, past: chip(z, past), -1, same, "air", "leaves")],
-         "air": [(lambda t, z, past: chip(z, past), 1, same, "cut", "lands")]},
-        (tau, 2 * tau), lambda t: [1.36 * math.cos(1.026 * t), -1.36 * math.sin(1.026 * t)], "cut", echoes=1)  # fmt: skip
+        {
+            "cut": lambda t, z, past: [z[1], w * chip(z, past) - 2 * zeta * z[1] - z[0]],
+            "air": lambda t, z, past: [z[1], -2 * zeta * z[1] - z[0]],
+        },
+        {
+            "cut": [(lambda t, z, past: chip(z, past), -1, same, "air", "leaves")],
+            "air": [(lambda t, z, past: chip(z, past), 1, same, "cut", "lands")],
+        },
+        (tau, 2 * tau),
+        lambda t: [1.36 * math.cos(1.026 * t), -1.36 * math.sin(1.026 * t)],
+        "cut",
+        echoes=1,
+    )
 
 
 def test_turning():
@@ -103,13 +127,20 @@ def coupled(a, tau=1.2, omega=0.8, zeta=0.2, e1=0.8, e2=0.25, beta=5.0, k=0.3):
         return f
 
     modes = {(i, j): flow(i, j) for i in (0, 1) for j in (0, 1)}
-    exits = {(i, j): [(lambda t, z, past: z[0] - e1, -1 if i else 1, same, (1 - i, j), "first"),
-                      (lambda t, z, past: z[2] - e2, -1 if j else 1, same, (i, 1 - j), "second")] for i, j in modes}  # fmt: skip
+    exits = {
+        (i, j): [
+            (lambda t, z, past: z[0] - e1, -1 if i else 1, same, (1 - i, j), "first"),
+            (lambda t, z, past: z[2] - e2, -1 if j else 1, same, (i, 1 - j), "second"),
+        ]
+        for i, j in modes
+    }
     return Motion(modes, exits, (tau,), lambda t: [0.0, 0.0, 0.0, 0.0], (0, 0))
 
 
 def test_two_stages():
-    """At the second grazing the first mass just reaches its stop: its highest place there, and how long the second stop is touched."""
+    """At the second grazing the first mass just reaches its stop: its highest place there, and how long the second stop
+    is touched.
+    """
     a, tol = value("two_stage_oscillator", "second grazing")
     period = 2 * math.pi / 0.8
     motion = coupled(a - 1e-6).run(40 * period)
@@ -147,7 +178,9 @@ def test_interrupted_cutting():
 
 
 def spectral_radius(p):
-    """Return the multiplier of a small infection: Chebyshev collocation of I' = b S(t - tau) I(t - tau) - c I, pieces of length tau."""
+    """Return the multiplier of a small infection: Chebyshev collocation of I' = b S(t - tau) I(t - tau) - c I, pieces
+    of length tau.
+    """
     mu, beta, gamma, tau, T = 0.1, 4.0, 1.0, 0.5, 2.0
     missing = p / (1 - (1 - p) * math.exp(-mu * T))  # of the susceptible just after a pulse
     n = 20
@@ -185,13 +218,23 @@ def test_endemic():
 
     def live(t, z, past):
         late = past(tau)
-        return [mu * (1 - z[0]) - beta * z[0] * z[1], beta * math.exp(-mu * tau) * late[0] * late[1] - (mu + gamma) * z[1], z[1], 1.0]
+        return [
+            mu * (1 - z[0]) - beta * z[0] * z[1],
+            beta * math.exp(-mu * tau) * late[0] * late[1] - (mu + gamma) * z[1],
+            z[1],
+            1.0,
+        ]
 
     def pulse(z):
         return [(1 - p) * z[0], z[1], z[2], 0.0]
 
-    motion = Motion({"live": live}, {"live": [(lambda t, z, past: z[3] - T, 1, pulse, "live", "pulse")]},
-                    (tau,), lambda t: [0.3, 0.05, 0.0, 0.0], "live").run(160)  # fmt: skip
+    motion = Motion(
+        {"live": live},
+        {"live": [(lambda t, z, past: z[3] - T, 1, pulse, "live", "pulse")]},
+        (tau,),
+        lambda t: [0.3, 0.05, 0.0, 0.0],
+        "live",
+    ).run(160)
     counts = [z[2] for _, _, z in motion.events]
     expected, tol = value("pulse_vaccination", "infected at p = 0.1")
     assert (counts[-1] - counts[-2]) / T == pytest.approx(expected, abs=tol)
@@ -200,17 +243,25 @@ def test_endemic():
 def test_van_der_pol():
     """k = 0.5, tau = 1 and 3, by upward zeros."""
     for tau in (1.0, 3.0):
+
         def swing(t, z, past, tau=tau):
             return [z[1], (1 - z[0] ** 2) * z[1] - z[0] + 0.5 * past(tau)[0]]
 
-        motion = Motion({"m": swing}, {"m": [(lambda t, z, past: z[0], 1, same, "m", "up")]}, (tau,), lambda t: [1.0, 0.0], "m").run(130)
+        motion = Motion(
+            {"m": swing}, {"m": [(lambda t, z, past: z[0], 1, same, "m", "up")]}, (tau,), lambda t: [1.0, 0.0], "m"
+        ).run(130)
         expected, tol = value("van_der_pol", f"period at tau = {tau:g}")
         assert settled_period(motion, "up") == pytest.approx(expected, abs=tol)
 
 
 def test_wright():
-    motion = Motion({"m": lambda t, z, past: [-2 * past(1.0)[0] * (1 + z[0])]}, {"m": [(lambda t, z, past: z[0], 1, same, "m", "up")]},
-                    (1.0,), lambda t: [0.1], "m").run(150)  # fmt: skip
+    motion = Motion(
+        {"m": lambda t, z, past: [-2 * past(1.0)[0] * (1 + z[0])]},
+        {"m": [(lambda t, z, past: z[0], 1, same, "m", "up")]},
+        (1.0,),
+        lambda t: [0.1],
+        "m",
+    ).run(150)
     expected, tol = value("wright", "period")
     assert settled_period(motion, "up") == pytest.approx(expected, abs=tol)
     # x' = 0 one delay after an upward zero.
@@ -220,13 +271,16 @@ def test_wright():
 
 def test_duffing_folds():
     """Newton's method on a period's map and det(M - 1) = 0, the monodromy matrix from the variational equation."""
+
     def period_map(x, v, omega):
         def flow(t, z):
             M = z[2:].reshape(2, 2)
             J = np.array([[0.0, 1.0], [-1 - 3 * z[0] ** 2, -0.2]])
             return [z[1], math.cos(omega * t) - 0.2 * z[1] - z[0] - z[0] ** 3, *(J @ M).ravel()]
 
-        z = solve_ivp(flow, (0, 2 * math.pi / omega), [x, v, 1, 0, 0, 1], method="DOP853", rtol=1e-12, atol=1e-13).y[:, -1]
+        z = solve_ivp(flow, (0, 2 * math.pi / omega), [x, v, 1, 0, 0, 1], method="DOP853", rtol=1e-12, atol=1e-13).y[
+            :, -1
+        ]
         return z[:2], z[2:].reshape(2, 2)
 
     def miss(u):
@@ -244,8 +298,13 @@ def test_suitcase():
     gamma, A, omega, r, tau = 0.248, 0.75, 1.37, 0.913, 0.1
 
     def side(sign):
-        return lambda t, z, past: [z[1], A * math.sin(omega * t + math.asin(gamma / A)) + math.sin(z[0]) - past(tau)[0]
-                                   - sign * gamma * math.cos(z[0])]  # fmt: skip
+        return lambda t, z, past: [
+            z[1],
+            A * math.sin(omega * t + math.asin(gamma / A))
+            + math.sin(z[0])
+            - past(tau)[0]
+            - sign * gamma * math.cos(z[0]),
+        ]
 
     def fall(t, z, past):
         return abs(z[0]) - math.pi / 2
@@ -256,10 +315,16 @@ def test_suitcase():
     def hit(z):
         return [z[0], r * z[1]]
 
-    motion = Motion({"right": side(1), "left": side(-1), "fallen": lambda t, z, past: [0.0, 0.0]},
-                    {"right": [(upright, -1, hit, "left", "hit"), (fall, 1, same, "fallen", "fall")],
-                     "left": [(upright, 1, hit, "right", "hit"), (fall, 1, same, "fallen", "fall")]},
-                    (tau,), lambda t: [0.0, 0.0], "right").run(12)  # fmt: skip
+    motion = Motion(
+        {"right": side(1), "left": side(-1), "fallen": lambda t, z, past: [0.0, 0.0]},
+        {
+            "right": [(upright, -1, hit, "left", "hit"), (fall, 1, same, "fallen", "fall")],
+            "left": [(upright, 1, hit, "right", "hit"), (fall, 1, same, "fallen", "fall")],
+        },
+        (tau,),
+        lambda t: [0.0, 0.0],
+        "right",
+    ).run(12)
     found = [t for _, t, _ in motion.events]
     for i, what in enumerate(("first hit", "second hit", "fall")):
         expected, tol = value("suitcase", what)
@@ -273,7 +338,14 @@ def test_full_oscillator():
     def flow(sign, hit):
         def f(t, z, past):
             delayed = K * (past(tau_d)[2] - z[2]) + k_c * (past(tau_c)[0] - z[0])
-            force = a * omega**2 * math.sin(omega * t) - z[0] - 2 * zeta * z[1] + delayed - sign * F - hit * beta * (z[0] - e)
+            force = (
+                a * omega**2 * math.sin(omega * t)
+                - z[0]
+                - 2 * zeta * z[1]
+                + delayed
+                - sign * F
+                - hit * beta * (z[0] - e)
+            )
             return [z[1], force, (z[1] - z[2]) / T_f]
 
         return f
@@ -282,10 +354,14 @@ def test_full_oscillator():
         return z[0] - e
 
     modes = [(sign, hit) for sign in (1, -1) for hit in (0, 1)]
-    exits = {(s, h): [(lambda t, z, past: z[1], -s, same, (-s, h), "turn"), (wall, -1 if h else 1, same, (s, 1 - h), "wall")]
-             for s, h in modes}  # fmt: skip
+    exits = {
+        (s, h): [(lambda t, z, past: z[1], -s, same, (-s, h), "turn"), (wall, -1 if h else 1, same, (s, 1 - h), "wall")]
+        for s, h in modes
+    }
     speed = a * omega**3 / (1 - omega**2)
-    motion = Motion({mode: flow(*mode) for mode in modes}, exits, (tau_c, tau_d), lambda t: [0.0, speed, 0.0], (1, 0), echoes=2)
+    motion = Motion(
+        {mode: flow(*mode) for mode in modes}, exits, (tau_c, tau_d), lambda t: [0.0, speed, 0.0], (1, 0), echoes=2
+    )
     motion.run(50 * 2 * math.pi / omega)
     turns = [z[0] for name, _, z in motion.events if name == "turn"]
     expected, tol = value("full_oscillator", "half the width of the motion")
@@ -313,10 +389,14 @@ def test_chain():
         return reset
 
     hits = [(lambda t, z, past, i=i: z[2 * i] - e - i * gap, 1, bounce(i), "free", f"hit{i + 1}") for i in range(4)]
-    motion = Motion({"free": free}, {"free": hits}, (tau,), lambda t: np.zeros(2 * n), "free", echoes=2).run(45 * 2 * math.pi / omega)
+    motion = Motion({"free": free}, {"free": hits}, (tau,), lambda t: np.zeros(2 * n), "free", echoes=2).run(
+        45 * 2 * math.pi / omega
+    )
     for mass, what in ((1, "first mass"), (4, "fourth mass")):
         expected, tol = value("oscillator_chain_50", f"{what} where the third hits")
-        assert [z[2 * mass - 2] for name, _, z in motion.events if name == "hit3"][-1] == pytest.approx(expected, abs=tol)
+        assert [z[2 * mass - 2] for name, _, z in motion.events if name == "hit3"][-1] == pytest.approx(
+            expected, abs=tol
+        )
 
 
 def test_the_shipped_chain_is_the_generators_and_couples_neighbours_alike():
@@ -324,7 +404,7 @@ def test_the_shipped_chain_is_the_generators_and_couples_neighbours_alike():
     text = (ROOT / "models" / "oscillator_chain_50.yaml").read_text()
     assert text == chain(50)
     model = load_model(str(ROOT / "models" / "oscillator_chain_50.yaml"))[0]
-    c, x = symbol("c"), [symbol(f"x{i}") for i in range(1, 51)]
+    c, x = make_symbol("c"), [make_symbol(f"x{i}") for i in range(1, 51)]
     for i, field in enumerate(model.modes["free"][1::2]):
         for j in range(50):
             assert field.diff(x[j]) == (-1 - 2 * c if i == j else c if abs(i - j) == 1 else 0), (i, j)

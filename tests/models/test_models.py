@@ -5,12 +5,11 @@ import re
 import numpy as np
 import pytest
 
-from pddecont.model.builder import load_model
-from pddecont.model.document import parse_document
-from pddecont.model.effects import without
-from pddecont.results.reader import read_results
-from pddecont.steps.loading import load_plan
-from pddecont.steps.run import execute
+from pddecont.model import leave_out_effects, load_model, parse_document
+from pddecont.results import read_results
+from pddecont.steps import load_run_plan
+from pddecont.steps.execution import execute
+from pddecont.tables import describe_endings
 from tests.conftest import ROOT
 from tests.conftest import SHIPPED as MODELS
 from tests.models import test_independent
@@ -22,7 +21,11 @@ LARGE = {"full_oscillator", "oscillator_chain_50"}
 
 @pytest.mark.parametrize("path", MODELS, ids=lambda p: p.stem)
 def test_a_models_run_gives_what_is_expected_of_it(path, tmp_path):
-    execute(load_plan(parse_document(path.read_text(), str(path))), tmp_path / "a.h5", until="orbit" if path.stem in LARGE else None)
+    execute(
+        load_run_plan(parse_document(path.read_text(), str(path))),
+        tmp_path / "a.h5",
+        until="orbit" if path.stem in LARGE else None,
+    )
     results = read_results(tmp_path / "a.h5")
     for item in entries(path.stem):
         for names in points(results, item["at"]):
@@ -32,7 +35,7 @@ def test_a_models_run_gives_what_is_expected_of_it(path, tmp_path):
         if step.kind in ("orbit", "continue"):
             ordinary = np.isin(step.points["kind"], [b"VS", b"GR"], invert=True)
             assert np.all(step.points["admissible"][ordinary] == 1), step.name
-            assert not any("not located" in text for text in step.termination), step.name
+            assert not any("not located" in text for text in describe_endings(step)), step.name
 
 
 @pytest.mark.parametrize("path", MODELS, ids=lambda p: p.stem)
@@ -54,8 +57,13 @@ def test_every_effect_can_be_left_out(path):
     assert model.reference
     assert model.effects or path.stem == "linear_oscillator", "that one is what a model without its effects is"
     for name in model.effects:
-        left = without(model, [name])
-        changed = (left.modes, left.resets, left.events, left.delays) != (model.modes, model.resets, model.events, model.delays)
+        left = leave_out_effects(model, [name])
+        changed = (left.modes, left.resets, left.events, left.delays) != (
+            model.modes,
+            model.resets,
+            model.events,
+            model.delays,
+        )
         assert changed, f"leaving out '{name}' changes nothing"
         assert all(np.isfinite(left.evaluate(delay)) for delay in left.delays)
 

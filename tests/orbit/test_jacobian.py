@@ -6,62 +6,73 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from pddecont.delay.chain import Chain
-from pddecont.delay.chebyshev import Chebyshev
-from pddecont.delay.direct import Direct
-from pddecont.model.builder import load_model
-from pddecont.model.codegen import NumericModel
-from pddecont.orbit.guess import timers_of
-from pddecont.orbit.jacobian import Assembler
-from pddecont.orbit.mesh import Mesh, equal_cuts, segment_pieces
-from pddecont.orbit.meshing import MeshRule, new_mesh
-from pddecont.orbit.problem import OrbitProblem, eventless
-from pddecont.orbit.residual import residual
+from pddecont.codegen import NumericModel
+from pddecont.collocation import Mesh, MeshRule, equal_cuts
+from pddecont.delay import Chain, Chebyshev, Direct
+from pddecont.model import load_model
+from pddecont.orbit import Orbit, OrbitProblem, Signature, make_eventless, make_mesh
+from pddecont.orbit.jacobian import JacobianAssembler
+from pddecont.orbit.residual import compute_residual
+from pddecont.orbit.signature import link_delayed_events
 from tests.conftest import MODELS, numeric_from
+from tests.orbits import segment_pieces
 
-FREE = {"impact_oscillator": ("tau_d", "omega"), "impact_oscillator_autonomous": ("tau_d", "K"), "mackey_glass": ("tau", "n"),
-        "spiking_neuron": ("tau", "kick")}  # fmt: skip
+FREE = {
+    "impact_oscillator": ("tau_d", "omega"),
+    "impact_oscillator_autonomous": ("tau_d", "K"),
+    "mackey_glass": ("tau", "n"),
+    "spiking_neuron": ("tau", "kick"),
+}
 METHODS = {"chain": Chain(2, 5), "chebyshev": Chebyshev(6), "direct": Direct(), "untracked": Direct(track=False)}
 
 
-def difference(problem, x):
-    """Return central differences, extrapolated from two steps: a delay of many periods makes their first error large."""
+def difference(orbit):
+    """Return central differences, extrapolated from two steps: delays of many periods make their first error large."""
+
+    def residual(x):
+        return compute_residual(Orbit(orbit.problem, x))
+
     def central(step):
-        return np.array([(residual(problem, x + step * e) - residual(problem, x - step * e)) / (2 * step) for e in np.eye(len(x))]).T
+        steps = step * np.eye(len(orbit.x))
+        return np.array([(residual(orbit.x + e) - residual(orbit.x - e)) / (2 * step) for e in steps]).T
 
     return (4 * central(1e-6) - central(2e-6)) / 3
 
 
-def check(problem, x):
-    exact = Assembler(problem)(x)
+def check(orbit):
+    exact = JacobianAssembler().make_jacobian(orbit)
     exact = exact.toarray() if sp.issparse(exact) else exact
-    expected = difference(problem, x)
+    expected = difference(orbit)
     assert exact.shape == expected.shape
     assert np.max(np.abs(exact - expected)) < 1e-7 * (1 + np.max(np.abs(expected)))
 
 
 def start(problem, seed=1):
-    x = np.random.default_rng(seed).normal(size=problem.layout.size)
-    x[problem.layout.durations] = np.linspace(2.0, 3.0, problem.mesh.n_segments)
-    x[problem.layout.free] = problem.parameters[list(problem.free_index)]
+    x = np.random.default_rng(seed).normal(size=problem.unknowns.size)
+    x[problem.unknowns.durations] = np.linspace(2.0, 3.0, problem.mesh.n_segments)
+    x[problem.unknowns.free] = problem.parameters[list(problem.free_index)]
     return x
 
 
-def problem_of(numeric, segments, method, free, degree=3, intervals=9, n_periods=1):
-    """Return a problem on the mesh that its method asks for, at unknowns near which no breaking points cross."""
+def orbit_of(numeric, segments, method, free, degree=3, intervals=9, n_periods=1):
+    """Return unknowns on the mesh that a method asks for, near which no breaking points cross."""
     model = numeric.model
     durations = np.linspace(1.3, 2.1, len(segments))
     theta = np.concatenate([durations, numeric.delays.value(numeric.parameter_values)])
-    timers = timers_of(numeric, segments, numeric.parameter_values, durations)
-    bare = OrbitProblem(numeric, segments, Mesh(degree, len(segments), ()), METHODS[method], numeric.parameter_values, free, n_periods,
-                        timers=timers)  # fmt: skip
-    mesh = new_mesh(bare, theta, MeshRule(degree, intervals))
-    reference = None if segments[0].event or model.forced else np.random.default_rng(0).normal(size=(mesh.n_base, numeric.n_states))
+    signature, p = Signature(numeric, segments), numeric.parameter_values
+    links = link_delayed_events(signature, p, durations)
+    bare = OrbitProblem(signature, Mesh(degree, len(segments), ()), METHODS[method], p, free, n_periods, links=links)
+    mesh = make_mesh(bare, theta, MeshRule(degree, intervals))
+    reference = (
+        None
+        if segments[0].event or model.forced
+        else np.random.default_rng(0).normal(size=(mesh.n_base, numeric.n_states))
+    )
     problem = replace(bare, mesh=mesh, reference=reference)
-    x = np.random.default_rng(1).uniform(0.5, 1.5, size=problem.layout.size)
-    x[problem.layout.durations] = durations
-    x[problem.layout.free] = problem.parameters[list(problem.free_index)]
-    return problem, x
+    x = np.random.default_rng(1).uniform(0.5, 1.5, size=problem.unknowns.size)
+    x[problem.unknowns.durations] = durations
+    x[problem.unknowns.free] = problem.parameters[list(problem.free_index)]
+    return Orbit(problem, x)
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -70,7 +81,7 @@ def test_shipped_models(path, method):
     numeric = NumericModel(load_model(str(path))[0])
     model = numeric.model
     free = FREE.get(path.stem) or tuple(list(model.parameters)[:2])
-    check(*problem_of(numeric, tuple(model.segments.values()) or (eventless(model.initial_mode),), method, free))
+    check(orbit_of(numeric, tuple(model.segments.values()) or (make_eventless(model.initial_mode),), method, free))
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -86,18 +97,19 @@ resets: {g: {x: x + y(t - sigma)*a, y: -a*y*cos(w*t)}}
 segments: {s: {mode: m, event: e, reset: g, to: m}}
 """)
     segments = (numeric.model.segments["s"],) * 2
-    check(*problem_of(numeric, segments, method, ("tau", "sigma", "w", "a"), n_periods=2))
+    check(orbit_of(numeric, segments, method, ("tau", "sigma", "w", "a"), n_periods=2))
 
 
 def test_without_delays_the_matrix_is_sparse_and_its_pattern_is_kept():
     numeric = NumericModel(load_model(str(next(p for p in MODELS if p.stem == "wall_oscillator")))[0])
     mesh = Mesh(4, 1, segment_pieces(1, 1, equal_cuts([50])))
-    problem = OrbitProblem(numeric, (numeric.model.segments["flight"],), mesh, Chain(2, 5), numeric.parameter_values, ("a",))
-    assembler = Assembler(problem)
+    signature = Signature(numeric, (numeric.model.segments["flight"],))
+    problem = OrbitProblem(signature, mesh, Chain(2, 5), numeric.parameter_values, ("a",))
+    assembler = JacobianAssembler()
     x = start(problem)
-    first = assembler(x)
-    pattern = assembler.blocks.pattern
+    first = assembler.make_jacobian(Orbit(problem, x))
+    pattern = assembler.assembly.pattern
     assert sp.issparse(first)
     assert first.nnz < 0.08 * np.prod(first.shape)
-    assembler(x + 0.1)
-    assert assembler.blocks.pattern is pattern
+    assembler.make_jacobian(Orbit(problem, x + 0.1))
+    assert assembler.assembly.pattern is pattern

@@ -25,8 +25,10 @@ def legend(figure):
     if not figure.legends:
         return {}
     [box] = figure.legends
-    return {text.get_text(): getattr(h, "get_color", h.get_facecolor if hasattr(h, "get_facecolor") else None)()
-            for text, h in zip(box.get_texts(), box.legend_handles, strict=True)}  # fmt: skip
+    return {
+        text.get_text(): getattr(h, "get_color", h.get_facecolor if hasattr(h, "get_facecolor") else None)()
+        for text, h in zip(box.get_texts(), box.legend_handles, strict=True)
+    }
 
 
 def texts(axes):

@@ -3,20 +3,29 @@
 import base64
 import json
 import re
+from functools import cache
 from html.parser import HTMLParser
 from xml.etree import ElementTree
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from jinja2 import UndefinedError
 
-from pddecont.report.cells import html_table, written
-from pddecont.report.page import page
-from pddecont.results.reader import read_results
-from pddecont.results.writer import create
+from pddecont.reasons import make_reason
+from pddecont.report import render_page
+from pddecont.report.page import MAX_ROWS, Picture, make_environment
+from pddecont.results import create_results, read_results
 from tests.cli.test_cli import call
 from tests.plot import synthetic
 
 VOID = {"meta", "img", "br", "link", "input"}
 HOSTILE = "<script>alert('x')</script><img src=\"https://example.org/a.png\" onerror='alert(1)'>$\\frac"
+
+# What HTML cannot hold as it is (a carriage return, control characters) is no text of a page.
+TEXTS = st.text(
+    st.characters(blacklist_categories=("Cc", "Cs"), whitelist_characters="\n"), max_size=30
+) | st.sampled_from(["<b>", "&lt;", "</pre>", "{{ 7*7 }}", "{% raw %}", "\"' onerror=", "<!--", "]]>"])
 
 
 class Page(HTMLParser):
@@ -47,23 +56,38 @@ class Page(HTMLParser):
 @pytest.fixture(scope="module")
 def text(tmp_path_factory):
     path = tmp_path_factory.mktemp("report") / "some.h5"
-    create(path, "model", "run", "/home/somebody/run.yaml", '{"numpy": "2.0"}')
+    create_results(path, "model", "run", "/home/somebody/run.yaml", '{"numpy": "2.0"}')
     synthetic.add(path, "orbit", synthetic.gain()[:1], kind="orbit")
     synthetic.add(path, "in_delay", [synthetic.point(float(k), 0.3, 3.0 + k, 1.0) for k in range(2)], free=("tau_d",))
     synthetic.add(path, "in_gain", synthetic.gain())
     synthetic.add(path, "grazing", synthetic.grazing_curve(), free=("tau_d", "K"), curve="GR", side=True)
-    return page(read_results(path))
+    return render_page(read_results(path))
 
 
 def test_the_page_holds_every_step_its_points_and_its_pictures(text):
     read = Page(text)
     said = " ".join(read.text)
-    for word in ("in_gain", "in_delay", "grazing", "run.yaml", "numpy", "LP1", "GR1", "GG1", "reached the end", "fold", "grazing"):
+    for word in (
+        "in_gain",
+        "in_delay",
+        "grazing",
+        "run.yaml",
+        "numpy",
+        "LP1",
+        "GR1",
+        "GG1",
+        "reached the end",
+        "fold",
+        "grazing",
+    ):
         assert word in said
     captions = [a["alt"] for a in read.of("img")]
     assert captions[:2] == ["overview", "manifold"]
-    assert {"in_gain: diagram", "in_gain: multipliers", "orbit: profile", "grazing: plane", "grazing: orbit"} <= set(captions)
+    assert {"in_gain: diagram", "in_gain: multipliers", "orbit: profile", "grazing: plane", "grazing: orbit"} <= set(
+        captions
+    )
     assert "in_delay: multipliers" not in captions
+    assert not [a for a in read.of("p") if a.get("class") == "none"]  # every picture that is listed could be drawn
     assert "somebody" not in text  # folders are nobody's business
     anchors = {a["id"] for _, a in read.tags if "id" in a}
     assert {a["href"][1:] for a in read.of("a")} <= anchors
@@ -90,11 +114,11 @@ def test_nothing_comes_from_outside_and_nothing_runs(text):
 
 def test_text_of_a_stranger_is_only_text(tmp_path):
     path = tmp_path / "h.h5"
-    create(path, HOSTILE, HOSTILE + "run", HOSTILE, json.dumps({"numpy": HOSTILE}))
-    row = synthetic.point(0.0, 0.2, 3.8, 1.0, note=HOSTILE[:32], signature="<b>NC</b> C")
+    create_results(path, HOSTILE, HOSTILE + "run", HOSTILE, json.dumps({"numpy": HOSTILE}))
+    row = synthetic.point(0.0, 0.2, 3.8, 1.0, reason=make_reason("text", text=HOSTILE), signature="<b>NC</b> C")
     rows = [row, row | {"arclength": 1.0, "kind": b"LP", "parameters": [0.8, 0.3, 3.8]}]
     synthetic.add(path, "step", rows)
-    text = page(read_results(path))
+    text = render_page(read_results(path))
     read = Page(text)
     assert not {"script", "b", "i"} & {tag for tag, _ in read.tags}
     assert all(a["src"].startswith("data:image/") for a in read.of("img"))
@@ -106,24 +130,58 @@ def test_text_of_a_stranger_is_only_text(tmp_path):
 
 def test_an_unfinished_file_has_a_page_too(tmp_path):
     path = tmp_path / "empty.h5"
-    create(path, "model", "run", "run.yaml", "{}")
-    assert "Steps" in Page(page(read_results(path))).text
+    create_results(path, "model", "run", "run.yaml", "{}")
+    assert "Steps" in Page(render_page(read_results(path))).text
     synthetic.add(path, "nothing_yet", [])
-    assert "nothing_yet" in Page(page(read_results(path))).text
+    assert "nothing_yet" in Page(render_page(read_results(path))).text
 
 
-def test_cells_are_written_plainly():
-    assert written(None) == written(float("nan")) == ""
-    assert written(1 / 3) == "0.33333333"
-    assert written(True) == "yes"
-    assert written({"a<": [1, 2]}) == "a&lt; 1, 2"
-    assert html_table([]) == ""
-    assert html_table([{"n": i} for i in range(203)]).endswith("<p>3 more rows: see 'pddecont export'.</p>")
+@cache
+def macros():
+    return make_environment().get_template("tables.html").module
+
+
+@settings(max_examples=40, deadline=None)
+@given(TEXTS, TEXTS, TEXTS)
+def test_any_text_in_a_table_is_only_text(name, first, second):
+    read = Page(str(macros().table([{name: first, name + "2": [second]}], ["step-0"])))
+    assert "".join(read.text).replace("\n", "") == "".join((name, name, "2", first, second)).replace("\n", "")
+    lines = second.count("\n")
+    assert [tag for tag, _ in read.tags] == ["table", "tr", "th", "th", "tr", "td", "a", "td", *["br"] * lines]
+
+
+@settings(max_examples=40, deadline=None)
+@given(TEXTS, TEXTS)
+def test_any_text_elsewhere_is_only_text(title, text):
+    for read, tags, words in (
+        (Page(str(macros().folded(title, text))), ["details", "summary", "pre"], title + text),
+        (Page(str(macros().facts({title: text}))), ["dl", "dt", "dd", *["br"] * text.count("\n")], title + text),
+        (Page(str(macros().picture(Picture(title, problem=f"{text}!")))), ["p"], f"{title}: {text}!"),
+        (Page(str(macros().picture(Picture(title, text)))), ["figure", "img", "figcaption"], title),
+    ):
+        assert [tag for tag, _ in read.tags] == tags
+        assert "".join(read.text).replace("\n", "") == words.replace("\n", "")
+    [image] = read.of("img")
+    assert image == {"alt": title, "src": text}
+
+
+def test_long_tables_end_with_where_the_rest_is():
+    assert str(macros().table([])).strip() == ""
+    shown = str(macros().table([{"n": i} for i in range(MAX_ROWS + 3)]))
+    assert shown.rstrip().endswith("<p>3 more rows: see 'pddecont export'.</p>")
+    assert len(Page(shown).of("tr")) == MAX_ROWS + 1
+
+
+def test_what_a_page_is_made_of_is_there_or_is_an_error():
+    environment = make_environment()
+    assert environment.autoescape is True
+    with pytest.raises(UndefinedError):
+        environment.from_string("{{ nothing }}").render()
 
 
 def test_the_command_writes_the_page(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    create(tmp_path / "old.h5", "model", "run", "run.yaml", "{}")
+    create_results(tmp_path / "old.h5", "model", "run", "run.yaml", "{}")
     synthetic.add(tmp_path / "old.h5", "orbit", synthetic.gain()[:1], kind="orbit", new=False)
     assert call("report", "old.h5")[0] == 0
     assert Page((tmp_path / "old.html").read_text()).of("img")

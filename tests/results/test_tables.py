@@ -11,10 +11,10 @@ from click.testing import CliRunner
 from pddecont.cli import group
 from pddecont.cli.export import to_csv
 from pddecont.errors import ResultsError
-from pddecont.results.reader import read_results
-from pddecont.results.summary import short_signature, step_summary, summary
-from pddecont.results.tables import multipliers, table
-from pddecont.results.writer import create
+from pddecont.reasons import make_reason
+from pddecont.results import create_results, read_results
+from pddecont.tables import make_table, read_multipliers
+from pddecont.tables.summary import shorten_signature, summarise, summarise_step
 from tests.plot.synthetic import add, gain, point, write_all, write_old
 
 
@@ -34,30 +34,48 @@ def command(*args):
 
 
 def test_points_keep_their_columns_in_order_with_the_new_ones_after_the_error(every):
-    rows = table(every.step("in_gain"), "points")
-    assert list(rows[0]) == ["index", "label", "kind", "omega", "K", "tau_d", "period", "stable", "admissible", "top", "error_estimate",
-                             "n_unstable", "note", "n_unknowns"]  # fmt: skip
+    rows = make_table(every.step("in_gain"), "points")
+    assert list(rows[0]) == [
+        "index",
+        "label",
+        "kind",
+        "omega",
+        "K",
+        "tau_d",
+        "period",
+        "stable",
+        "admissible",
+        "top",
+        "error_estimate",
+        "n_unstable",
+        "note",
+        "n_unknowns",
+    ]
     assert [r["n_unstable"] for r in rows] == [sum(abs(m) > 1 for m in r["multipliers"]) for r in gain()]
     assert rows[0]["note"] == ""
 
 
 def test_a_note_and_an_unknown_count(tmp_path):
-    create(tmp_path / "a.h5", "m", "r", "r", "{}")
-    add(tmp_path / "a.h5", "b", [point(0.0, 1, 3, 1, kind="UF", note="touches é", stable=-1)])
-    [row] = table(read_results(tmp_path / "a.h5").step("b"), "special")
+    create_results(tmp_path / "a.h5", "m", "r", "r", "{}")
+    add(
+        tmp_path / "a.h5",
+        "b",
+        [point(0.0, 1, 3, 1, kind="UF", reason=make_reason("text", text="touches é"), stable=-1)],
+    )
+    [row] = make_table(read_results(tmp_path / "a.h5").step("b"), "special")
     assert (row["label"], row["note"], row["n_unstable"]) == ("UF1", "touches é", None)
 
 
 def test_files_without_the_new_columns_give_the_same_table(old):
-    rows = table(old.step("in_gain"), "points")
+    rows = make_table(old.step("in_gain"), "points")
     assert {(r["n_unstable"], r["note"]) for r in rows} == {(None, "")}
     with pytest.raises(ResultsError, match="run it with 'stability: true'"):
-        table(old.step("in_gain"), "multipliers")
-    assert len(multipliers(old.step("in_gain"), 0)) == 0
+        make_table(old.step("in_gain"), "multipliers")
+    assert len(read_multipliers(old.step("in_gain"), 0)) == 0
 
 
 def test_multipliers_one_row_each(every):
-    rows = table(every.step("in_gain"), "multipliers")
+    rows = make_table(every.step("in_gain"), "multipliers")
     assert len(rows) == 33 * 3
     assert list(rows[0]) == ["index", "label", "K", "number", "multiplier", "modulus"]
     for k, row in enumerate(rows):
@@ -72,17 +90,19 @@ def test_multipliers_one_row_each(every):
 
 def test_multipliers_of_one_point(every):
     step = every.step("in_gain")
-    rows = table(step, "multipliers", step.row("GR1"))
+    rows = make_table(step, "multipliers", step.row("GR1"))
     assert [r["label"] for r in rows] == ["GR1"] * 3
     assert rows[0]["K"] == pytest.approx(0.5)
     with pytest.raises(ResultsError, match="33 points, no index 33"):
-        table(step, "multipliers", 33)
+        make_table(step, "multipliers", 33)
     with pytest.raises(ResultsError, match=r"has no table 'events' \(it has: points, special, orbit, multipliers\)"):
-        table(step, "events")
+        make_table(step, "events")
 
 
 def test_export_of_complex_numbers(every):
-    data = json.loads(command("export", every.path, "--step", "in_gain", "--table", "multipliers", "--index", "0", "--format", "json"))
+    data = json.loads(
+        command("export", every.path, "--step", "in_gain", "--table", "multipliers", "--index", "0", "--format", "json")
+    )
     expected = gain()[0]["multipliers"]
     assert [r["multiplier"] for r in data] == [[m.real, m.imag] for m in expected]
     assert "re" not in data[0]
@@ -105,29 +125,29 @@ def test_a_parameter_may_be_called_re():
 
 
 def test_a_curves_table_names_both_parameters(tmp_path):
-    create(tmp_path / "a.h5", "m", "r", "r", "{}")
+    create_results(tmp_path / "a.h5", "m", "r", "r", "{}")
     add(tmp_path / "a.h5", "c", [point(0.0, 1, 3, 1, multipliers=[1.0])], free=("tau_d", "K"), curve="LP")
-    [row] = table(read_results(tmp_path / "a.h5").step("c"), "multipliers")
+    [row] = make_table(read_results(tmp_path / "a.h5").step("c"), "multipliers")
     assert (row["tau_d"], row["K"]) == (3.0, 1.0)
 
 
 def test_summary_of_stability_signatures_and_curves(every, old):
-    branch = step_summary(every.step("in_gain"))
+    branch = summarise_step(every.step("in_gain"))
     assert branch["stability"] == {"stable": 8, "unstable": 25, "unknown": 0}
     assert branch["signatures"] == ["NC C", "NC"]
     assert not {"trivial_error", "warning", "curve"} & set(branch)
-    curve = step_summary(every.step("grazing"))
+    curve = summarise_step(every.step("grazing"))
     assert (curve["curve"], curve["free"]) == ("GR", ["tau_d", "K"])
-    assert not {"stability", "trivial_error", "warning", "curve"} & set(step_summary(old.step("in_gain")))
-    assert [s["name"] for s in summary(every)["steps"]][-1] == "folds"
+    assert not {"stability", "trivial_error", "warning", "curve"} & set(summarise_step(old.step("in_gain")))
+    assert [s["name"] for s in summarise(every)["steps"]][-1] == "folds"
 
 
 @pytest.mark.parametrize(("error", "warned"), [(9e-5, False), (2e-4, True)])
 def test_a_wrong_trivial_multiplier_is_warned_of(tmp_path, error, warned):
-    create(tmp_path / "a.h5", "m", "r", "r", "{}")
+    create_results(tmp_path / "a.h5", "m", "r", "r", "{}")
     errors = [1e-9, np.nan, error]
     add(tmp_path / "a.h5", "b", [point(float(k), 1, 3, 1, trivial_error=e) for k, e in enumerate(errors)])
-    data = step_summary(read_results(tmp_path / "a.h5").step("b"))
+    data = summarise_step(read_results(tmp_path / "a.h5").step("b"))
     assert data["trivial_error"] == error
     assert ("warning" in data) == warned
     text = command("info", tmp_path / "a.h5")
@@ -145,17 +165,25 @@ def test_info_in_words(every):
     assert next(s for s in data["steps"] if s["name"] == "doubled")["signatures"] == ["NC C NC C"]
 
 
-@pytest.mark.parametrize(("names", "short"), [
-    ("", ""), ("NC", "NC"), ("NC C", "NC C"), ("NC NC NC", "NC×3"), ("NC C NC C NC", "(NC C)×2 NC"), ("a b b a b b", "(a b b)×2"),
-    ("a b b c", "a b×2 c"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("names", "short"),
+    [
+        ("", ""),
+        ("NC", "NC"),
+        ("NC C", "NC C"),
+        ("NC NC NC", "NC×3"),
+        ("NC C NC C NC", "(NC C)×2 NC"),
+        ("a b b a b b", "(a b b)×2"),
+        ("a b b c", "a b×2 c"),
+    ],
+)
 def test_short_signatures(names, short):
-    assert short_signature(names) == short
+    assert shorten_signature(names) == short
 
 
 def test_long_signatures_are_cut_in_the_middle():
     text = " ".join(f"segment_{k}" for k in range(30))
-    short = short_signature(text)
+    short = shorten_signature(text)
     assert short.startswith("segment_0 ")
     assert short.endswith("segment_29 (30 segments)")
     assert len(short) < 65

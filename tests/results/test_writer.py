@@ -13,21 +13,27 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pddecont.errors import ResultsError
-from pddecont.results.layout import Column, StepSpec
-from pddecont.results.reader import read_results
-from pddecont.results.writer import StepWriter, create, drop_steps
+from pddecont.reasons import make_reason
+from pddecont.results import Column, StepFormat, StepWriter, create_results, drop_steps, read_results
 
-SPEC = StepSpec("branch", "continue", {"kind": Column("S2"), "arclength": Column("f8"), "v": Column("f8", (2,))},
-                {"rows": Column("f8", (3,)), "flat": Column("i8")}, {"directions": 1})  # fmt: skip
+FORMAT = StepFormat(
+    "continue",
+    {"kind": Column("S2"), "arclength": Column("f8"), "v": Column("f8", (2,))},
+    {"rows": Column("f8", (3,)), "flat": Column("i8")},
+    has_branch=True,
+)
+META = {"directions": 1}
 
 
 def new(path, **options):
-    create(path, "model text", "run text", "run.yaml", "{}", **options)
+    create_results(path, "model text", "run text", "run.yaml", "{}", **options)
 
 
 def row(i):
-    return ({"kind": b"GR" if i == 3 else b"", "arclength": float(-i), "v": [i, i + 0.5]},
-            {"rows": np.full((i % 4, 3), i, dtype=float), "flat": np.arange(i)})  # fmt: skip
+    return (
+        {"kind": b"GR" if i == 3 else b"", "arclength": float(-i), "v": [i, i + 0.5]},
+        {"rows": np.full((i % 4, 3), i, dtype=float), "flat": np.arange(i)},
+    )
 
 
 @settings(max_examples=20, deadline=None)
@@ -35,14 +41,14 @@ def row(i):
 def test_what_is_written_is_read_back(tmp_path_factory, n, capacity):
     path = tmp_path_factory.mktemp("r") / "a.h5"
     new(path)
-    with StepWriter(path, SPEC, capacity=capacity) as writer:
+    with StepWriter(path, "branch", FORMAT, META, capacity=capacity) as writer:
         for i in range(n):
             writer.append(*row(i))
-        writer.terminate("done")
+        writer.terminate(make_reason("max_points", direction=1))
     step = read_results(path).step("branch")
     assert len(step) == n
     assert step.done
-    assert step.termination == ("done",)
+    assert step.endings == (make_reason("max_points", direction=1),)
     for i in range(n):
         points, orbits = row(i)
         assert np.array_equal(step.points["v"][i], points["v"])
@@ -55,13 +61,13 @@ def test_what_is_written_is_read_back(tmp_path_factory, n, capacity):
 def test_unfinished_rows_are_there_before_the_step_is_closed(tmp_path):
     path = tmp_path / "a.h5"
     new(path)
-    writer = StepWriter(path, SPEC)
+    writer = StepWriter(path, "branch", FORMAT, META)
     for i in range(5):
         writer.append(*row(i))
         assert len(read_results(path).step("branch")) == i + 1
     assert not read_results(path).step("branch").done
     # Going on from the first three rows.
-    writer = StepWriter(path, SPEC, kept=3, kept_rows={"rows": 3, "flat": 3})
+    writer = StepWriter(path, "branch", FORMAT, META, recorded=read_results(path).step("branch"), kept=3)
     assert len(read_results(path).step("branch")) == 3
     writer.append(*row(3))
     writer.close()
@@ -73,9 +79,11 @@ def test_unfinished_rows_are_there_before_the_step_is_closed(tmp_path):
 def test_labels_are_numbered_along_the_branch(tmp_path):
     path = tmp_path / "a.h5"
     new(path)
-    with StepWriter(path, SPEC) as writer:
+    with StepWriter(path, "branch", FORMAT, META) as writer:
         for arclength, kind in ((0, b""), (-1, b"GR"), (-2, b"EP"), (3, b"GR")):
-            writer.append({"kind": kind, "arclength": arclength, "v": [0, 0]}, {"rows": np.zeros((0, 3)), "flat": np.zeros(0)})
+            writer.append(
+                {"kind": kind, "arclength": arclength, "v": [0, 0]}, {"rows": np.zeros((0, 3)), "flat": np.zeros(0)}
+            )
     step = read_results(path).step("branch")
     assert step.labels == ("", "GR1", "EP1", "GR2")
     assert step.row("GR2") == 3
@@ -97,7 +105,7 @@ def test_steps_can_be_dropped(tmp_path):
     path = tmp_path / "a.h5"
     new(path)
     for name in ("one", "two"):
-        with StepWriter(path, StepSpec(name, "orbit", SPEC.points)) as writer:
+        with StepWriter(path, name, StepFormat("orbit", FORMAT.points), META) as writer:
             writer.append(row(1)[0])
     drop_steps(path, ["one"])
     assert list(read_results(path).steps) == ["two"]
@@ -123,8 +131,8 @@ def test_a_newer_format_is_refused(tmp_path):
 WRITE = """
 import sys; sys.path.insert(0, {root!r})
 from pathlib import Path
-from tests.results.test_writer import SPEC, StepWriter, row
-writer = StepWriter(Path({path!r}), SPEC, capacity=2)
+from tests.results.test_writer import FORMAT, META, StepWriter, row
+writer = StepWriter(Path({path!r}), "branch", FORMAT, META, capacity=2)
 for i in range(100000):
     writer.append(*row(i % 200))
     print(i + 1, flush=True)
@@ -138,7 +146,9 @@ def test_a_killed_process_leaves_every_finished_point(tmp_path):
     for k in range(12):
         path = tmp_path / f"{k}.h5"
         new(path)
-        process = subprocess.Popen([sys.executable, "-c", WRITE.format(root=str(ROOT), path=str(path))], stdout=subprocess.PIPE)
+        process = subprocess.Popen(
+            [sys.executable, "-c", WRITE.format(root=str(ROOT), path=str(path))], stdout=subprocess.PIPE
+        )
         assert process.stdout is not None
         assert process.stdout.readline()
         time.sleep(rng.uniform(0.0, 0.15))

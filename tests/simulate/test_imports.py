@@ -4,18 +4,21 @@ import subprocess
 import sys
 
 from tests.conftest import ROOT
+from tests.runs import to_yaml
 
-FIRST = """
-model: {root}/models/impact_oscillator.yaml
-steps:
-  - {{name: t, simulate: {{t_end: 60*2*pi/omega}}}}
-  - {{name: o, orbit: {{from: t}}}}
-"""
-SECOND = """
-model: {root}/models/impact_oscillator.yaml
-steps:
-  - {{name: c, continue: {{from: {{file: a.h5, step: o}}, free: [K], range: {{K: [0.11, 0.13]}}, max_points: 3, stability: true}}}}
-"""
+MODEL = f"{ROOT}/models/impact_oscillator.yaml"
+FIRST = {
+    "model": MODEL,
+    "steps": [{"name": "t", "simulate": {"t_end": "60*2*pi/omega"}}, {"name": "o", "orbit": {"from": "t"}}],
+}
+BRANCH = {
+    "from": {"file": "a.h5", "step": "o"},
+    "free": ["K"],
+    "range": {"K": [0.11, 0.13]},
+    "max_points": 3,
+    "stability": True,
+}
+SECOND = {"model": MODEL, "steps": [{"name": "c", "continue": BRANCH}]}
 CALL = """
 import sys
 from pddecont.cli import main
@@ -28,15 +31,21 @@ print("numba" in sys.modules, "llvmlite" in sys.modules, "distributed" in sys.mo
 
 
 def imported(folder, *arguments):
-    done = subprocess.run([sys.executable, "-c", CALL.format(arguments=list(arguments))], cwd=folder, capture_output=True, text=True,
-                          timeout=300, check=False)  # fmt: skip
+    done = subprocess.run(
+        [sys.executable, "-c", CALL.format(arguments=list(arguments))],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
     assert done.returncode == 0, done.stderr
     return done.stdout.split()[-3:]
 
 
 def test_only_runs_that_simulate_import_the_compiler(tmp_path):
-    (tmp_path / "first.yaml").write_text(FIRST.format(root=ROOT))
-    (tmp_path / "second.yaml").write_text(SECOND.format(root=ROOT))
+    (tmp_path / "first.yaml").write_text(to_yaml(FIRST))
+    (tmp_path / "second.yaml").write_text(to_yaml(SECOND))
     assert imported(tmp_path, "run", "first.yaml", "-o", "a.h5", "-q") == ["True", "True", "False"]
     assert imported(tmp_path, "run", "second.yaml", "-o", "b.h5", "-q") == ["False"] * 3
     for arguments in (["check", "first.yaml"], ["info", "a.h5"], ["plot", "b.h5", "-o", "b.png"], ["export", "b.h5"]):

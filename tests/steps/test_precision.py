@@ -4,29 +4,47 @@ import numpy as np
 import pytest
 
 from pddecont.errors import RunError
-from pddecont.results.precision import cheapest, cheapest_lines, distances, envelope, precision_rows, reference_error, rows_of, slope
-from pddecont.results.reader import read_results
-from pddecont.steps import precision as precision_step
+from pddecont.results import read_results
+from pddecont.steps.execution import precision as precision_step
+from pddecont.tables import describe_endings
+from pddecont.tables.precision import (
+    describe_cheapest,
+    find_cheapest,
+    find_envelope,
+    find_rows,
+    fit_slope,
+    list_settings,
+    measure_distances,
+    read_reference_error,
+)
 from tests.cli.test_cli import call
-from tests.runs import run
+from tests.runs import change, run
 
 # x' = a x - sgn x(t - tau) (shared validation table): period and amplitude in closed form.
-RELAY = """
-model: ../models/relay.yaml
-set: {a: 0.5}
-steps:
-  - {name: transient, simulate: {t_end: 60}}
-  - {name: orbit, orbit: {from: transient}}
-  - name: cost
-    precision:
-      from: orbit
-      quantities: {T: period, size: amplitude(x)}
-      reference: {T: "2*(tau - log(2 - exp(a*tau))/a)", size: "(exp(a*tau) - 1)/a"}
-      methods: [{method: direct}, {method: chain, order: 2, n: [10, 20, 40]}, {method: chain, order: 2, n: [10, 20, 40], states: explicit}]
-      degrees: [3, 6]
-      intervals: [8, 32]
-      repeats: 1
-"""
+RELAY = {
+    "model": "relay",
+    "set": {"a": 0.5},
+    "steps": [
+        {"name": "transient", "simulate": {"t_end": 60}},
+        {"name": "orbit", "orbit": {"from": "transient"}},
+        {
+            "name": "cost",
+            "precision": {
+                "from": "orbit",
+                "quantities": {"T": "period", "size": "amplitude(x)"},
+                "reference": {"T": "2*(tau - log(2 - exp(a*tau))/a)", "size": "(exp(a*tau) - 1)/a"},
+                "methods": [
+                    {"method": "direct"},
+                    {"method": "chain", "order": 2, "n": [10, 20, 40]},
+                    {"method": "chain", "order": 2, "n": [10, 20, 40], "states": "explicit"},
+                ],
+                "degrees": [3, 6],
+                "intervals": [8, 32],
+                "repeats": 1,
+            },
+        },
+    ],
+}
 
 
 @pytest.fixture(scope="module")
@@ -36,21 +54,21 @@ def relay(tmp_path_factory):
 
 def test_errors_are_those_from_the_closed_form(relay):
     T, size = 6.1847010803, 1.2974425414
-    for row in precision_rows(relay)[1:]:
+    for row in list_settings(relay)[1:]:
         assert row["T_error"] == pytest.approx(abs(row["T"] - T) / T, abs=2e-11)
         assert row["size_error"] == pytest.approx(abs(row["size"] - size) / size, abs=1e-10)
         assert row["error"] == max(row["T_error"], row["size_error"])
-    assert reference_error(relay) < 1e-12
-    direct = [r["error"] for r in precision_rows(relay) if r["method"] == "direct"]
+    assert read_reference_error(relay) < 1e-12
+    direct = [r["error"] for r in list_settings(relay) if r["method"] == "direct"]
     # Two exponential arcs a period: degree 6 resolves them, degree 3 by order 2 m = 6 at the intervals' ends.
     assert direct[3] < 1e-12
     assert 1e-12 < direct[1] < direct[0] < 1e-3
-    assert "closed forms" in relay.termination[0]
+    assert "closed forms" in describe_endings(relay)[0]
 
 
 def test_explicit_states_give_the_eliminated_chain(relay):
     p = relay.points
-    eliminated, explicit = rows_of(relay, "chain of order 2"), rows_of(relay, "chain of order 2, explicit states")
+    eliminated, explicit = find_rows(relay, "chain of order 2"), find_rows(relay, "chain of order 2, explicit states")
     assert len(eliminated) == len(explicit) == 12
     assert p["values"][explicit] == pytest.approx(p["values"][eliminated], rel=1e-10)
     # One delayed quantity, n stages of two states.
@@ -62,43 +80,55 @@ def test_costs_are_measured(relay):
     p = relay.points
     assert np.all(p["wall_low"] <= p["wall"]) and np.all(p["wall"] <= p["wall_high"])
     assert np.all(p["cpu"] > 0) and np.all(p["memory"] > 1000) and np.all(p["n_iterations"][1:] >= 2)
-    many, few = (p["memory"][rows_of(relay, name)].max() for name in ("chain of order 2, explicit states", "direct"))
+    many, few = (p["memory"][find_rows(relay, name)].max() for name in ("chain of order 2, explicit states", "direct"))
     assert many > few
 
 
 def test_the_cheapest_setting_for_a_level(relay):
     for level in (1e-2, 1e-6, 1e-9):
-        i = cheapest(relay, level)
+        i = find_cheapest(relay, level)
         reaching = relay.points["cpu"][1:][relay.points["error"][1:] <= level]
         assert relay.points["error"][i] <= level and relay.points["cpu"][i] == reaching.min()
-    assert cheapest(relay, 1e-30) is None
-    assert [line[:5] for line in cheapest_lines(relay)] == ["1e-03", "1e-06", "1e-09"]
+    assert find_cheapest(relay, 1e-30) is None
+    assert [line[:5] for line in describe_cheapest(relay)] == ["1e-03", "1e-06", "1e-09"]
 
 
 def test_slopes_and_envelopes():
     x = np.array([1.0, 2.0, 4.0, 8.0, 16.0])
-    assert slope(x, 3 * x**-2.0, 0.0) == pytest.approx(-2)
-    assert slope(x, np.maximum(x**-2.0, 0.02), 0.02) == pytest.approx(-2)  # what lies at the floor does not count
-    assert np.isnan(slope(x[:2], x[:2], 0.0))
-    assert envelope(np.array([3.0, 1.0, 2.0]), np.array([0.1, 0.5, 0.7])).tolist() == [1, 0]
+    assert fit_slope(x, 3 * x**-2.0, 0.0) == pytest.approx(-2)
+    assert fit_slope(x, np.maximum(x**-2.0, 0.02), 0.02) == pytest.approx(-2)  # what lies at the floor does not count
+    assert np.isnan(fit_slope(x[:2], x[:2], 0.0))
+    assert find_envelope(np.array([3.0, 1.0, 2.0]), np.array([0.1, 0.5, 0.7])).tolist() == [1, 0]
 
 
-IMPACT = """
-model: ../models/impact_oscillator.yaml
-steps:
-  - {name: transient, simulate: {t_end: 300*2*pi/omega}}
-  - {name: orbit, orbit: {from: transient}}
-  - name: cost
-    precision:
-      from: orbit
-      quantities: {v: "at(NC, v)"}
-      methods: [{method: direct}, {method: chain, order: 2, n: [20, 40, 80]}]
-      degrees: 8
-      tolerances: [1.0e-4, 1.0e-7]
-      repeats: 1
-  - {name: short, simulate: {t_end: 10*2*pi/omega, initial: {x: 0.5}}}
-  - {name: runs, precision: {from: short, quantities: {x: x, u: v(t - tau_d)}, tolerances: [1.0e-5, 1.0e-8, 1.0e-11], repeats: 1}}
-"""
+IMPACT = {
+    "model": "impact_oscillator",
+    "steps": [
+        {"name": "transient", "simulate": {"t_end": "300*2*pi/omega"}},
+        {"name": "orbit", "orbit": {"from": "transient"}},
+        {
+            "name": "cost",
+            "precision": {
+                "from": "orbit",
+                "quantities": {"v": "at(NC, v)"},
+                "methods": [{"method": "direct"}, {"method": "chain", "order": 2, "n": [20, 40, 80]}],
+                "degrees": 8,
+                "tolerances": [0.0001, 1e-07],
+                "repeats": 1,
+            },
+        },
+        {"name": "short", "simulate": {"t_end": "10*2*pi/omega", "initial": {"x": 0.5}}},
+        {
+            "name": "runs",
+            "precision": {
+                "from": "short",
+                "quantities": {"x": "x", "u": "v(t - tau_d)"},
+                "tolerances": [1e-05, 1e-08, 1e-11],
+                "repeats": 1,
+            },
+        },
+    ],
+}
 
 
 @pytest.fixture(scope="module")
@@ -108,12 +138,12 @@ def impact(tmp_path_factory):
 
 def test_the_impact_velocity_and_the_distance_of_eq_4_1(impact):
     step = impact.step("cost")
-    # Shared design notes: 0.734426370925 from an independent prototype.
+    # 0.734426370925 is an independent prototype's.
     assert step.points["values"][0, 0] == pytest.approx(0.734426370925, abs=1e-11)
-    n, distance, order = distances(step)["chain of order 2"]
+    n, distance, order = measure_distances(step)["chain of order 2"]
     assert n.tolist() == [20, 40, 80]
     assert order == pytest.approx(2.0, abs=0.1)
-    row = int(rows_of(step, "chain of order 2")[-1])
+    row = int(find_rows(step, "chain of order 2")[-1])
     ends = np.array(step.meta["ends"])
     assert ends[:, 0] == pytest.approx([1.26, 1.26], abs=1e-12)
     # On the surface x = e only the velocities differ; the first of them is the quantity.
@@ -122,15 +152,15 @@ def test_the_impact_velocity_and_the_distance_of_eq_4_1(impact):
 
 def test_simulations_are_compared_by_tolerance_and_integrator(impact):
     step = impact.step("runs")
-    assert reference_error(step) < 1e-10
+    assert read_reference_error(step) < 1e-10
     for name in ("explicit", "stiff"):
-        errors = step.points["error"][rows_of(step, name)]
+        errors = step.points["error"][find_rows(step, name)]
         assert len(errors) == 3 and errors[2] < 1e-2 * errors[1] < 1e-4 * errors[0]
     assert np.all(step.points["n_steps"] > 0)
 
 
 def test_it_is_resumed_where_it_broke_off(tmp_path, relay, monkeypatch):
-    path, whole, calls = tmp_path / "r.h5", precision_step.measured, []
+    path, whole, calls = tmp_path / "r.h5", precision_step.measure_cost, []
 
     def breaking(compute, repeats):
         calls.append(compute)
@@ -139,7 +169,7 @@ def test_it_is_resumed_where_it_broke_off(tmp_path, relay, monkeypatch):
         return whole(compute, repeats)
 
     with monkeypatch.context() as patch:
-        patch.setattr(precision_step, "measured", breaking)
+        patch.setattr(precision_step, "measure_cost", breaking)
         with pytest.raises(KeyboardInterrupt):
             run(RELAY, path)
     kept = read_results(path).step("cost")
@@ -149,20 +179,22 @@ def test_it_is_resumed_where_it_broke_off(tmp_path, relay, monkeypatch):
     assert np.array_equal(done.points["wall"][:7], kept.points["wall"])
 
 
-@pytest.mark.parametrize(("old", "new", "message"), [
-    ("repeats: 1", "integrators: [stiff]", "does not go with orbits"),
-    ("reference: {T:", "reference: {t:", "is not among the quantities"),
-    ("T: period", "T: x", "varies along the orbit"),
-    ("order: 2, n: [10, 20, 40]}", "order: 99, n: [10, 20, 40]}", "less than or equal to 20"),
-    ("{method: direct}", "{method: direct, n: 3}", "does not go with method 'direct'"),
-    ("{method: direct}", "{method: direct, states: explicit}", "does not go with method 'direct'"),
-    ("from: orbit\n", "from: cost\n", "does not stand above"),
-    ("degrees: [3, 6]", "tolerances: [1.0e-3]", "exclude each other"),
-])  # fmt: skip
-def test_what_is_wrong_is_said(old, new, message, tmp_path):
-    assert old in RELAY
+@pytest.mark.parametrize(
+    ("path", "value", "message"),
+    [
+        ("integrators", ["stiff"], "does not go with orbits"),
+        ("reference", {"t": "2*pi"}, "is not among the quantities"),
+        ("quantities.T", "x", "varies along the orbit"),
+        ("methods.1.order", 99, "less than or equal to 20"),
+        ("methods.0", {"method": "direct", "n": 3}, "does not go with method 'direct'"),
+        ("methods.0", {"method": "direct", "states": "explicit"}, "does not go with method 'direct'"),
+        ("from", "cost", "is not above this one"),
+        ("tolerances", [1.0e-3], "exclude each other"),
+    ],
+)
+def test_what_is_wrong_is_said(path, value, message, tmp_path):
     with pytest.raises(RunError, match=message):
-        run(RELAY.replace(old, new, 1), tmp_path / "r.h5")
+        run(change(RELAY, f"steps.2.precision.{path}", value), tmp_path / "r.h5")
 
 
 def test_commands_show_it(impact, tmp_path):

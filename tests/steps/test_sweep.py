@@ -1,31 +1,37 @@
-"""Brute-force diagrams: attractors against followed orbits, whoever computes them and however often the run was broken off."""
+"""Brute-force diagrams: attractors against followed orbits, whoever computes them and however often the run was broken
+off.
+"""
 
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from pddecont.delay.direct import Direct
+from pddecont.delay import Direct
 from pddecont.errors import ResultsError, RunError
-from pddecont.model.document import parse_document
-from pddecont.results.attractors import attractor_rows, class_of, return_rows
-from pddecont.results.reader import read_results
-from pddecont.simulate.attractors import gone
-from pddecont.simulate.integrate import simulate
-from pddecont.simulate.simulator import Method
-from pddecont.steps import sweep as sweep_step
-from pddecont.steps.loading import load_plan
-from pddecont.steps.run import execute
-from tests.conftest import ROOT, numeric_from
-from tests.runs import break_after, run, run_model
+from pddecont.results import read_results
+from pddecont.simulate import Method, simulate
+from pddecont.steps.execution import execute
+from pddecont.steps.execution import sweep as sweep_step
+from pddecont.tables import describe_endings
+from pddecont.tables.attractors import list_attractors, list_returns, name_motion
+from tests.conftest import numeric_from
+from tests.runs import add_step, break_after, change, plan, run
 
-FIG4_1 = """
-model: ../models/impact_oscillator.yaml
-effects: {off: [feedback]}
-mesh: {degree: 8, tol: 1.0e-10}
-steps:
-  - name: diagram
-    sweep: {over: {beta: [24, 40, 9]}, initial: [{x: 0, v: 0}, {x: -0.26, v: 1.74}], transient: 400*2*pi/omega}
-"""
+FIG4_1 = {
+    "model": "impact_oscillator",
+    "effects": {"off": ["feedback"]},
+    "mesh": {"degree": 8, "tol": 1e-10},
+    "steps": [
+        {
+            "name": "diagram",
+            "sweep": {
+                "over": {"beta": [24, 40, 9]},
+                "initial": [{"x": 0, "v": 0}, {"x": -0.26, "v": 1.74}],
+                "transient": "400*2*pi/omega",
+            },
+        }
+    ],
+}
 
 
 @pytest.fixture(scope="module")
@@ -35,11 +41,12 @@ def diagram(tmp_path_factory):
 
 def test_two_attractors_coexist_and_are_told_apart(diagram):
     step = diagram.steps["diagram"]
-    rows = attractor_rows(step)
+    rows = list_attractors(step)
     both = {r["beta"] for r in rows if r["n_NC"] == 2} & {r["beta"] for r in rows if r["n_NC"] == 1}
-    # The followed orbit with two impacts exists from the fold at 26.5225 on; a start far from it finds it a little later.
+    # The followed orbit with two impacts exists from the fold at 26.5225 on; a start far from it finds it a little
+    # later.
     assert min(both) == 28
-    assert {class_of(step, i) for i in range(len(step))} == {"period 2, 1 NC, 1 C", "period 2, 2 NC, 2 C"}
+    assert {name_motion(step, i) for i in range(len(step))} == {"period 2, 1 NC, 1 C", "period 2, 2 NC, 2 C"}
     assert all(r["share"] == 0.5 for r in rows if r["beta"] in both)
     assert all(r["turn"] == pytest.approx(2 * 2 * np.pi / 0.8, rel=1e-12) for r in rows)
 
@@ -48,7 +55,10 @@ def test_an_orbit_starts_from_an_attractor_by_its_label(diagram, tmp_path):
     step = diagram.steps["diagram"]
     rows = [i for i in range(len(step)) if step.points["n_segments"][i, 0] == 2]
     label, beta = step.labels[rows[2]], step.points["parameters"][rows[2], 4]
-    results = run(FIG4_1 + f"  - {{name: o, orbit: {{from: {{step: diagram, point: {label}}}, stability: true}}}}\n", tmp_path / "b.h5")
+    results = run(
+        add_step(FIG4_1, {"name": "o", "orbit": {"from": {"step": "diagram", "point": label}, "stability": True}}),
+        tmp_path / "b.h5",
+    )
     orbit = results.steps["o"]
     assert orbit.points["parameters"][0, 4] == beta
     assert orbit.orbit(0)["signature"].tobytes().decode().split() in (["NC", "C"] * 2, ["C", "NC"] * 2)
@@ -59,23 +69,25 @@ def test_an_orbit_starts_from_an_attractor_by_its_label(diagram, tmp_path):
     expected = [np.interp(first + k * period, times, states[:, 0]) for k in range(2)]
     assert sorted(step.orbit(rows[2])["returns"][:, 0]) == pytest.approx(sorted(expected), abs=5e-3)
     # The same orbit from a file that was written before.
-    source = f"{{file: {tmp_path / 'b.h5'}, step: diagram, point: {label}}}"
-    other = run(FIG4_1.replace("[24, 40, 9]", "[30, 31, 1]") + f"  - {{name: o, orbit: {{from: {source}}}}}\n", tmp_path / "c.h5")
+    source = {"file": str(tmp_path / "b.h5"), "step": "diagram", "point": label}
+    short = change(FIG4_1, "steps.0.sweep.over.beta", [30, 31, 1])
+    other = run(add_step(short, {"name": "o", "orbit": {"from": source}}), tmp_path / "c.h5")
     assert other.steps["o"].points["period"][0] == pytest.approx(orbit.points["period"][0], rel=1e-12)
     assert other.steps["o"].points["parameters"][0, 4] == beta
 
 
 def test_an_attractor_must_be_named(diagram, tmp_path):
     with pytest.raises(Exception, match="say which"):
-        run(FIG4_1 + "  - {name: o, orbit: {from: diagram}}\n", tmp_path / "b.h5")
+        run(add_step(FIG4_1, {"name": "o", "orbit": {"from": "diagram"}}), tmp_path / "b.h5")
+    short = change(FIG4_1, "steps.0.sweep.over.beta", [24, 40, 2])
     with pytest.raises(ResultsError, match="has no point 'A999'"):
-        run(FIG4_1.replace("9]", "2]") + "  - {name: o, orbit: {from: {step: diagram, point: A999}}}\n", tmp_path / "b.h5")
+        run(add_step(short, {"name": "o", "orbit": {"from": {"step": "diagram", "point": "A999"}}}), tmp_path / "b.h5")
 
 
 def same(a, b, name="diagram"):
     """Whether two steps hold the same numbers to the last bit."""
     a, b = a.steps[name], b.steps[name]
-    assert a.termination == b.termination
+    assert describe_endings(a) == describe_endings(b)
     for group in ("points", "orbits"):
         for key, column in getattr(a, group).items():
             assert np.array_equal(column, getattr(b, group)[key], equal_nan=column.dtype.kind == "f"), key
@@ -83,29 +95,34 @@ def same(a, b, name="diagram"):
 
 
 def test_the_answer_does_not_depend_on_the_number_of_workers(diagram, tmp_path):
-    execute(load_plan(parse_document(FIG4_1, str(ROOT / "configs" / "test.yaml"))), tmp_path / "w.h5", workers=3)
+    execute(plan(FIG4_1), tmp_path / "w.h5", workers=3)
     assert same(diagram, read_results(tmp_path / "w.h5"))
 
 
 @pytest.mark.parametrize("broken_after", [1, 3])
 def test_a_broken_run_goes_on_to_the_same_numbers(diagram, tmp_path, monkeypatch, broken_after):
-    plan = load_plan(parse_document(FIG4_1, str(ROOT / "configs" / "test.yaml")))
+    made = plan(FIG4_1)
     monkeypatch.setattr(sweep_step, "CHUNK", 4)
     whole = break_after(monkeypatch, sweep_step, broken_after)
     with pytest.raises(KeyboardInterrupt):
-        execute(plan, tmp_path / "r.h5")
+        execute(made, tmp_path / "r.h5")
     part = read_results(tmp_path / "r.h5").steps["diagram"]
     assert 0 < len(part) < len(diagram.steps["diagram"])
-    monkeypatch.setattr(sweep_step, "in_order", whole)
-    execute(plan, tmp_path / "r.h5", resume=True)
-    execute(plan, tmp_path / "once.h5")
+    monkeypatch.setattr(sweep_step, "map_in_order", whole)
+    execute(made, tmp_path / "r.h5", resume=True)
+    execute(made, tmp_path / "once.h5")
     assert same(read_results(tmp_path / "once.h5"), read_results(tmp_path / "r.h5"))
 
 
 def test_an_attractor_carried_along_is_lost_at_the_fold(tmp_path):
-    """Carried down, the orbit with two impacts lasts to the fold of its branch at beta = 26.5224937149 (docs/paper.md)."""
-    text = FIG4_1.replace("[24, 40, 9]", "[26, 29, 13]").replace("transient", "carry: down, transient").replace("{x: 0, v: 0}, ", "")
-    step = run(text, tmp_path / "c.h5").steps["diagram"]
+    """Carried down, the orbit with two impacts lasts to the fold of its branch at beta = 26.5224937149 (docs/paper)."""
+    carried = {
+        "over": {"beta": [26, 29, 13]},
+        "initial": [{"x": -0.26, "v": 1.74}],
+        "carry": "down",
+        "transient": "400*2*pi/omega",
+    }
+    step = run(change(FIG4_1, "steps.0.sweep", carried), tmp_path / "c.h5").steps["diagram"]
     two = step.points["parameters"][step.points["n_segments"][:, 0] == 2, 4]
     assert two.min() == 26.75
     assert np.all(step.points["direction"] == -1)
@@ -114,12 +131,13 @@ def test_an_attractor_carried_along_is_lost_at_the_fold(tmp_path):
 
 
 def test_a_delay_equation_carried_along_keeps_its_past(tmp_path):
-    text = """
-model: ../models/impact_oscillator.yaml
-steps:
-  - {name: up, sweep: {over: {K: [0.15, 0.19, 9]}, transient: 600*2*pi/omega, carry: up}}
-  - {name: anew, sweep: {over: {K: [0.15, 0.19, 9]}, transient: 600*2*pi/omega}}
-"""
+    text = {
+        "model": "impact_oscillator",
+        "steps": [
+            {"name": "up", "sweep": {"over": {"K": [0.15, 0.19, 9]}, "transient": "600*2*pi/omega", "carry": "up"}},
+            {"name": "anew", "sweep": {"over": {"K": [0.15, 0.19, 9]}, "transient": "600*2*pi/omega"}},
+        ],
+    }
     results = run(text, tmp_path / "d.h5")
     # The reverse period doubling lies at K = 0.1769069625, and the wall is left at 0.1774776777 (docs/paper.md).
     for name in ("up", "anew"):
@@ -131,67 +149,128 @@ steps:
         assert np.min(np.abs(results.steps["anew"].orbits["returns"][:, 0] - a[0])) < 1e-5, (a, b)
 
 
-
-
 def test_a_delay_that_is_carried_along_finds_its_longer_past(tmp_path):
-    """tau goes from 0.2 to 1.4 after four periods, before anything has settled: the returns are those of one simulation that does so."""
-    text = ("name: m\nstates: [x]\nparameters: {tau: 0.2, w: 1}\nforcing: {period: 2*pi/w}\n"
-            "modes: {m: {x': -x(t - tau) + cos(w*t)}}\ninitial: {x: 0.3}\nrun: {steps: [{name: diagram, sweep: {over: "
-            "{tau: [0.2, 1.4, 2]}, carry: up, transient: 8*pi}}]}\n")  # fmt: skip
-    step = run_model(text, tmp_path / "t.h5").steps["diagram"]
-    numeric = numeric_from(text[: text.index("run:")])
+    """tau goes from 0.2 to 1.4 after four periods, before anything has settled: the returns are those of one simulation
+    that does so.
+    """
+    text = {
+        "name": "m",
+        "states": ["x"],
+        "parameters": {"tau": 0.2, "w": 1},
+        "forcing": {"period": "2*pi/w"},
+        "modes": {"m": {"x'": "-x(t - tau) + cos(w*t)"}},
+        "initial": {"x": 0.3},
+        "run": {
+            "steps": [
+                {"name": "diagram", "sweep": {"over": {"tau": [0.2, 1.4, 2]}, "carry": "up", "transient": "8*pi"}}
+            ]
+        },
+    }
+    step = run(text, tmp_path / "t.h5").steps["diagram"]
+    numeric = numeric_from({key: value for key, value in text.items() if key != "run"})
     period = 2 * np.pi
-    once = simulate(numeric, np.array([0.2, 1.0]), Direct(), 8 * period, Method(1e-11, 1e-13),
-                    schedule=[(4 * period, np.array([1.4, 1.0]))])  # fmt: skip
+    once = simulate(
+        numeric,
+        np.array([0.2, 1.0]),
+        Direct(),
+        8 * period,
+        Method(1e-11, 1e-13),
+        schedule=[(4 * period, np.array([1.4, 1.0]))],
+    )
     assert step.orbit(0)["returns"][:, 0] == pytest.approx(once(np.array([3, 4]) * period)[:, 0], abs=1e-7)
     assert step.orbit(1)["returns"][:, 0] == pytest.approx(once(np.array([7, 8]) * period)[:, 0], abs=1e-7)
 
 
 def test_a_map_without_period_is_told_and_has_a_positive_exponent(tmp_path):
     """At every whole t: y = r y (1 - y), the logistic map; its exponent at r = 4 is ln 2 a return."""
-    text = ("name: m\nstates: [y]\nparameters: {r: 4, w: 1}\nforcing: {period: w}\nmodes: {m: {y': 0}}\nevents: {tick: sin(2*pi*t)}\n"
-            "resets: {fold: {y: r*y*(1 - y)}}\nsegments: {s: {mode: m, event: tick, direction: rising, reset: fold, to: m}}\n"
-            "initial: {y: 0.3}\nrun: {steps: [{name: diagram, sweep: {over: {r: [3.2, 4, 2]}, section: {phase: 0.5}, transient: 2000, "
-            "returns: 300, lyapunov: true}}]}\n")  # fmt: skip
-    step = run_model(text, tmp_path / "l.h5").steps["diagram"]
+    text = {
+        "name": "m",
+        "states": ["y"],
+        "parameters": {"r": 4, "w": 1},
+        "forcing": {"period": "w"},
+        "modes": {"m": {"y'": 0}},
+        "events": {"tick": "sin(2*pi*t)"},
+        "resets": {"fold": {"y": "r*y*(1 - y)"}},
+        "segments": {"s": {"mode": "m", "event": "tick", "direction": "rising", "reset": "fold", "to": "m"}},
+        "initial": {"y": 0.3},
+        "run": {
+            "steps": [
+                {
+                    "name": "diagram",
+                    "sweep": {
+                        "over": {"r": [3.2, 4, 2]},
+                        "section": {"phase": 0.5},
+                        "transient": 2000,
+                        "returns": 300,
+                        "lyapunov": True,
+                    },
+                }
+            ]
+        },
+    }
+    step = run(text, tmp_path / "l.h5").steps["diagram"]
     assert list(step.points["period"]) == [2, 0]
-    assert class_of(step, 1) == "no period"
+    assert name_motion(step, 1) == "no period"
     assert step.points["lyapunov"][1] == pytest.approx(np.log(2.0), abs=0.02)
     # r = 3.2: the period-2 points are the roots of r^2 y^2 - r (r + 1) y + r + 1, the exponent ln |4 + 2 r - r^2| / 2.
     assert step.points["lyapunov"][0] == pytest.approx(np.log(abs(4 + 6.4 - 3.2**2)) / 2, abs=1e-6)
-    y = [r["y"] for r in return_rows(step) if r["label"] == "A1"]
+    y = [r["y"] for r in list_returns(step) if r["label"] == "A1"]
     assert sorted(y) == pytest.approx(sorted(np.roots([3.2**2, -3.2 * 4.2, 4.2])), abs=1e-6)
 
 
 def test_what_fails_is_kept_with_its_reason(tmp_path):
-    text = ("name: m\nstates: [x, v]\nparameters: {g: 9.81, r: 0.8}\nmodes: {m: {x': v, v': -g}}\nevents: {hit: x}\n"
-            "resets: {bounce: {v: -r*v}}\nsegments: {s: {mode: m, event: hit, direction: falling, reset: bounce, to: m}}\n"
-            "initial: {x: 1}\nrun: {steps: [{name: diagram, sweep: {over: {g: [5, 10, 3]}, section: {event: hit}, transient: 100}}]}\n")
-    step = run_model(text, tmp_path / "z.h5").steps["diagram"]
+    text = {
+        "name": "m",
+        "states": ["x", "v"],
+        "parameters": {"g": 9.81, "r": 0.8},
+        "modes": {"m": {"x'": "v", "v'": "-g"}},
+        "events": {"hit": "x"},
+        "resets": {"bounce": {"v": "-r*v"}},
+        "segments": {"s": {"mode": "m", "event": "hit", "direction": "falling", "reset": "bounce", "to": "m"}},
+        "initial": {"x": 1},
+        "run": {
+            "steps": [
+                {"name": "diagram", "sweep": {"over": {"g": [5, 10, 3]}, "section": {"event": "hit"}, "transient": 100}}
+            ]
+        },
+    }
+    step = run(text, tmp_path / "z.h5").steps["diagram"]
     assert step.labels == ("", "", "")
-    assert all("accumulate at t" in r["note"] for r in attractor_rows(step))
+    assert all("accumulate at t" in r["note"] for r in list_attractors(step))
 
 
 def test_a_motion_that_leaves_the_section_for_good_is_told(tmp_path):
     """x = exp(-0.01 t) cos(t) rises through h for the last time where it is below h a turn later."""
-    text = ("name: m\nstates: [x, y]\nparameters: {h: 0.52}\nmodes: {m: {x': -0.01*x - y, y': x - 0.01*y}}\nevents: {hit: x - h}\n"
-            "resets: {none: {}}\nsegments: {s: {mode: m, event: hit, direction: rising, reset: none, to: m}}\ninitial: {x: 1}\n"
-            "run: {steps: [{name: diagram, sweep: {over: {h: [0.52, 0.52, 1]}, section: {event: hit}, transient: 500}}]}\n")  # fmt: skip
-    (row,) = attractor_rows(run_model(text, tmp_path / "z.h5").step("diagram"))
+    text = {
+        "name": "m",
+        "states": ["x", "y"],
+        "parameters": {"h": 0.52},
+        "modes": {"m": {"x'": "-0.01*x - y", "y'": "x - 0.01*y"}},
+        "events": {"hit": "x - h"},
+        "resets": {"none": {}},
+        "segments": {"s": {"mode": "m", "event": "hit", "direction": "rising", "reset": "none", "to": "m"}},
+        "initial": {"x": 1},
+        "run": {
+            "steps": [
+                {
+                    "name": "diagram",
+                    "sweep": {"over": {"h": [0.52, 0.52, 1]}, "section": {"event": "hit"}, "transient": 500},
+                }
+            ]
+        },
+    }
+    (row,) = list_attractors(run(text, tmp_path / "z.h5").step("diagram"))
     last = brentq(lambda t: np.exp(-0.01 * t) * np.cos(t) - 0.52, 19 * np.pi, 20 * np.pi - 0.1)
     assert row["note"] == f"the motion no longer returns to the section after t = {last:.6g}"
 
 
-@pytest.mark.parametrize(("times", "t_end", "longest", "expected"), [
-    ([1.0, 2.0, 4.0], 23.9, 0.0, False), ([1.0, 2.0, 4.0], 24.1, 0.0, True), ([1.0, 2.0, 4.0], 24.1, 21.0, False), ([4.0], 1e6, 0.0, False)
-])  # fmt: skip
-def test_gone_is_gone_for_long(times, t_end, longest, expected):
-    assert gone(np.array(times), t_end, longest) is expected
-
-
 def test_starts_at_random_are_the_same_every_time(tmp_path):
-    text = FIG4_1.replace("initial: [{x: 0, v: 0}, {x: -0.26, v: 1.74}]", "random: {number: 12, box: {x: [-1, 1], v: [-1.5, 1.5]}}")
-    text = text.replace("[24, 40, 9]", "[60, 60, 1]")
+    at_random = {
+        "over": {"beta": [60, 60, 1]},
+        "random": {"number": 12, "box": {"x": [-1, 1], "v": [-1.5, 1.5]}},
+        "transient": "400*2*pi/omega",
+    }
+    text = change(FIG4_1, "steps.0.sweep", at_random)
     step = run(text, tmp_path / "a.h5").steps["diagram"]
     assert len(step) == 2
     assert step.points["share"].sum() == pytest.approx(1.0)
@@ -199,7 +278,8 @@ def test_starts_at_random_are_the_same_every_time(tmp_path):
 
 
 def test_two_parameters(tmp_path):
-    text = FIG4_1.replace("{beta: [24, 40, 9]}", "{beta: [28, 60, 2], a: [0.85, 0.95, 3]}").replace("400*", "200*")
+    text = change(FIG4_1, "steps.0.sweep.over", {"beta": [28, 60, 2], "a": [0.85, 0.95, 3]})
+    text = change(text, "steps.0.sweep.transient", "200*2*pi/omega")
     step = run(text, tmp_path / "t.h5").steps["diagram"]
     cells = sorted(set(step.points["cell"]))
     assert cells == list(range(6))
@@ -208,15 +288,22 @@ def test_two_parameters(tmp_path):
     assert at[2] == (28.0, pytest.approx(0.9))
 
 
-LINEAR = ("name: m\nstates: [x, v]\nparameters: {{w: 1.2, c: {c}}}\nforcing: {{period: 2*pi}}\n"
-          "modes: {{m: {{x': v, v': -w**2*x - c*v + cos(t)}}}}\ninitial: {{x: 1}}\n"
-          "run: {{steps: [{{name: diagram, sweep: {{over: {{w: [1.2, 1.5, 13]}}, transient: {n}*2*pi}}}}]}}\n")  # fmt: skip
+LINEAR = {
+    "name": "m",
+    "states": ["x", "v"],
+    "parameters": {"w": 1.2, "c": 0.02},
+    "forcing": {"period": "2*pi"},
+    "modes": {"m": {"x'": "v", "v'": "-w**2*x - c*v + cos(t)"}},
+    "initial": {"x": 1},
+    "run": {"steps": [{"name": "diagram", "sweep": {"over": {"w": [1.2, 1.5, 13]}, "transient": "4000*2*pi"}}]},
+}
 
 
 @pytest.mark.parametrize(("c", "n"), [(0.02, 4000), (0.1, 1000), (0.02, 300)])
 def test_a_linear_oscillator_has_period_1_however_its_multipliers_turn(tmp_path, c, n):
     """Multipliers near a root of 1 make a multiple of the period look settled first."""
-    step = run_model(LINEAR.format(c=c, n=n), tmp_path / "l.h5").steps["diagram"]
+    text = change(change(LINEAR, "parameters.c", c), "run.steps.0.sweep.transient", f"{n}*2*pi")
+    step = run(text, tmp_path / "l.h5").steps["diagram"]
     settled = step.points["period"][[bool(label) for label in step.labels]]
     assert np.all(settled == 1)
     assert len(settled) == 13 or n == 300
@@ -229,89 +316,197 @@ def test_a_linear_oscillator_has_period_1_however_its_multipliers_turn(tmp_path,
 
 def test_a_section_where_the_state_is_always_the_same_tells_by_slopes(tmp_path):
     """Wright's equation is settled at an equilibrium below alpha = pi/2, and its period above it grows with alpha."""
-    text = ("model: ../models/wright.yaml\nsteps:\n"
-            "  - {name: diagram, sweep: {over: {alpha: [1.2, 2.0, 5]}, section: {zero: x}, transient: 400, initial: [{x: 0.5}]}}\n"
-            "  - {name: up, sweep: {over: {alpha: [1.8, 2.0, 2]}, section: {zero: x}, carry: up, transient: 400, initial: [{x: 0.5}]}}\n"
-            )  # fmt: skip
+    text = {
+        "model": "wright",
+        "steps": [
+            {
+                "name": "diagram",
+                "sweep": {
+                    "over": {"alpha": [1.2, 2.0, 5]},
+                    "section": {"zero": "x"},
+                    "transient": 400,
+                    "initial": [{"x": 0.5}],
+                },
+            },
+            {
+                "name": "up",
+                "sweep": {
+                    "over": {"alpha": [1.8, 2.0, 2]},
+                    "section": {"zero": "x"},
+                    "carry": "up",
+                    "transient": 400,
+                    "initial": [{"x": 0.5}],
+                },
+            },
+        ],
+    }
     results = run(text, tmp_path / "w.h5")
     step = results.steps["diagram"]
     assert [bool(label) for label in step.labels] == [False, False, True, True, True]
-    assert all("dies away" in r["note"] or "not settled" in r["note"] for r in attractor_rows(step)[:2])
+    assert all("dies away" in r["note"] or "not settled" in r["note"] for r in list_attractors(step)[:2])
     assert step.points["turn"][-1] == pytest.approx(4.4027436513, rel=1e-6)
     assert results.steps["up"].points["turn"] == pytest.approx(step.points["turn"][-2:], rel=1e-6)
 
 
 def test_the_size_of_a_motion_is_that_of_where_it_is(tmp_path):
     """x' = -0.01 x + cos t from x = 1e6 and from 0: one attractor, x = 0.01 / (1e-4 + 1) at t = 0."""
-    text = ("name: m\nstates: [x]\nparameters: {a: 0.01}\nforcing: {period: 2*pi}\nmodes: {m: {x': -a*x + cos(t)}}\n"
-            "run: {steps: [{name: diagram, sweep: {over: {a: [0.01, 0.01, 1]}, transient: 2000*2*pi, initial: [{x: 1e6}, {x: 0}], "
-            "lyapunov: true}}]}\n")  # fmt: skip
-    step = run_model(text, tmp_path / "f.h5").steps["diagram"]
+    text = {
+        "name": "m",
+        "states": ["x"],
+        "parameters": {"a": 0.01},
+        "forcing": {"period": "2*pi"},
+        "modes": {"m": {"x'": "-a*x + cos(t)"}},
+        "run": {
+            "steps": [
+                {
+                    "name": "diagram",
+                    "sweep": {
+                        "over": {"a": [0.01, 0.01, 1]},
+                        "transient": "2000*2*pi",
+                        "initial": [{"x": 1000000.0}, {"x": 0}],
+                        "lyapunov": True,
+                    },
+                }
+            ]
+        },
+    }
+    step = run(text, tmp_path / "f.h5").steps["diagram"]
     assert (len(step), step.points["share"][0]) == (1, 1.0)
     assert step.orbit(0)["returns"][0, 0] == pytest.approx(0.01 / (1e-4 + 1), rel=1e-5)
     assert step.points["lyapunov"][0] == pytest.approx(-0.01, abs=1e-6)
 
 
 def test_a_fast_decay_has_its_exponent(tmp_path):
-    text = ("name: m\nstates: [x]\nparameters: {k: 60}\nforcing: {period: 2*pi}\nmodes: {m: {x': -k*x + cos(t)}}\n"
-            "run: {steps: [{name: diagram, sweep: {over: {k: [2, 60, 2]}, transient: 1000*2*pi, lyapunov: true}}]}\n")
-    step = run_model(text, tmp_path / "k.h5").steps["diagram"]
+    text = {
+        "name": "m",
+        "states": ["x"],
+        "parameters": {"k": 60},
+        "forcing": {"period": "2*pi"},
+        "modes": {"m": {"x'": "-k*x + cos(t)"}},
+        "run": {
+            "steps": [
+                {"name": "diagram", "sweep": {"over": {"k": [2, 60, 2]}, "transient": "1000*2*pi", "lyapunov": True}}
+            ]
+        },
+    }
+    step = run(text, tmp_path / "k.h5").steps["diagram"]
     assert step.points["lyapunov"] == pytest.approx([-2.0, -60.0], rel=1e-6)
 
 
 def test_what_grows_or_has_not_settled_is_no_attractor(tmp_path):
-    text = ("name: m\nstates: [x]\nparameters: {k: 0.1}\nforcing: {period: 2*pi}\nmodes: {m: {x': k*x + cos(t)}}\n"
-            "run: {steps: [{name: diagram, sweep: {over: {k: [-0.001, 0.02, 2]}, transient: 60*2*pi, initial: [{x: 1}]}}]}\n")
-    step = run_model(text, tmp_path / "g.h5").steps["diagram"]
+    text = {
+        "name": "m",
+        "states": ["x"],
+        "parameters": {"k": 0.1},
+        "forcing": {"period": "2*pi"},
+        "modes": {"m": {"x'": "k*x + cos(t)"}},
+        "run": {
+            "steps": [
+                {
+                    "name": "diagram",
+                    "sweep": {"over": {"k": [-0.001, 0.02, 2]}, "transient": "60*2*pi", "initial": [{"x": 1}]},
+                }
+            ]
+        },
+    }
+    step = run(text, tmp_path / "g.h5").steps["diagram"]
     assert step.labels == ("", "")
-    assert all("not settled" in r["note"] for r in attractor_rows(step))
+    assert all("not settled" in r["note"] for r in list_attractors(step))
 
 
 def test_a_forced_motion_keeps_its_phase_at_a_section_of_its_own(tmp_path):
     """Returns counted where v = 0 falls: the orbit from a label, and from the same motion counted by the forcing."""
-    text = ("model: ../models/duffing.yaml\nmesh: {degree: 8, tol: 1e-9}\nmonitors: {top: max(x)}\nsteps:\n"
-            "  - {name: a, sweep: {over: {omega: [1.1, 1.3, 3]}, section: {zero: v, direction: falling}, carry: up, transient: 3000}}\n"
-            "  - {name: b, sweep: {over: {omega: [1.1, 1.3, 3]}, carry: up, transient: 3000}}\n"
-            "  - {name: oa, orbit: {from: {step: a, point: A2}}}\n  - {name: ob, orbit: {from: {step: b, point: A2}}}\n")
+    text = {
+        "model": "duffing",
+        "mesh": {"degree": 8, "tol": 1e-09},
+        "monitors": {"top": "max(x)"},
+        "steps": [
+            {
+                "name": "a",
+                "sweep": {
+                    "over": {"omega": [1.1, 1.3, 3]},
+                    "section": {"zero": "v", "direction": "falling"},
+                    "carry": "up",
+                    "transient": 3000,
+                },
+            },
+            {"name": "b", "sweep": {"over": {"omega": [1.1, 1.3, 3]}, "carry": "up", "transient": 3000}},
+            {"name": "oa", "orbit": {"from": {"step": "a", "point": "A2"}}},
+            {"name": "ob", "orbit": {"from": {"step": "b", "point": "A2"}}},
+        ],
+    }
     results = run(text, tmp_path / "d.h5")
     a, b = (results.steps[name].points["monitors"][0, 0] for name in ("oa", "ob"))
     assert a == pytest.approx(b, abs=1e-7)
     assert results.steps["a"].points["turn"] == pytest.approx(results.steps["b"].points["turn"], rel=1e-6)
 
 
-@pytest.mark.parametrize(("change", "message"), [
-    ("{{beta: [24, 40, 9]}}, random: {{number: 2, box: {{x: [3, 1]}}}}", "range is empty: 3 is not below 1"),
-    ("{{omega: [-1, 1, 3]}}", "the forcing period is -6.28319 at omega = -1; expected a positive number"),
-])  # fmt: skip
-def test_what_cannot_be_is_said_before_anything_is_computed(change, message):
-    text = FIG4_1.replace("{beta: [24, 40, 9]}", change.replace("{{", "{").replace("}}", "}"))
+@pytest.mark.parametrize(
+    ("keys", "message"),
+    [
+        ({"random": {"number": 2, "box": {"x": [3, 1]}}}, "range is empty: 3 is not below 1"),
+        ({"over": {"omega": [-1, 1, 3]}}, "the forcing period is -6.28319 at omega = -1; expected a positive number"),
+    ],
+)
+def test_what_cannot_be_is_said_before_anything_is_computed(keys, message):
     with pytest.raises(RunError) as error:
-        load_plan(parse_document(text, str(ROOT / "configs" / "test.yaml")))
+        plan(change(FIG4_1, "steps.0.sweep", {**FIG4_1["steps"][0]["sweep"], **keys}))
     assert message in str(error.value)
 
 
 def test_histories_of_a_sweep_are_one(tmp_path):
-    text = FIG4_1.replace("{x: 0, v: 0}", "{x: 0, history: {x: 1}}")
+    text = change(FIG4_1, "steps.0.sweep.initial.0", {"x": 0, "history": {"x": 1}})
     with pytest.raises(RunError, match="share one history"):
-        load_plan(parse_document(text, str(ROOT / "configs" / "test.yaml")))
+        plan(text)
 
 
 def test_a_stiff_forced_motion_of_large_size_has_its_period(tmp_path):
     """x' = 40 x (1 - x/L) + sin 2 pi t: errors of x relative to its size are no motion of its slopes."""
-    text = ("name: m\nstates: [x]\nparameters: {L: 10000}\nforcing: {period: 1}\nmodes: {m: {x': 40*x*(1 - x/L) + sin(2*pi*t)}}\n"
-            "run: {steps: [{name: diagram, sweep: {over: {L: [1e4, 1e6, 2]}, transient: 200, initial: [{x: 1}, {x: 5000}]}}]}\n")
-    step = run_model(text, tmp_path / "l.h5").steps["diagram"]
+    text = {
+        "name": "m",
+        "states": ["x"],
+        "parameters": {"L": 10000},
+        "forcing": {"period": 1},
+        "modes": {"m": {"x'": "40*x*(1 - x/L) + sin(2*pi*t)"}},
+        "run": {
+            "steps": [
+                {
+                    "name": "diagram",
+                    "sweep": {
+                        "over": {"L": [10000.0, 1000000.0, 2]},
+                        "transient": 200,
+                        "initial": [{"x": 1}, {"x": 5000}],
+                    },
+                }
+            ]
+        },
+    }
+    step = run(text, tmp_path / "l.h5").steps["diagram"]
     assert list(step.points["period"]) == [1, 1]
     assert list(step.points["share"]) == [1.0, 1.0]
 
 
 def test_an_orbit_starts_from_an_attractor_with_one_event(tmp_path):
-    """x' = 1 - x, s' = 1, at s = 1: x/2, s = 0: after the event always the same state. x = (1 - 1/e)/(2 - 1/e) there."""
-    text = ("name: m\nstates: [x, s]\nparameters: {r: 2}\nmodes: {m: {x': 1 - x, s': 1}}\nevents: {tick: s - 1}\n"
-            "resets: {halve: {x: x/r, s: 0}}\nsegments: {a: {mode: m, event: tick, direction: rising, reset: halve, to: m}}\n"
-            "run: {steps: [{name: diagram, sweep: {over: {r: [2, 3, 2]}, section: {event: tick}, transient: 200}},\n"
-            "{name: o, orbit: {from: {step: diagram, point: A1}}}]}\n")  # fmt: skip
-    results = run_model(text, tmp_path / "o.h5")
+    """x' = 1 - x, s' = 1, at s = 1: x/2, s = 0: after the event always one state, x = (1 - 1/e)/(2 - 1/e)."""
+    text = {
+        "name": "m",
+        "states": ["x", "s"],
+        "parameters": {"r": 2},
+        "modes": {"m": {"x'": "1 - x", "s'": 1}},
+        "events": {"tick": "s - 1"},
+        "resets": {"halve": {"x": "x/r", "s": 0}},
+        "segments": {"a": {"mode": "m", "event": "tick", "direction": "rising", "reset": "halve", "to": "m"}},
+        "run": {
+            "steps": [
+                {
+                    "name": "diagram",
+                    "sweep": {"over": {"r": [2, 3, 2]}, "section": {"event": "tick"}, "transient": 200},
+                },
+                {"name": "o", "orbit": {"from": {"step": "diagram", "point": "A1"}}},
+            ]
+        },
+    }
+    results = run(text, tmp_path / "o.h5")
     assert list(results.steps["diagram"].points["period"]) == [1, 1]
     assert results.steps["o"].points["period"][0] == pytest.approx(1.0, abs=1e-10)
     x = (1 - np.exp(-1)) / (2 - np.exp(-1))
@@ -319,18 +514,43 @@ def test_an_orbit_starts_from_an_attractor_with_one_event(tmp_path):
 
 
 def test_chaos_is_an_attractor(tmp_path):
-    text = ("name: m\nstates: [x, v]\nparameters: {F: 0.32}\nforcing: {period: 2*pi/1.2}\n"
-            "modes: {m: {x': v, v': x - x**3 - 0.3*v + F*cos(1.2*t)}}\n"
-            "run: {steps: [{name: diagram, sweep: {over: {F: [0.32, 0.44, 2]}, transient: 2000*2*pi/1.2, lyapunov: true}}]}\n")
-    step = run_model(text, tmp_path / "c.h5").steps["diagram"]
+    text = {
+        "name": "m",
+        "states": ["x", "v"],
+        "parameters": {"F": 0.32},
+        "forcing": {"period": "2*pi/1.2"},
+        "modes": {"m": {"x'": "v", "v'": "x - x**3 - 0.3*v + F*cos(1.2*t)"}},
+        "run": {
+            "steps": [
+                {
+                    "name": "diagram",
+                    "sweep": {"over": {"F": [0.32, 0.44, 2]}, "transient": "2000*2*pi/1.2", "lyapunov": True},
+                }
+            ]
+        },
+    }
+    step = run(text, tmp_path / "c.h5").steps["diagram"]
     assert step.labels == ("A1", "A2")
     assert np.all(step.points["period"] == 0)
     assert np.all(step.points["lyapunov"] > 0.05)
 
 
 def test_a_motion_that_starts_on_its_section(tmp_path):
-    text = ("name: m\nstates: [x, v]\nparameters: {c: 0.05}\nforcing: {period: 2*pi}\nmodes: {m: {x': v, v': -1.1*x - c*v + cos(t)}}\n"
-            "run: {steps: [{name: diagram, sweep: {over: {c: [0.05, 0.06, 2]}, section: {zero: x}, transient: 3000}}]}\n")
-    step = run_model(text, tmp_path / "s.h5").steps["diagram"]
+    text = {
+        "name": "m",
+        "states": ["x", "v"],
+        "parameters": {"c": 0.05},
+        "forcing": {"period": "2*pi"},
+        "modes": {"m": {"x'": "v", "v'": "-1.1*x - c*v + cos(t)"}},
+        "run": {
+            "steps": [
+                {
+                    "name": "diagram",
+                    "sweep": {"over": {"c": [0.05, 0.06, 2]}, "section": {"zero": "x"}, "transient": 3000},
+                }
+            ]
+        },
+    }
+    step = run(text, tmp_path / "s.h5").steps["diagram"]
     assert list(step.points["period"]) == [1, 1]
     assert step.points["turn"] == pytest.approx([2 * np.pi] * 2, rel=1e-6)

@@ -1,0 +1,39 @@
+"""The program's own kinds of special points, in the order in which they are listed and tested."""
+
+from __future__ import annotations
+
+from pddecont.bifurcation.branch_point import BRANCH_POINT
+from pddecont.bifurcation.fold import CUSP, FOLD
+from pddecont.bifurcation.grazing import DOUBLE_GRAZING, GRAZING
+from pddecont.bifurcation.kinds import SpecialPointKind
+from pddecont.bifurcation.period_doubling import PERIOD_DOUBLING
+from pddecont.bifurcation.torus import RESONANCES, TORUS
+from pddecont.bifurcation.user_function import USER_FUNCTION
+from pddecont.bifurcation.vanishing import VANISHING
+
+# Points on curves that counts of multipliers tell: one more multiplier +1, -1 or a pair on the unit circle.
+COUNTED = tuple(
+    SpecialPointKind(label, name, on_curves=True, needs_multipliers=True)
+    for label, name in (
+        ("FF", "fold-flip"),
+        ("FT", "fold-torus"),
+        ("PT", "flip-torus"),
+        ("TT", "double torus"),
+        ("GL", "grazing with multiplier 1"),
+        ("GP", "grazing with multiplier -1"),
+        ("GT", "grazing with multipliers on the unit circle"),
+    )
+)
+BUILTIN = (
+    FOLD,
+    BRANCH_POINT,
+    PERIOD_DOUBLING,
+    TORUS,
+    GRAZING,
+    VANISHING,
+    USER_FUNCTION,
+    CUSP,
+    *RESONANCES,
+    *COUNTED,
+    DOUBLE_GRAZING,
+)

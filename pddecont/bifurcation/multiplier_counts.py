@@ -1,0 +1,113 @@
+"""What changes where along a branch: which multipliers have left the unit circle, and which way the parameter goes.
+
+A change of these numbers tells the kind of special point between two orbits; where several come together the step is
+cut until each has its own. Two multipliers that meet on the real axis outside the circle change the numbers too, and
+are no special point.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from pddecont.bifurcation import branch_point, fold, period_doubling, torus
+from pddecont.bifurcation.extended_system import ExtendedEvaluation
+from pddecont.bifurcation.kinds import SpecialPointKind
+from pddecont.bifurcation.settings import BranchSettings
+from pddecont.continuation import CountFunction, Counts, CurvePoint, TestFunction
+from pddecont.orbit import OrbitEvaluation
+from pddecont.stability import Multipliers
+
+# A multiplier passes +1, one passes -1, a pair passes the circle elsewhere.
+TEST_FUNCTIONS = (branch_point.test_function, period_doubling.test_function, torus.test_function)
+ON_BRANCHES = (branch_point.LABEL, period_doubling.LABEL, torus.LABEL)
+# Two real multipliers outside the circle become a pair, or the other way round.
+ON_THE_AXIS = ((2, 0, -1), (-2, 0, 1), (0, 2, -1), (0, -2, 1))
+FOLD_TEST: TestFunction[OrbitEvaluation] = TestFunction(fold.LABEL, fold.parameter_tangent)
+# At a fold the parameter turns and at most one multiplier passes +1; where a branch meets its mirror image, none does.
+FOLD_CHANGES = ((0, 0, 0), (1, 0, 0), (-1, 0, 0))
+AnyCount: TypeAlias = CountFunction[Any]
+FindMultipliers: TypeAlias = Callable[[CurvePoint[Any]], Multipliers]
+
+
+def count_outside(m: Multipliers) -> Counts:
+    """Return how many multipliers are real and above 1, real and below -1, and how many complex pairs lie outside."""
+    values = m.nontrivial
+    real, upper = values[values.imag == 0.0].real, values[values.imag > 0.0]
+    return int(np.sum(real > 1.0)), int(np.sum(real < -1.0)), int(np.sum(np.abs(upper) > 1.0))
+
+
+def count_crossings(labels: Sequence[str], find: FindMultipliers) -> AnyCount:
+    """Return the counts of a point's multipliers.
+
+    ``labels`` name what it is when one passes +1, -1 or the rest of the circle.
+    """
+
+    def make_test(label: str, function: Callable[[Multipliers], float]) -> TestFunction[Any]:
+        return TestFunction(label, lambda point: function(find(point)), crosses=label == branch_point.LABEL)
+
+    tests = [make_test(label, function) for label, function in zip(labels, TEST_FUNCTIONS, strict=True)]
+
+    def explain(before: Counts, after: Counts) -> Sequence[TestFunction[Any]] | None:
+        change = tuple(b - a for a, b in zip(before, after, strict=True))
+        if sum(map(abs, change)) == 1:
+            return [tests[next(i for i, c in enumerate(change) if c)]]
+        return [] if change in ON_THE_AXIS or not any(change) else None
+
+    return CountFunction(lambda point: count_outside(find(point)), explain)
+
+
+def _restrict(counts: AnyCount, labels: Sequence[str], settings: BranchSettings) -> AnyCount | None:
+    """Return counts as far as their special points are looked for, None if none is.
+
+    ``labels`` name what a change of each number alone is.
+    """
+    wanted = [i for i, label in enumerate(labels) if settings.wants(label)]
+    if not wanted:
+        return None
+
+    def explain(before: Counts, after: Counts) -> Sequence[TestFunction[Any]] | None:
+        if all(before[i] == after[i] for i in wanted):
+            return []
+        tests = counts.explain(before, after)
+        return None if tests is None else [test for test in tests if settings.wants(test.kind)]
+
+    return CountFunction(counts.count, explain)
+
+
+def count_on_branch(settings: BranchSettings) -> AnyCount | None:
+    """Return the counts along a branch of orbits: multipliers, if wanted, and the direction of the parameter last."""
+
+    def turn(point: CurvePoint[OrbitEvaluation]) -> int:
+        return int(fold.parameter_tangent(point) > 0.0)
+
+    multipliers = settings.multipliers
+    if multipliers is None or not any(map(settings.wants, ON_BRANCHES)):
+        turns: AnyCount = CountFunction(lambda point: (turn(point),), lambda before, after: [FOLD_TEST])
+        return _restrict(turns, (fold.LABEL,), settings)
+    circle = count_crossings(ON_BRANCHES, lambda point: multipliers.find(point.at.orbit))
+
+    def explain(before: Counts, after: Counts) -> Sequence[TestFunction[Any]] | None:
+        if before[-1] == after[-1]:
+            return circle.explain(before[:-1], after[:-1])
+        change = tuple(b - a for a, b in zip(before[:-1], after[:-1], strict=True))
+        return [FOLD_TEST] if change in FOLD_CHANGES else None
+
+    counts: AnyCount = CountFunction(lambda point: (*circle.count(point), turn(point)), explain)
+    return _restrict(counts, (*ON_BRANCHES, fold.LABEL), settings)
+
+
+def count_on_curve(kind: SpecialPointKind, settings: BranchSettings) -> AnyCount | None:
+    """Return the counts along a curve of special points of a kind, whose own multipliers on the circle do not count."""
+    multipliers = settings.multipliers
+    if multipliers is None:
+        return None
+
+    def find(point: CurvePoint[ExtendedEvaluation]) -> Multipliers:
+        found = multipliers.find(point.at.orbit)
+        return replace(found, nontrivial=kind.remove_critical(found))
+
+    return _restrict(count_crossings(kind.crossings, find), kind.crossings, settings)

@@ -1,0 +1,9 @@
+from .cache import choose_cache_folder as choose_cache_folder
+from .diagnosis import find_non_finite as find_non_finite
+from .machine_code import DOUBLE_POINTER as DOUBLE_POINTER
+from .machine_code import ModelFunctions as ModelFunctions
+from .numeric_model import NumericModel as NumericModel
+from .numeric_model import ParameterFunction as ParameterFunction
+from .numpy_backend import ArrayFunction as ArrayFunction
+from .numpy_backend import Derivatives as Derivatives
+from .numpy_backend import Structure as Structure

@@ -1,0 +1,173 @@
+"""A model's expressions as machine code that the integrator calls; compiled once a model and kept on disk."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.util
+import os
+import sys
+import threading
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import cache, cached_property
+from pathlib import Path
+from typing import Any, Protocol, cast
+from weakref import WeakValueDictionary
+
+import sympy
+from numba import cfunc, types
+
+from pddecont.codegen.cache import choose_cache_folder
+from pddecont.codegen.printer import Names, ScalarPrinter, name_symbols, print_assignments
+from pddecont.model import TIME, Model
+
+_make_pointer: Callable[[Any], Any] = types.CPointer
+DOUBLE_POINTER = _make_pointer(types.float64)
+# void f(which, t, x, xd, p, out): ``which`` numbers the mode, event or reset.
+SIGNATURE = types.void(types.int64, types.float64, DOUBLE_POINTER, DOUBLE_POINTER, DOUBLE_POINTER, DOUBLE_POINTER)
+HEADER = """from math import acos, asin, atan, atan2, cos, cosh, e, exp, log, pi, sin, sinh, sqrt, tan, tanh
+
+
+def generated(which, t, x, xd, p, out):
+"""
+# Derivatives of the history that a chain may start from: one less than its highest Taylor order, 4.
+HISTORY_ORDERS = 4
+
+
+class MachineCode(Protocol):
+    """A compiled function; its address is valid as long as this object is."""
+
+    @property
+    def address(self) -> int:
+        """Where the function begins."""
+
+
+@dataclass(frozen=True, eq=False)
+class ModelFunctions:
+    """Addresses of a model's functions as machine code; each is made when first needed.
+
+    They are valid as long as this object is. ``section`` is one more event function, numbered after the model's own;
+    ``history_exprs`` replace the model's history.
+    """
+
+    model: Model
+    section: sympy.Expr | None = None
+    history_exprs: tuple[sympy.Expr, ...] | None = None
+    # Machine code lasts as long as these objects do.
+    _loaded: list[MachineCode] = field(default_factory=list, repr=False)
+
+    @cached_property
+    def events(self) -> tuple[sympy.Expr, ...]:
+        """The event functions by number; a delayed event has none, and 1 is in its place."""
+        functions = [sympy.Integer(1) if e.function is None else e.function for e in self.model.events.values()]
+        return tuple(functions if self.section is None else [*functions, self.section])
+
+    @cached_property
+    def field(self) -> int:
+        """The address of f; ``which`` is the mode."""
+        return self._address([list(f) for f in self.model.modes.values()])
+
+    @cached_property
+    def event(self) -> int:
+        """The address of h; ``which`` is the event."""
+        return self._address([[h] for h in self.events])
+
+    @cached_property
+    def reset(self) -> int:
+        """The address of g; ``which`` is the reset."""
+        return self._address([list(g) for g in self.model.resets.values()])
+
+    @cached_property
+    def history(self) -> int:
+        """The address of the history; ``which`` is the order of its derivative."""
+        exprs = self.history_exprs or self.model.history
+        return self._address([[e.diff(TIME, k) if k else e for e in exprs] for k in range(HISTORY_ORDERS)])
+
+    @cached_property
+    def field_jacobian(self) -> int:
+        """The address of df/dx, row by row, then df/dxd; ``which`` is the mode."""
+        return self._address(
+            [
+                self._matrix(f, self.model.state_symbols) + self._matrix(f, self.model.delayed_symbols)
+                for f in self.model.modes.values()
+            ]
+        )
+
+    @cached_property
+    def event_jacobian(self) -> int:
+        """The address of dh/dx, dh/dxd and dh/dt; ``which`` is the event."""
+        symbols = (*self.model.state_symbols, *self.model.delayed_symbols, TIME)
+        return self._address([self._matrix([h], symbols) for h in self.events])
+
+    @cached_property
+    def reset_jacobian(self) -> int:
+        """The address of dg/dx, dg/dxd and dg/dt, each row by row; ``which`` is the reset."""
+        model = self.model
+        return self._address(
+            [
+                self._matrix(g, model.state_symbols) + self._matrix(g, model.delayed_symbols) + self._matrix(g, [TIME])
+                for g in model.resets.values()
+            ]
+        )
+
+    @staticmethod
+    def _matrix(exprs: Sequence[sympy.Expr], symbols: Sequence[sympy.Symbol]) -> list[sympy.Expr]:
+        return [e.diff(s) for e in exprs for s in symbols]
+
+    def _address(self, cases: Sequence[Sequence[sympy.Expr]]) -> int:
+        model = self.model
+        names = name_symbols(model.state_symbols, model.delayed_symbols, model.parameter_symbols)
+        code = load_machine_code(write_machine_source(cases, names))
+        self._loaded.append(code)
+        return code.address
+
+
+def write_machine_source(cases: Sequence[Sequence[sympy.Expr]], names: Names) -> str:
+    """Return the source of a function that writes the expressions of case ``which`` to ``out``, but for zeros."""
+    printer, lines = ScalarPrinter(names), []
+    for which, exprs in enumerate(cases):
+        lines.append(f"    {'if' if which == 0 else 'elif'} which == {which}:")
+        targets = [(f"out[{i}]", sympy.sympify(e)) for i, e in enumerate(exprs)]
+        body = [f"        {line}" for line in print_assignments(targets, printer)]
+        lines += body or ["        pass"]
+    return HEADER + "\n".join([*lines, "    return", ""])
+
+
+# The machine code that is in use, by its source: models that share a function share its code.
+_in_use: WeakValueDictionary[str, MachineCode] = WeakValueDictionary()
+_loading = threading.Lock()
+
+
+def load_machine_code(text: str) -> MachineCode:
+    """Return the machine code of a generated source, from disk if it was compiled before."""
+    with _loading:
+        code = _in_use.get(text)
+        if code is None:
+            code = _in_use[text] = _load(text)
+        return code
+
+
+@cache
+def _find_source_folder() -> Path:
+    return choose_cache_folder(Path(__file__).parent.glob("*.py"))
+
+
+def _load(text: str) -> MachineCode:
+    """Return the machine code of a source that is kept in a file beside it, as numba's cache needs one."""
+    name = "model_" + hashlib.sha256(text.encode()).hexdigest()[:24]
+    path = _find_source_folder() / f"{name}.py"
+    if not path.exists() or path.read_text() != text:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        temporary = path.with_name(f".{name}.{os.getpid()}.part")
+        temporary.write_text(text)
+        os.replace(temporary, path)
+    spec = importlib.util.spec_from_file_location(name, path)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    # While it loads machine code numba looks up by name the module that the code came from.
+    sys.modules[name] = module
+    try:
+        spec.loader.exec_module(module)
+        return cast(MachineCode, cfunc(SIGNATURE, cache=True, error_model="numpy")(module.generated))
+    finally:
+        del sys.modules[name]

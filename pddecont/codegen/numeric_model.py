@@ -1,0 +1,145 @@
+"""A model's functions of numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import sympy
+from numpy.typing import NDArray
+
+from pddecont.codegen.numpy_backend import ArrayFunction
+from pddecont.model import Model
+
+if TYPE_CHECKING:
+    from pddecont.codegen.machine_code import ModelFunctions
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ParameterFunction:
+    """Expressions in the parameters alone: delays, the forcing period."""
+
+    function: ArrayFunction
+
+    def value(self, p: Array) -> Array:
+        """Return the values, shape (n_out,)."""
+        empty = np.zeros((0, 1))
+        return self.function.value(np.zeros(1), empty, empty, p)[:, 0]
+
+    def derivatives(self, p: Array, free: tuple[int, ...]) -> Array:
+        """Return the derivatives in the free parameters, shape (n_out, n_free)."""
+        empty = np.zeros((0, 1))
+        result = np.zeros((self.function.n_out, len(free)))
+        result[self.function.structure(free).dp] = self.function.derivatives(np.zeros(1), empty, empty, p, free).dp[
+            :, 0
+        ]
+        return result
+
+
+@dataclass(frozen=True, eq=False)
+class NumericModel:
+    """A model's functions of numbers: over arrays, and as machine code.
+
+    Each is generated and compiled when first needed, and kept as long as this object.
+    """
+
+    model: Model
+    _functions: dict[Hashable, ArrayFunction] = field(default_factory=dict, repr=False)
+    _machine_code: dict[Hashable, ModelFunctions] = field(default_factory=dict, repr=False)
+
+    def __reduce__(self) -> tuple[type[NumericModel], tuple[Model]]:
+        # Functions are generated anew where a model arrives: they cannot be sent.
+        return NumericModel, (self.model,)
+
+    @property
+    def n_states(self) -> int:
+        """Number of states."""
+        return len(self.model.states)
+
+    @cached_property
+    def parameter_values(self) -> Array:
+        """The model file's parameter values, in the order of ``model.parameters``."""
+        return np.array(list(self.model.parameters.values()), dtype=float)
+
+    def with_fixed(self, p: Array) -> Array:
+        """Return ``p`` with the parameters that effects left out set at their values."""
+        if not self.model.fixed:
+            return p
+        p = p.copy()
+        p[[self.parameter_index(name) for name in self.model.fixed]] = self._fixed.value(p)
+        return p
+
+    @cached_property
+    def _fixed(self) -> ParameterFunction:
+        return self._parameter_function(tuple(self.model.fixed.values()))
+
+    def parameter_index(self, name: str) -> int:
+        """Return the place of a parameter in ``p``."""
+        return list(self.model.parameters).index(name)
+
+    def function(self, exprs: Sequence[sympy.Expr]) -> ArrayFunction:
+        """Return any expressions over this model as a function of arrays."""
+        model = self.model
+        return self._array_function(tuple(exprs), model.state_symbols, model.delayed_symbols)
+
+    def mode(self, name: str) -> ArrayFunction:
+        """Return the vector field f of a mode, n_out = n_states."""
+        return self._named("mode", name, self.model.modes[name])
+
+    def event(self, name: str) -> ArrayFunction:
+        """Return the event function h of an event that has one, n_out = 1."""
+        function = self.model.events[name].function
+        assert function is not None, f"event {name} is a delayed event"
+        return self._named("event", name, [function])
+
+    def reset(self, name: str) -> ArrayFunction:
+        """Return the reset g, n_out = n_states."""
+        return self._named("reset", name, self.model.resets[name])
+
+    def _named(self, kind: str, name: str, exprs: Sequence[sympy.Expr]) -> ArrayFunction:
+        """Return :meth:`function` of a part of the model; its name is a shorter key than its expressions."""
+        if (kind, name) not in self._functions:
+            self._functions[kind, name] = self.function(exprs)
+        return self._functions[kind, name]
+
+    @cached_property
+    def delays(self) -> ParameterFunction:
+        """The delays as functions of the parameters."""
+        return self._parameter_function(self.model.delays)
+
+    def event_delay(self, name: str) -> ParameterFunction:
+        """Return the delay of a delayed event as a function of the parameters, n_out = 1."""
+        delay = self.model.events[name].delay
+        assert delay is not None, f"event {name} is not a delayed event"
+        return self._parameter_function((delay,))
+
+    @cached_property
+    def period(self) -> ParameterFunction:
+        """The forcing period as a function of the parameters, n_out = 1 (0 for autonomous models)."""
+        return self._parameter_function(() if self.model.period is None else (self.model.period,))
+
+    def compile(
+        self, section: sympy.Expr | None = None, history: tuple[sympy.Expr, ...] | None = None
+    ) -> ModelFunctions:
+        """Return the model's functions as machine code; each is compiled when first needed.
+
+        ``section`` is one more event function, numbered after the model's own; ``history`` replaces the model's.
+        """
+        # The compiler is imported by those who simulate, and by no others.
+        from pddecont.codegen.machine_code import ModelFunctions
+
+        return self._machine_code.setdefault((section, history), ModelFunctions(self.model, section, history))
+
+    def _parameter_function(self, exprs: tuple[sympy.Expr, ...]) -> ParameterFunction:
+        return ParameterFunction(self._array_function(exprs, (), ()))
+
+    def _array_function(self, exprs: tuple[sympy.Expr, ...], states: Any, delayed: Any) -> ArrayFunction:
+        key = exprs, states
+        if key not in self._functions:
+            self._functions[key] = ArrayFunction(exprs, states, delayed, self.model.parameter_symbols)
+        return self._functions[key]

@@ -1,0 +1,192 @@
+"""Symbols to functions of arrays: values and derivatives over many points at once.
+
+Every generated function has the arguments ``t, x, xd, p`` (time, states, delayed values, parameters). States and
+delayed values come with the points on the last axis, so ``x`` has shape (n_states, n_points), ``xd`` (n_delayed,
+n_points), ``t`` (n_points,), while ``p`` has shape (n_parameters,). The same source runs on scalars with the functions
+of ``math``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import sympy
+from numpy.typing import NDArray
+
+from pddecont.codegen.printer import ArrayPrinter, Names, Symbols, name_symbols, print_assignments
+from pddecont.model import TIME
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.intp]
+
+ARGUMENTS = "t, x, xd, p"
+# What generated source may call: the names that numpy has for arrays, and the same names for floats.
+_NUMPY = {
+    name: getattr(np, name)
+    for name in ("sin", "cos", "tan", "sinh", "cosh", "tanh", "exp", "log", "sqrt", "sign", "pi", "e")
+}
+_NUMPY |= {"arcsin": np.arcsin, "arccos": np.arccos, "arctan": np.arctan, "arctan2": np.arctan2, "abs": np.abs}
+_MATH = {
+    name: getattr(math, name) for name in ("sin", "cos", "tan", "sinh", "cosh", "tanh", "exp", "log", "sqrt", "pi", "e")
+}
+_MATH |= {
+    "arcsin": math.asin,
+    "arccos": math.acos,
+    "arctan": math.atan,
+    "arctan2": math.atan2,
+    "abs": abs,
+    "sign": lambda v: math.copysign(1.0, v) if v else 0.0,
+}
+
+
+@dataclass(frozen=True)
+class Derivatives:
+    """Values of a function and those of its derivatives that are not zero.
+
+    ``value`` has shape (n_out, n_points), the others (n_entries, n_points); the :class:`Structure` of the function says
+    which entries these are.
+    """
+
+    value: Array
+    dx: Array
+    dxd: Array
+    dp: Array
+    dt: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Structure:
+    """Which derivatives of a function are not zero.
+
+    ``dx``, ``dxd`` and ``dp`` hold the outputs and the variables of the entries (n_entries,), ``dt`` the outputs.
+    """
+
+    dx: tuple[Ints, Ints]
+    dxd: tuple[Ints, Ints]
+    dp: tuple[Ints, Ints]
+    dt: Ints
+
+    @cached_property
+    def moved(self) -> Ints:
+        """Outputs that change when a time or a delayed value does."""
+        return np.union1d(self.dt, self.dxd[0]).astype(np.intp)
+
+    @cached_property
+    def moving(self) -> Ints:
+        """Outputs that depend on a free parameter."""
+        return np.unique(self.dp[0]).astype(np.intp)
+
+
+@dataclass(frozen=True, eq=False)
+class ArrayFunction:
+    """Expressions as functions over arrays of points; each source is made and compiled when first needed."""
+
+    exprs: tuple[sympy.Expr, ...]
+    states: tuple[sympy.Symbol, ...]
+    delayed: tuple[sympy.Symbol, ...]
+    parameters: tuple[sympy.Symbol, ...]
+    _compiled: dict[tuple[int, ...] | None, Callable[..., None]] = field(default_factory=dict, repr=False)
+    _structures: dict[tuple[int, ...], Structure] = field(default_factory=dict, repr=False)
+
+    @property
+    def n_out(self) -> int:
+        """Number of expressions."""
+        return len(self.exprs)
+
+    def value(self, t: Array, x: Array, xd: Array, p: Array) -> Array:
+        """Return the values of the expressions, shape (n_out, n_points); not finite where there is none."""
+        out = np.zeros((self.n_out, np.shape(t)[0]), dtype=np.result_type(x, xd, p, t))
+        with np.errstate(all="ignore"):
+            self._function(None)(t, x, xd, p, out)
+        return out
+
+    def derivatives(self, t: Array, x: Array, xd: Array, p: Array, free: tuple[int, ...] = ()) -> Derivatives:
+        """Return values and all derivatives that are not zero.
+
+        Those in parameters are in the parameters numbered ``free``.
+        """
+        n, where = np.shape(t)[0], self.structure(free)
+        arrays = [
+            np.zeros((m, n)) for m in (self.n_out, len(where.dx[0]), len(where.dxd[0]), len(where.dp[0]), len(where.dt))
+        ]
+        with np.errstate(all="ignore"):
+            self._function(free)(t, x, xd, p, *arrays)
+        return Derivatives(*arrays)
+
+    def structure(self, free: tuple[int, ...] = ()) -> Structure:
+        """Return which derivatives are not zero; those in parameters only for the numbers in ``free``."""
+        if free not in self._structures:
+            symbols = (self.states, self.delayed, [self.parameters[i] for i in free], [TIME])
+            dx, dxd, dp, dt = (_places(self._slopes(group)) for group in symbols)
+            self._structures[free] = Structure(dx, dxd, dp, dt[0])
+        return self._structures[free]
+
+    def _slopes(self, symbols: Symbols) -> dict[tuple[int, int], sympy.Expr]:
+        """Return the derivatives that are not zero by (output, symbol), in order."""
+        number = {s: k for k, s in enumerate(symbols)}
+        places = [
+            (i, number[s])
+            for i, e in enumerate(self.exprs)
+            for s in sorted(e.free_symbols & set(number), key=number.__getitem__)
+        ]
+        slopes = {(i, k): self.exprs[i].diff(symbols[k]) for i, k in places}
+        return {place: slope for place, slope in slopes.items() if slope != 0}
+
+    @cached_property
+    def scalar(self) -> Callable[..., None]:
+        """The function ``f(t, x, xd, p, out)`` of floats and lists, for one point."""
+        return compile_source(self._source(None), _MATH)
+
+    @cached_property
+    def uses_delayed(self) -> bool:
+        """Whether any expression reads a delayed value."""
+        return any(set(self.delayed) & e.free_symbols for e in self.exprs)
+
+    @cached_property
+    def linear(self) -> tuple[bool, ...]:
+        """Whether each expression is linear in the states with coefficients that are parameters."""
+        known = {*self.states, *self.parameters}
+        return tuple(
+            e.free_symbols <= known and all(e.diff(s).free_symbols <= set(self.parameters) for s in self.states)
+            for e in self.exprs
+        )
+
+    def _function(self, free: tuple[int, ...] | None) -> Callable[..., None]:
+        if free not in self._compiled:
+            self._compiled[free] = compile_source(self._source(free), _NUMPY)
+        return self._compiled[free]
+
+    def _source(self, free: tuple[int, ...] | None) -> str:
+        """Return the source of values and derivatives, in parameters numbered ``free``, or of values alone for None."""
+        names = name_symbols(self.states, self.delayed, self.parameters)
+        groups: dict[str, Sequence[sympy.Expr]] = {"value": self.exprs}
+        if free is not None:
+            p = [self.parameters[i] for i in free]
+            for name, symbols in (("dx", self.states), ("dxd", self.delayed), ("dp", p), ("dt", [TIME])):
+                groups[name] = list(self._slopes(symbols).values())
+        return write_array_source(groups, names)
+
+
+def _places(entries: Iterable[tuple[int, int]]) -> tuple[Ints, Ints]:
+    pairs = np.array(list(entries), dtype=np.intp).reshape(-1, 2)
+    return pairs[:, 0], pairs[:, 1]
+
+
+def write_array_source(groups: Mapping[str, Sequence[sympy.Expr]], names: Names) -> str:
+    """Return the source of a function that fills one output array a group; entries that are zero are not written."""
+    targets = [(f"{name}[{i}]", entry) for name, entries in groups.items() for i, entry in enumerate(entries)]
+    body = [f"    {line}" for line in print_assignments(targets, ArrayPrinter(names))]
+    return "\n".join([f"def generated({ARGUMENTS}, {', '.join(groups)}):", *body, "    return"])
+
+
+def compile_source(text: str, namespace: Mapping[str, Any]) -> Callable[..., None]:
+    """Return the function that a generated source defines, with nothing but ``namespace`` in reach."""
+    scope: dict[str, Any] = {"__builtins__": {}, **namespace}
+    exec(compile(text, "<generated>", "exec"), scope)  # the text comes from the printer, never from a file
+    function: Callable[..., None] = scope["generated"]
+    return function

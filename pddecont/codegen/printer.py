@@ -1,0 +1,80 @@
+"""The printer: expressions as lines of Python source, for arrays of points and for machine code.
+
+Both kinds of source assign expressions to places in arrays, with common parts computed once, and name nothing but
+arrays, functions, and the common parts c0, c1, ... They differ in the names of functions and in how fractions are
+written.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import sympy
+from sympy.printing.codeprinter import CodePrinter
+from sympy.printing.numpy import NumPyPrinter
+from sympy.printing.pycode import PythonCodePrinter
+
+from pddecont.errors import PddecontError
+from pddecont.model import FUNCTIONS, TIME
+
+Symbols = Sequence[sympy.Symbol]
+Names = Mapping[sympy.Symbol, str]
+
+
+class Printer(CodePrinter):
+    """Writes expressions with symbols as places in arrays."""
+
+    def __init__(self, names: Names) -> None:
+        super().__init__({"fully_qualified_modules": False})
+        self._names = names
+
+    def _print_Symbol(self, expr: sympy.Symbol) -> str:
+        return self._names.get(expr) or str(super()._print_Symbol(expr))
+
+
+class ArrayPrinter(Printer, NumPyPrinter):
+    """Writes functions with numpy's names."""
+
+
+class ScalarPrinter(Printer, PythonCodePrinter):
+    """Writes functions with the names of the module ``math``, and fractions as quotients of floats."""
+
+    def _print_Rational(self, expr: sympy.Rational) -> str:
+        return f"({expr.p}.0/{expr.q}.0)"
+
+
+def name_symbols(states: Symbols, delayed: Symbols, parameters: Symbols) -> dict[sympy.Symbol, str]:
+    """Return what each symbol is called in generated source: places in arrays, never the user's own names."""
+    names = {TIME: "t"}
+    for array, symbols in (("x", states), ("xd", delayed), ("p", parameters)):
+        names |= {s: f"{array}[{i}]" for i, s in enumerate(symbols)}
+    return names
+
+
+def print_assignments(targets: Iterable[tuple[str, sympy.Expr]], printer: Printer) -> list[str]:
+    """Return the lines that assign expressions to their targets, common parts first; those that are zero have none.
+
+    Raises
+    ------
+    PddecontError
+        If an expression is something that there is no code for.
+    """
+    written = [(target, expr) for target, expr in targets if expr != 0]
+    check_codable(expr for _, expr in written)
+    shared, exprs = sympy.cse([expr for _, expr in written], symbols=sympy.numbered_symbols("c"), order="canonical")
+    lines = [f"{s.name} = {printer.doprint(e)}" for s, e in shared]
+    return lines + [f"{target} = {printer.doprint(e)}" for (target, _), e in zip(written, exprs, strict=True)]
+
+
+def check_codable(exprs: Iterable[sympy.Expr]) -> None:
+    """Raise PddecontError if an expression, or a derivative, is something that there is no code for."""
+    for e in exprs:
+        strange: set[Any] = e.atoms(sympy.nan.func, sympy.zoo.func, sympy.oo.func) or {
+            f for f in e.atoms(sympy.Function) if f.func not in FUNCTIONS
+        }
+        if strange:
+            raise PddecontError(
+                f"the model, or its derivative, holds {min(map(str, strange))}, which is not a smooth function: write "
+                "one mode for each side of the corner"
+            )

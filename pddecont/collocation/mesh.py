@@ -1,0 +1,232 @@
+"""Mesh intervals whose edges are affine in the segment durations and the delays.
+
+With theta = (T_1, ..., T_S, tau_1, ..., tau_K) every edge is ``coefficients @ theta``, counted from the start of the
+first segment. A piece lies between two neighbouring breaking points and is cut into intervals at fixed fractions, so
+the mesh moves with theta and all its derivatives are the coefficients themselves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pddecont.collocation.basis import Basis, make_basis
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.intp]
+Found = TypeVar("Found")
+
+
+@dataclass(frozen=True, eq=False)
+class MeshPoints:
+    """Points by mesh interval and sigma in [0, 1]; both of shape (n_points,).
+
+    ``weights`` (n_points, degree + 1) are those of the interval's base values, where they are known beforehand.
+    ``inward`` says, where a delayed value lies on an edge, from which side it is read: 1 for the interval after it, -1
+    for the one before; by default a point reads from the side of its own interval.
+    """
+
+    interval: Ints
+    sigma: Array
+    weights: Array | None = None
+    inward: Array | None = None
+
+    def __len__(self) -> int:
+        return len(self.sigma)
+
+    def clipped(self) -> MeshPoints:
+        """Return the points with sigma moved into [0, 1], where rounding or a wide reach took it beyond."""
+        return replace(self, sigma=np.clip(self.sigma, 0.0, 1.0), weights=None)
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """A smooth part of a segment.
+
+    ``start`` and ``end`` are integer coefficients of theta, shape (S + K,); ``cuts`` the edges of its mesh intervals as
+    increasing fractions from 0 to 1.
+    """
+
+    segment: int
+    start: Array
+    end: Array
+    cuts: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """The mesh intervals of one orbit, in order of time; ``n_theta`` = S + K.
+
+    Base points are numbered through the orbit: ``degree`` a mesh interval and one more at the end of each segment,
+    since neighbours inside a segment share the point between them and segments do not. ``reference_theta`` is the theta
+    that the mesh was made for, where it matters which interval a delayed value is read from.
+    """
+
+    degree: int
+    n_segments: int
+    pieces: tuple[Piece, ...]
+    reference_theta: Array | None = None
+    _found: dict[Hashable, Any] = field(default_factory=dict, init=False, repr=False)
+
+    def once(self, key: Hashable, find: Callable[[], Found]) -> Found:
+        """Return what ``find`` finds, found once for this mesh."""
+        if key not in self._found:
+            self._found[key] = find()
+        found: Found = self._found[key]
+        return found
+
+    @cached_property
+    def basis(self) -> Basis:
+        """The reference basis of this mesh's degree."""
+        return make_basis(self.degree)
+
+    @cached_property
+    def piece(self) -> Ints:
+        """Piece of each interval, shape (n_intervals,)."""
+        return np.repeat(np.arange(len(self.pieces)), [len(p.cuts) - 1 for p in self.pieces])
+
+    @cached_property
+    def segment(self) -> Ints:
+        """Segment of each interval, shape (n_intervals,)."""
+        return np.array([p.segment for p in self.pieces], dtype=np.intp)[self.piece]
+
+    @cached_property
+    def start(self) -> Array:
+        """Coefficients of each interval's left edge, shape (n_intervals, n_theta)."""
+        return np.concatenate([p.start + np.outer(p.cuts[:-1], p.end - p.start) for p in self.pieces])
+
+    @cached_property
+    def length(self) -> Array:
+        """Coefficients of each interval's length, shape (n_intervals, n_theta)."""
+        return np.concatenate([np.outer(np.diff(p.cuts), p.end - p.start) for p in self.pieces])
+
+    @cached_property
+    def n_intervals(self) -> int:
+        """Number of mesh intervals."""
+        return len(self.segment)
+
+    @cached_property
+    def n_base(self) -> int:
+        """Number of base points."""
+        return self.degree * self.n_intervals + self.n_segments
+
+    @cached_property
+    def n_collocation(self) -> int:
+        """Number of collocation points."""
+        return self.degree * self.n_intervals
+
+    @cached_property
+    def base_index(self) -> Ints:
+        """Base points of each interval, shape (n_intervals, degree + 1)."""
+        first = self.degree * np.arange(self.n_intervals) + self.segment
+        return first[:, None] + np.arange(self.degree + 1)
+
+    @cached_property
+    def first_base(self) -> Ints:
+        """First base point of each segment, shape (n_segments,)."""
+        result: Ints = self.base_index[np.searchsorted(self.segment, np.arange(self.n_segments)), 0]
+        return result
+
+    @cached_property
+    def last_base(self) -> Ints:
+        """Last base point of each segment, shape (n_segments,)."""
+        result: Ints = self.base_index[self.last_interval, -1]
+        return result
+
+    @cached_property
+    def last_interval(self) -> Ints:
+        """Last interval of each segment, shape (n_segments,)."""
+        return np.searchsorted(self.segment, np.arange(self.n_segments), side="right") - 1
+
+    @cached_property
+    def equation_points(self) -> MeshPoints:
+        """Where equations hold: the collocation points, interval by interval, then the segments' ends."""
+        points, ends = self.grid(self.basis.nodes), np.ones(self.n_segments)
+        weights = np.concatenate([self.local_weights(points), self.basis.lagrange(ends)])
+        interval = np.concatenate([points.interval, self.last_interval])
+        return MeshPoints(interval, np.concatenate([points.sigma, ends]), weights)
+
+    @cached_property
+    def n_equation_points(self) -> int:
+        """Number of equation points: collocation points and segment ends."""
+        return self.n_collocation + self.n_segments
+
+    @cached_property
+    def equation_times(self) -> Array:
+        """Coefficients of the times of all equation points, shape (n_equation_points, n_theta)."""
+        return self.times(self.equation_points)
+
+    def grid(self, sigma: Array, intervals: Ints | None = None) -> MeshPoints:
+        """Return the points at the same ``sigma`` (k,) of every interval, or of some ``intervals``."""
+        chosen = np.arange(self.n_intervals) if intervals is None else intervals
+        n = len(chosen)
+        return MeshPoints(np.repeat(chosen, len(sigma)), np.tile(sigma, n), np.tile(self.basis.lagrange(sigma), (n, 1)))
+
+    def times(self, points: MeshPoints) -> Array:
+        """Return the coefficients of the times of ``points``, shape (n_points, n_theta)."""
+        return self.start[points.interval] + points.sigma[:, None] * self.length[points.interval]
+
+    def base_times(self, theta: Array) -> Array:
+        """Return the times of the base points, shape (n_base,)."""
+        times = np.empty(self.n_base)
+        times[self.base_index] = (self.start @ theta)[:, None] + self.basis.base * (self.length @ theta)[:, None]
+        return times
+
+    def period(self, theta: Array) -> float:
+        """Return the sum of the segment durations."""
+        return float(np.sum(theta[: self.n_segments]))
+
+    def locate(
+        self, theta: Array, times: Array, *, choose_by: Array | None = None, segment: int | None = None
+    ) -> tuple[MeshPoints, Ints]:
+        """Return where ``times`` (n,) lie on the mesh at ``theta``, and how many periods later than there they are.
+
+        An interval holds its left edge, and no point lies in an interval without length unless there is no other. sigma
+        leaves [0, 1] where the interval is chosen by other times, or the time is outside ``segment``.
+
+        Parameters
+        ----------
+        choose_by
+            Times (n,) that choose the interval and the period, where rounding must not: a little inside.
+        segment
+            Choose among the intervals of this segment alone; its times are not wrapped by periods.
+        """
+        chooser = times if choose_by is None else choose_by
+        edges, lengths = self.start @ theta, self.length @ theta
+        if segment is None:
+            wraps = np.floor(chooser / self.period(theta)).astype(np.intp)
+            candidates = np.arange(self.n_intervals)
+        else:
+            wraps = np.zeros(len(times), dtype=np.intp)
+            inside = np.flatnonzero(self.segment == segment)
+            # Where two breaking points meet exactly an interval has no length, and nothing to read.
+            candidates = inside[lengths[inside] > 0.0] if np.any(lengths[inside] > 0.0) else inside[:1]
+        back = wraps * self.period(theta)
+        place = np.searchsorted(edges[candidates], chooser - back, side="right") - 1
+        interval = candidates[np.clip(place, 0, len(candidates) - 1)]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            sigma = (times - back - edges[interval]) / lengths[interval]
+        return MeshPoints(interval, np.where(lengths[interval] != 0.0, sigma, 0.0)), wraps
+
+    def local_weights(self, points: MeshPoints) -> Array:
+        """Return the weights of the interval's base values in the value at each point, shape (n_points, degree + 1)."""
+        return self.basis.lagrange(points.sigma) if points.weights is None else points.weights
+
+    def interpolate(self, values: Array, points: MeshPoints) -> Array:
+        """Return the polynomials through base ``values`` (n_base, n) at ``points``, shape (n_points, n)."""
+        result: Array = np.matmul(self.local_weights(points)[:, None], values[self.base_index[points.interval]])[:, 0]
+        return result
+
+    def interpolate_at_nodes(self, values: Array) -> Array:
+        """Return the polynomials through base ``values`` (n_base, ...) at the collocation points.
+
+        The result has shape (n_collocation, ...).
+        """
+        local = values[self.base_index]
+        result: Array = np.einsum("ib,jb...->ji...", self.basis.values, local).reshape(-1, *values.shape[1:])
+        return result

@@ -1,0 +1,53 @@
+"""A point of a branch."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Generic
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pddecont.continuation.newton import Solution
+from pddecont.continuation.system import AdaptiveSystem, E
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class CurvePoint(Generic[E]):
+    """A point of a branch with the system that it solves, and the equations there.
+
+    ``direction`` is the branch's tangent where it is known; a corrected point has it from its last Newton step.
+    """
+
+    system: AdaptiveSystem[E]
+    at: E
+    solution: Solution[Any] | None = None
+    direction: Array | None = None
+
+    @property
+    def x(self) -> Array:
+        """The unknowns."""
+        return self.at.x
+
+    @property
+    def n_iterations(self) -> int:
+        """Number of Newton steps that it took."""
+        return self.solution.n_iterations if self.solution else 0
+
+    @cached_property
+    def tangent(self) -> Array:
+        """The branch's tangent, of any length, on the side to which the row that bordered the Jacobian grows."""
+        if self.direction is not None:
+            return self.direction
+        assert self.solution is not None, "only a corrected point knows its tangent"
+        last = np.zeros(len(self.x))
+        last[-1] = 1.0
+        return self.solution.solve(last)
+
+    @property
+    def mesh_independent_unknowns(self) -> Array:
+        """The unknowns that no mesh changes."""
+        return self.x[self.system.mesh_independent_index]

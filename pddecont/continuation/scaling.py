@@ -1,0 +1,41 @@
+"""What counts as a length along a branch."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Scaling:
+    """Typical size and weight of each unknown, shape (n_unknowns,) each: |dx|^2 = sum_i weight_i (dx_i / scale_i)^2."""
+
+    scale: Array
+    weight: Array
+
+    @cached_property
+    def size(self) -> Array:
+        """How far each unknown moves when a direction of length one lies along it."""
+        return self.scale / np.sqrt(self.weight)
+
+    def dot(self, a: Array, b: Array) -> float:
+        """Return the inner product of two directions."""
+        return float(np.sum(self.weight * (a / self.scale) * (b / self.scale)))
+
+    def length(self, a: Array) -> float:
+        """Return the length of a direction."""
+        return float(np.sqrt(self.dot(a, a)))
+
+    def covector(self, a: Array) -> Array:
+        """Return the row that takes the inner product with ``a``."""
+        return self.weight * a / self.scale**2
+
+    def normalise(self, a: Array) -> Array:
+        """Return ``a`` at length one."""
+        result: Array = a / np.sqrt(self.dot(a, a))
+        return result

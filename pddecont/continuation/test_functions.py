@@ -1,0 +1,170 @@
+"""Special points on a step of a branch: test functions, counts of whole numbers, and what happened in between."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Generic
+
+from pddecont.continuation.curve_point import CurvePoint
+from pddecont.continuation.locate import BranchSegment
+from pddecont.continuation.system import E
+from pddecont.errors import ConvergenceError
+from pddecont.reasons import NO_REASON, Reason
+
+# How often a step is halved to tell changes of counts apart that came together.
+MAX_CUTS = 10
+# How far short of a point that ends the branch its counts are taken, as a fraction of the way there.
+SHORT = 1e-6
+# Zeros nearer than so many decimals of a step fall together; the one that ends the branch comes first.
+TOGETHER_DECIMALS = 6
+
+
+@dataclass(frozen=True)
+class TestFunction(Generic[E]):
+    """A function along the branch whose zero is a special point of ``kind``.
+
+    ``reason`` says more of the point. Where ``end`` is not empty the branch ends there, with this code.
+    ``find_meeting`` finds the point itself between two points with a change of sign, or None: where a branch meets
+    another one, no point between the two can be found on the way and no count can be trusted. ``crosses``: branches
+    cross at its zeros, so that the equations there do not say which direction is the branch's.
+    """
+
+    __test__ = False
+    kind: str
+    value: Callable[[CurvePoint[E]], float]
+    end: str = ""
+    reason: Reason = NO_REASON
+    find_meeting: Callable[[CurvePoint[E], CurvePoint[E]], CurvePoint[E] | None] | None = None
+    crosses: bool = False
+
+
+Counts = tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class CountFunction(Generic[E]):
+    """Whole numbers that change only at special points, such as how many multipliers lie outside the unit circle.
+
+    ``explain(before, after)`` returns the test functions whose zeros account for a change, or None if several changes
+    have come together and the step must be cut.
+    """
+
+    count: Callable[[CurvePoint[E]], Counts]
+    explain: Callable[[Counts, Counts], Sequence[TestFunction[E]] | None]
+
+
+def find_no_violation(_: CurvePoint[E]) -> Reason:
+    """Return no reason: every point is valid."""
+    return NO_REASON
+
+
+@dataclass(frozen=True)
+class TestFunctions(Generic[E]):
+    """What is evaluated along a branch; ``find_violation`` says why a point is none of the problem's solutions."""
+
+    __test__ = False
+    tests: Sequence[TestFunction[E]] = ()
+    counts: CountFunction[E] | None = None
+    find_violation: Callable[[CurvePoint[E]], Reason] = find_no_violation
+
+
+@dataclass(frozen=True)
+class TestValues:
+    """Values of test functions and counts at a point, and why it is no solution (no reason if it is one)."""
+
+    __test__ = False
+    values: tuple[float, ...]
+    counts: Counts
+    violation: Reason
+
+
+def evaluate_tests(point: CurvePoint[E], functions: TestFunctions[E]) -> TestValues:
+    """Return the values of all functions at a point."""
+    counts = functions.counts.count(point) if functions.counts else ()
+    return TestValues(tuple(test.value(point) for test in functions.tests), counts, functions.find_violation(point))
+
+
+@dataclass(frozen=True, eq=False)
+class SpecialPoint(Generic[E]):
+    """A special point at a fraction of a step."""
+
+    test: TestFunction[E]
+    point: CurvePoint[E]
+    fraction: float
+
+
+def find_special_points(
+    segment: BranchSegment[E], functions: TestFunctions[E], before: TestValues, after: TestValues, from_: float
+) -> tuple[list[SpecialPoint[E]], int]:
+    """Return the special points on a step in order, and the number of changes of counts that none of them explains.
+
+    Where two fall together the one that ends the branch comes first. Those before the fraction ``from_`` are the point
+    that the branch starts from, and left out.
+    """
+    found = []
+    for test, f0, f1 in zip(functions.tests, before.values, after.values, strict=True):
+        if f0 * f1 < 0.0 or (f1 == 0.0 and f0 != 0.0):
+            found += _locate(segment, test, 0.0, 1.0, f0, f1)
+    found, n_unexplained = [f for f in found if f.fraction >= from_], 0
+    if functions.counts is not None and not any(f.test.find_meeting for f in found):
+        # What lies beyond a point that ends the branch counts for nothing, and on it a count may be of either side.
+        last = min((f.fraction * (1.0 - SHORT) for f in found if f.test.end), default=1.0)
+        counts = after.counts if last == 1.0 else functions.counts.count(segment.at(last))
+        counted = _explain_counts(segment, functions.counts, 0.0, last, before.counts, counts, MAX_CUTS)
+        found += [f for f in counted if f is not None]
+        # At the start of a branch the special point that it comes from may still show.
+        n_unexplained = 0 if from_ else len([f for f in counted if f is None])
+    kept = (f for f in found if f.fraction >= from_)
+    return sorted(kept, key=lambda f: (round(f.fraction, TOGETHER_DECIMALS), not f.test.end, f.fraction)), n_unexplained
+
+
+def _locate(
+    segment: BranchSegment[E], test: TestFunction[E], low: float, high: float, f_low: float, f_high: float
+) -> list[SpecialPoint[E]]:
+    """Return the zero of a test function between two fractions; nothing if it jumps through zero."""
+    if test.find_meeting is not None:
+        met = test.find_meeting(segment.at(low), segment.at(high))
+        return [] if met is None else [SpecialPoint(test, met, low + (high - low) * f_low / (f_low - f_high))]
+    fraction = segment.find_zero(test.value, low, high, f_low, f_high)
+    if fraction is None:
+        return []
+    point = segment.cross(fraction, low, high) if test.crosses else segment.at(fraction)
+    return [SpecialPoint(test, point, fraction)]
+
+
+def _explain_counts(
+    segment: BranchSegment[E],
+    counts: CountFunction[E],
+    low: float,
+    high: float,
+    before: Counts,
+    after: Counts,
+    cuts: int,
+) -> list[SpecialPoint[E] | None]:
+    """Return the special points that account for a change of counts, cutting the step where several come together.
+
+    None stands for a change that could not be explained.
+    """
+    if before == after:
+        return []
+    tests = counts.explain(before, after)
+    if tests is not None:
+        ends = [(test.value(segment.at(low)), test.value(segment.at(high))) for test in tests]
+        # A test function may not exist all along: no real multiplier at one end, say. Then the step is cut too.
+        if all(f_low * f_high <= 0.0 for f_low, f_high in ends):
+            result: list[SpecialPoint[E] | None] = []
+            for test, (f_low, f_high) in zip(tests, ends, strict=True):
+                result += _locate(segment, test, low, high, f_low, f_high) or [None]
+            return result
+    if cuts == 0:
+        return [None]
+    middle = 0.5 * (low + high)
+    try:
+        between = counts.count(segment.at(middle))
+    except ConvergenceError:
+        return [None]
+    return [
+        *_explain_counts(segment, counts, low, middle, before, between, cuts - 1),
+        *_explain_counts(segment, counts, middle, high, between, after, cuts - 1),
+    ]

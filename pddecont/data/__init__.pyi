@@ -1,0 +1,3 @@
+from .shipped import find_shipped_folders as find_shipped_folders
+from .shipped import list_shipped as list_shipped
+from .starters import write_starter as write_starter

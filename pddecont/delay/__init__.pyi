@@ -1,0 +1,16 @@
+from .breaking_points import BreakingPoint as BreakingPoint
+from .breaking_points import DiscontinuitySources as DiscontinuitySources
+from .breaking_points import find_breaking_points as find_breaking_points
+from .breaking_points import find_discontinuity_sources as find_discontinuity_sources
+from .breaking_points import jump_returns_at_event as jump_returns_at_event
+from .chain import Chain as Chain
+from .chain import MatrixPowers as MatrixPowers
+from .chebyshev import Chebyshev as Chebyshev
+from .delay_line import LineOnMesh as LineOnMesh
+from .direct import Direct as Direct
+from .interface import DelayLine as DelayLine
+from .interface import DelayMethod as DelayMethod
+from .interface import DelayOperator as DelayOperator
+from .interface import FullWeights as FullWeights
+from .interface import LineStages as LineStages
+from .interface import LocalWeights as LocalWeights

@@ -1,0 +1,127 @@
+"""Breaking points: where the derivatives of an orbit jump.
+
+An event makes derivative q of the solution jump, q = 0 if its reset changes the state and q = 1 if only the vector
+field changes. The jump at theta comes back in derivative q + l at theta plus any sum of l delays that the vector fields
+read. All are integer combinations of theta = (T_1..T_S, tau_1..tau_K), wrapped by whole periods into the orbit. On
+polynomials of degree m a jump in derivative m + 1 or higher costs no order.
+
+Reference: Bellen, Zennaro, Numerical Methods for Delay Differential Equations (2003), section 2.2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations_with_replacement
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pddecont.model import Model, Segment
+
+Array = NDArray[np.float64]
+# Breaking points closer than this, in periods, count as one: rounding decides on their order.
+MERGE = 1e-10
+# A jump this close to an event, in periods, comes back at the event itself.
+AT_EVENT = 1e-9
+# Breaking points of an orbit at most: those of many small delays would make a mesh of nothing else.
+MAX_POINTS = 2000
+
+
+@dataclass(frozen=True)
+class DiscontinuitySources:
+    """What decides an orbit's breaking points.
+
+    ``jumps`` is the derivative that jumps at the end of each segment, ``delays`` are the numbers of the delays through
+    which the vector fields read those jumps again.
+    """
+
+    jumps: tuple[int, ...]
+    delays: tuple[int, ...]
+
+
+def find_discontinuity_sources(model: Model, segments: Sequence[Segment]) -> DiscontinuitySources:
+    """Return the sources of a signature's breaking points, from its resets and vector fields."""
+    ends = [segment for segment in segments if segment.event]
+    jumps = tuple(0 if model.resets[segment.reset] != model.state_symbols else 1 for segment in ends)
+    used = set().union(*(e.free_symbols for segment in segments for e in model.modes[segment.mode]))
+    read = {d.delay for d, symbol in zip(model.delayed, model.delayed_symbols, strict=True) if symbol in used}
+    return DiscontinuitySources(jumps, tuple(sorted(read)))
+
+
+def jump_returns_at_event(sources: DiscontinuitySources, theta: Array, n_segments: int) -> bool:
+    """Return whether a jump of the state comes back through a delay just at an event of the orbit, to rounding.
+
+    Nearby motions read it before or after the event: they have two linear maps, and the orbit's multipliers are those
+    of neither.
+    """
+    ends = np.cumsum(theta[:n_segments])
+    period = float(ends[-1])
+    for s, jump in enumerate(sources.jumps):
+        for k in sources.delays if jump == 0 else ():
+            tau = theta[n_segments + k]
+            apart = np.abs((ends[s] + tau - ends + 0.5 * period) % period - 0.5 * period)
+            if tau > 0.0 and np.min(apart) < AT_EVENT * period:
+                return True
+    return False
+
+
+@dataclass(frozen=True)
+class BreakingPoint:
+    """A point of an orbit at ``coefficients @ theta``; ``level`` is the derivative that jumps there (-1: an event)."""
+
+    coefficients: tuple[int, ...]
+    level: int
+
+
+def find_breaking_points(
+    sources: DiscontinuitySources, theta: Array, n_segments: int, degree: int
+) -> list[list[BreakingPoint]]:
+    """Return the breaking points of each segment in order of time, the segment's own ends first and last.
+
+    Points closer than ``MERGE`` periods count as one: the segment's end, else the one that jumps lowest.
+    """
+    n_theta = len(theta)
+    period = float(np.sum(theta[:n_segments]))
+    ends = [tuple([1] * s + [0] * (n_theta - s)) for s in range(n_segments + 1)]
+    at_ends = np.concatenate([[0.0], np.cumsum(theta[:n_segments])])
+    near = MERGE * period
+    points = _propagate(sources, theta, ends, near, degree)
+    kept: list[list[tuple[float, BreakingPoint]]] = [[] for _ in range(n_segments)]
+    taken = list(at_ends)
+    for level, key, value in sorted((level, key, value) for key, (value, level) in points.items()):
+        if all(abs(value - other) > near for other in taken):
+            taken.append(value)
+            segment = int(np.clip(np.searchsorted(at_ends, value, side="right") - 1, 0, n_segments - 1))
+            kept[segment].append((value, BreakingPoint(key, level)))
+    return [
+        [
+            BreakingPoint(ends[s], -1),
+            *(p for _, p in sorted(kept[s], key=lambda item: item[0])),
+            BreakingPoint(ends[s + 1], -1),
+        ]
+        for s in range(n_segments)
+    ]
+
+
+def _propagate(
+    sources: DiscontinuitySources, theta: Array, ends: Sequence[tuple[int, ...]], near: float, degree: int
+) -> dict[tuple[int, ...], tuple[float, int]]:
+    """Return the time and the lowest derivative that jumps at each sum of delays after an event, by coefficients."""
+    n_segments = len(ends) - 1
+    period = float(np.sum(theta[:n_segments]))
+    delays = [k for k in sources.delays if theta[n_segments + k] > near]
+    points: dict[tuple[int, ...], tuple[float, int]] = {}
+    for s, q in enumerate(sources.jumps):
+        for level in range(1, degree - q + 1):
+            for combination in combinations_with_replacement(delays, level):
+                c = np.array(ends[s + 1])
+                for k in combination:
+                    c[n_segments + k] += 1
+                c[:n_segments] -= int(np.floor(float(c @ theta) / period))
+                key = tuple(c.tolist())
+                if key not in points or points[key][1] > q + level:
+                    points[key] = (float(c @ theta), q + level)
+            if len(points) > MAX_POINTS:
+                break
+    return points

@@ -1,0 +1,129 @@
+"""The interface between the boundary-value problem and a way to discretise the delay.
+
+A delay is a linear operator that takes an orbit's base-point values to delayed values at any points of its mesh, with
+its derivatives in theta = (T_1..T_S, tau_1..tau_K). How far back a point reads, its lag, is affine in theta as the mesh
+is: ``lag @ theta`` with coefficients of shape (n_theta,), one unit vector for a constant delay.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pddecont.collocation import Mesh, MeshPoints
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class LocalWeights:
+    """A sparse operator that reads each delayed value from one mesh interval.
+
+    ``columns`` (n_points, degree + 1) are base points, ``weights`` of the same shape their weights. The read lies at
+    ``sigma`` of mesh ``interval``, ``wraps`` periods back; all of shape (n_points,).
+    """
+
+    columns: NDArray[np.intp]
+    weights: Array
+    interval: NDArray[np.intp]
+    sigma: Array
+    wraps: NDArray[np.intp]
+
+    def apply(self, values: Array) -> Array:
+        """Return the delayed values of base ``values`` (n_base, n_quantities), shape (n_points, n_quantities)."""
+        result: Array = np.matmul(self.weights[:, None], values[self.columns])[:, 0]
+        return result
+
+    def reads_as(self, other: LocalWeights) -> bool:
+        """Return whether every point reads the same base points, as many periods back, as with ``other``."""
+        same = self.columns is other.columns or np.array_equal(self.columns, other.columns)
+        return same and (self.wraps is other.wraps or np.array_equal(self.wraps, other.wraps))
+
+
+@dataclass(frozen=True, eq=False)
+class FullWeights:
+    """A dense operator, ``weights`` of shape (n_points, n_base)."""
+
+    weights: Array
+
+    def apply(self, values: Array) -> Array:
+        """Return the delayed values of base ``values`` (n_base, n_quantities), shape (n_points, n_quantities)."""
+        return self.weights @ values
+
+    @property
+    def amplification(self) -> float:
+        """By how much the operator can magnify an error in the base values."""
+        return float(np.max(np.sum(np.abs(self.weights), axis=1), initial=0.0))
+
+
+@dataclass(frozen=True, eq=False)
+class DelayOperator:
+    """One delay on one mesh.
+
+    ``theta_derivative(values, which)`` returns the derivatives of ``weights.apply(values)`` in the components ``which``
+    of theta, shape (n_points, n_quantities, len(which)).
+    """
+
+    weights: LocalWeights | FullWeights
+    theta_derivative: Callable[[Array, Sequence[int]], Array]
+
+
+@dataclass(frozen=True, eq=False)
+class DelayLine:
+    """Coefficients of a delay line with n states, mass_k y_k' = (A y + B q)_k / delta: mass (n,), A (n, n), B (n,).
+
+    ``out`` is the state that is its output.
+    """
+
+    mass: Array
+    A: Array
+    B: Array
+    out: int
+
+
+@dataclass(frozen=True, eq=False)
+class LineStages:
+    """A delay as ``n`` equal delay lines one after another, each for a part delta = tau / n of it."""
+
+    line: DelayLine
+    n: int
+
+
+class DelayMethod(Protocol):
+    """A way to discretise the delay."""
+
+    @property
+    def tracks_breaking_points(self) -> bool:
+        """Whether meshes follow the breaking points that events send through the delays."""
+        ...
+
+    @property
+    def stages(self) -> LineStages | None:
+        """The delay lines that hold the history; None where delayed values are values of the orbit itself."""
+        ...
+
+    @property
+    def simulated_stages(self) -> tuple[int, int]:
+        """Order and number of the stages that a simulation integrates; (0, 0) where it reads the past itself."""
+        ...
+
+    def mesh_is_valid(self, mesh: Mesh, theta: Array, lags: Array) -> bool:
+        """Return whether equations on ``mesh`` still read at ``theta`` what they read where the mesh was made.
+
+        ``lags`` has shape (n_delays, n_theta).
+        """
+        ...
+
+    def operator(self, mesh: Mesh, theta: Array, lag: Array, points: MeshPoints) -> DelayOperator:
+        """Return the operator that reads ``lag @ theta`` before ``points``.
+
+        Raises
+        ------
+        ConvergenceError
+            If there is no such operator at ``theta``.
+        """
+        ...

@@ -1,0 +1,130 @@
+"""Where derivatives of an orbit's equations are evaluated, and which columns they go to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pddecont.codegen import Derivatives
+from pddecont.delay import LocalWeights
+from pddecont.orbit.equations import FunctionEquations
+from pddecont.orbit.orbit import Orbit, Reads
+from pddecont.orbit.signature import DelayedEventLink
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.intp]
+
+
+@dataclass(frozen=True, eq=False)
+class Entries:
+    """Entries of a matrix; rows and columns broadcast against each other, values fit into their common shape."""
+
+    rows: Ints | int
+    columns: Ints | int
+    values: Callable[[Linearisation], Array] | Array | float
+
+
+class ColumnMap(Protocol):
+    """Which columns the unknowns stand in, and how times move with them.
+
+    ``moving_columns`` are the durations' columns (n_moving,); ``equation_times`` (n_equation_points, n_moving + n_taus)
+    and ``interval_lengths`` (n_intervals, n_moving + n_taus) say how equation points and mesh intervals move with them
+    and with the n_taus delays that depend on free parameters.
+    """
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Shape of the matrix."""
+        ...
+
+    @property
+    def moving_columns(self) -> Ints:
+        """Columns of the durations that move times."""
+        ...
+
+    @property
+    def equation_times(self) -> Array:
+        """How equation points move."""
+        ...
+
+    @property
+    def interval_lengths(self) -> Array:
+        """How the lengths of mesh intervals move."""
+        ...
+
+    def delayed_derivatives(self, orbit: Orbit, reads: Reads) -> Array:
+        """Return how delayed values move, shape (n_delayed, n_equation_points, n_moving + n_taus)."""
+        ...
+
+    def read_columns(self, weights: LocalWeights, points: Ints, state: int) -> Ints:
+        """Return the columns that are read at ``points`` of a delayed state, shape (n_points, degree + 1)."""
+        ...
+
+    def state_after(self, s: int) -> Ints:
+        """Return the columns of the state after the reset at the end of segment ``s``, shape (n_states,)."""
+        ...
+
+    def find_elapsed_weights(self, link: DelayedEventLink) -> Array:
+        """Return the weights of ``moving_columns`` in the time from a delayed event's source to the event."""
+        ...
+
+    def phase_entries(self, row: int) -> list[Entries]:
+        """Return the entries of the phase equation."""
+        ...
+
+    def period_entries(self, row: int) -> list[Entries]:
+        """Return the entries of the period equation."""
+        ...
+
+
+class Linearisation:
+    """An orbit at which derivatives are evaluated; what several terms need is computed once.
+
+    ``free`` numbers the free parameters. ``h`` (n_equation_points,) are the lengths of the points' intervals.
+    ``delayed_derivatives`` (n_delayed, n_equation_points, n_moving + n_taus) says how the delayed values move with
+    durations and delays, ``tau_derivatives`` (n_taus, n_free) how those delays do with the free parameters.
+    """
+
+    def __init__(self, columns: ColumnMap, free: tuple[int, ...], orbit: Orbit, reads: Reads):
+        self.columns, self.free, self.orbit, self.reads = columns, free, orbit, reads
+        self.h = reads.h[orbit.mesh.equation_points.interval]
+        delays = orbit.numeric.delays
+        self.tau_derivatives = delays.derivatives(orbit.parameters, free)[delays.function.structure(free).moving]
+        self.delayed_derivatives = columns.delayed_derivatives(orbit, reads)
+        self._derivatives: dict[FunctionEquations, Derivatives] = {}
+        self._moves: dict[FunctionEquations, Array] = {}
+
+    def derivatives(self, e: FunctionEquations) -> Derivatives:
+        """Return the function of ``e`` with its derivatives at its points."""
+        if e not in self._derivatives:
+            r = self.reads
+            self._derivatives[e] = e.function.derivatives(
+                r.t[e.points], r.x[:, e.points], r.xd[:, e.points], self.orbit.parameters, self.free
+            )
+        return self._derivatives[e]
+
+    def factor(self, e: FunctionEquations) -> Array | float:
+        """Return what the function of ``e`` is multiplied by."""
+        return e.sign or -self.h[e.points]
+
+    def moves(self, e: FunctionEquations) -> Array:
+        """Return how equations move with durations and delays, shape (n_out, n_points, n_moving + n_taus)."""
+        if e not in self._moves:
+            d, columns, structure = self.derivatives(e), self.columns, e.function.structure(self.free)
+            result = np.zeros((*e.rows.shape, columns.equation_times.shape[1]))
+            if len(structure.dt):
+                result[structure.dt] = d.dt[:, :, None] * columns.equation_times[e.points]
+            for i, q, slope in zip(*structure.dxd, d.dxd, strict=True):
+                result[i] += slope[:, None] * self.delayed_derivatives[q, e.points]
+            if e.sign:
+                result *= e.sign
+            else:
+                result *= -self.h[e.points, None]
+                interval = self.orbit.mesh.equation_points.interval[e.points]
+                result -= d.value[:, :, None] * columns.interval_lengths[interval]
+            self._moves[e] = result
+        return self._moves[e]

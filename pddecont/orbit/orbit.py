@@ -1,0 +1,151 @@
+"""A periodic orbit as a value: a problem, its unknowns, and what is read off them, each worked out once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pddecont.codegen import NumericModel
+from pddecont.collocation import Mesh, MeshPoints
+from pddecont.delay import DelayOperator
+from pddecont.orbit.problem import OrbitProblem
+from pddecont.orbit.signature import Signature
+
+Array = NDArray[np.float64]
+Found = TypeVar("Found")
+
+
+@dataclass(frozen=True, eq=False)
+class Reads:
+    """States and delayed values of an orbit at some points of its mesh.
+
+    Shapes: h (n_intervals,) lengths of the intervals, t (n_points,) physical time, x (n_states, n_points), xd
+    (n_delayed, n_points).
+    """
+
+    points: MeshPoints
+    h: Array
+    t: Array
+    x: Array
+    xd: Array
+    operators: list[DelayOperator]
+
+
+@dataclass(frozen=True, eq=False)
+class Orbit:
+    """The orbit with the unknowns ``x`` of a problem; a solution, or a guess of one.
+
+    Whatever is worked out of it and asked for again is kept with it (:meth:`once`).
+    """
+
+    problem: OrbitProblem
+    x: Array
+    _found: dict[Hashable, Any] = field(default_factory=dict, init=False, repr=False)
+
+    def once(self, key: Hashable, find: Callable[[], Found]) -> Found:
+        """Return what ``find`` finds, found once for this orbit."""
+        if key not in self._found:
+            self._found[key] = find()
+        found: Found = self._found[key]
+        return found
+
+    @property
+    def numeric(self) -> NumericModel:
+        """The model's functions."""
+        return self.problem.numeric
+
+    @property
+    def mesh(self) -> Mesh:
+        """The mesh that the orbit is given on."""
+        return self.problem.mesh
+
+    @property
+    def signature(self) -> Signature:
+        """The segments that the orbit runs through."""
+        return self.problem.signature
+
+    @cached_property
+    def _parts(self) -> tuple[Array, Array, float, Array]:
+        return self.problem.unknowns.split(self.x)
+
+    @property
+    def values(self) -> Array:
+        """States at the base points, shape (n_base, n_states)."""
+        return self._parts[0]
+
+    @property
+    def durations(self) -> Array:
+        """Segment durations, shape (n_segments,)."""
+        return self._parts[1]
+
+    @property
+    def start(self) -> float:
+        """Physical time at which the first segment begins (0 for an autonomous model)."""
+        return self._parts[2]
+
+    @property
+    def free(self) -> Array:
+        """Values of the free parameters."""
+        return self._parts[3]
+
+    @cached_property
+    def period(self) -> float:
+        """The sum of the segment durations."""
+        return float(np.sum(self.durations))
+
+    @cached_property
+    def event_times(self) -> Array:
+        """Times of the segments' ends from the orbit's start, 0 first, shape (n_segments + 1,)."""
+        return np.concatenate([[0.0], np.cumsum(self.durations)])
+
+    @cached_property
+    def parameters(self) -> Array:
+        """All parameter values, shape (n_parameters,)."""
+        p = self.problem.parameters.copy()
+        p[list(self.problem.free_index)] = self.free
+        return p
+
+    @cached_property
+    def theta(self) -> Array:
+        """Theta = (T_1..T_S, tau_1..tau_K)."""
+        return np.concatenate([self.durations, self.numeric.delays.value(self.parameters)])
+
+    @cached_property
+    def equation_reads(self) -> Reads:
+        """The orbit at the points where equations hold."""
+        return self.read(self.mesh.equation_points)
+
+    def read(self, points: MeshPoints, *, delays: bool = True) -> Reads:
+        """Return what the orbit is at ``points``, delays read by the problem's method.
+
+        ``delays=False`` leaves the delayed values at zero, for functions that do not use them.
+        """
+        mesh, theta = self.mesh, self.theta
+        operators = self.problem.make_operators(theta, points) if delays else []
+        delayed = self.numeric.model.delayed
+        xd = np.zeros((len(delayed), len(points)))
+        for k, operator in enumerate(operators):
+            rows = [i for i, d in enumerate(delayed) if d.delay == k]
+            states = [delayed[i].state for i in rows]
+            xd[rows] = operator.weights.apply(self.values[:, states]).T
+        t = self.start + mesh.times(points) @ theta
+        return Reads(points, mesh.length @ theta, t, mesh.interpolate(self.values, points).T, xd, operators)
+
+    def with_free(self, free: tuple[str, ...]) -> Orbit:
+        """Return the same orbit with other free parameters."""
+        problem = replace(self.problem, parameters=self.parameters, free=free)
+        unknowns = problem.unknowns.join(
+            self.values, self.durations, self.start, self.parameters[list(problem.free_index)]
+        )
+        return Orbit(problem, unknowns)
+
+    def with_phase_reference(self) -> Orbit:
+        """Return the orbit as the reference of its own phase, where it needs one."""
+        if not self.signature.needs_phase_reference:
+            return self
+        return Orbit(replace(self.problem, reference=self.values), self.x)

@@ -1,0 +1,165 @@
+"""Periodic orbits as a system of equations for the continuation: residual, Jacobian, scaling, new meshes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from pddecont.collocation import Density, MeshRule
+from pddecont.continuation import Matrix, Scaling
+from pddecont.errors import ConvergenceError
+from pddecont.orbit.error import measure_states
+from pddecont.orbit.jacobian import JacobianAssembler
+from pddecont.orbit.nonfinite import explain_not_finite
+from pddecont.orbit.orbit import Orbit
+from pddecont.orbit.problem import OrbitProblem
+from pddecont.orbit.remesh import find_density, make_mesh, mesh_is_valid, mesh_meets_tolerance, transfer_orbit
+from pddecont.orbit.residual import compute_residual
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.intp]
+
+
+@dataclass(frozen=True, eq=False)
+class Sizes:
+    """What counts as length one: each state's size (n_states,), the period, the width of each parameter's range."""
+
+    states: Array
+    period: float
+    ranges: tuple[float, ...] = ()
+
+
+def measure_orbit(orbit: Orbit, ranges: tuple[float, ...] = ()) -> Sizes:
+    """Return the sizes of an orbit."""
+    return Sizes(measure_states(orbit.values), orbit.period, ranges)
+
+
+@dataclass(frozen=True, eq=False)
+class OrbitEvaluation:
+    """The equations of a system of orbits at one orbit."""
+
+    system: PeriodicOrbitSystem
+    orbit: Orbit
+
+    @property
+    def x(self) -> Array:
+        """The unknowns."""
+        return self.orbit.x
+
+    @cached_property
+    def residual(self) -> Array:
+        """The residuals.
+
+        Raises
+        ------
+        ConvergenceError
+            Where they are not finite, with the expression that is not.
+        """
+        r = compute_residual(self.orbit)
+        if not np.all(np.isfinite(r)):
+            raise ConvergenceError(explain_not_finite(self.orbit))
+        return r
+
+    def jacobian(self) -> Matrix:
+        """Return the residuals' derivatives.
+
+        Raises
+        ------
+        ConvergenceError
+            Where they are not finite, with the expression that is not.
+        """
+        matrix = self.system.assembler.make_jacobian(self.orbit)
+        if not np.all(np.isfinite(matrix.data if sp.issparse(matrix) else matrix)):
+            raise ConvergenceError(explain_not_finite(self.orbit, derivatives=True))
+        return matrix
+
+
+@dataclass(frozen=True, eq=False)
+class PeriodicOrbitSystem:
+    """The orbits of one problem with its free parameters.
+
+    ``rule`` says how its meshes are made (None: the mesh stays), ``density`` where the last solution wanted its
+    intervals; ``assembler`` makes Jacobians, and is shared by systems on one mesh.
+    """
+
+    problem: OrbitProblem
+    sizes: Sizes
+    rule: MeshRule | None = None
+    density: Density | None = None
+    assembler: JacobianAssembler = field(default_factory=JacobianAssembler, repr=False)
+
+    def at(self, x: Array) -> OrbitEvaluation:
+        """Return the equations at the unknowns ``x``."""
+        return OrbitEvaluation(self, Orbit(self.problem, x))
+
+    @cached_property
+    def scaling(self) -> Scaling:
+        """Sizes and weights of the unknowns: all base values together count as much as all durations."""
+        unknowns, sizes = self.problem.unknowns, self.sizes
+        scale, weight = np.ones(unknowns.size), np.ones(unknowns.size)
+        scale[unknowns.value_index] = sizes.states
+        weight[unknowns.values] = 1.0 / unknowns.values.stop
+        scale[unknowns.durations] = scale[unknowns.start] = sizes.period
+        weight[unknowns.durations] = 1.0 / (unknowns.durations.stop - unknowns.durations.start)
+        scale[unknowns.free] = sizes.ranges
+        return Scaling(scale, weight)
+
+    @cached_property
+    def mesh_independent_index(self) -> Ints:
+        """Places of the states at the segments' starts, durations, start and free parameters."""
+        unknowns = self.problem.unknowns
+        starts = unknowns.value_index[self.problem.mesh.first_base].ravel()
+        return np.concatenate([starts, np.arange(unknowns.durations.start, unknowns.size)])
+
+    def mesh_is_valid(self, at: OrbitEvaluation) -> bool:
+        """Return whether the mesh's breaking points are in their order at an orbit."""
+        return self.rule is None or mesh_is_valid(at.orbit)
+
+    def mesh_is_adequate(self, at: OrbitEvaluation) -> bool:
+        """Return whether the mesh is valid at an orbit and keeps its tolerance."""
+        return self.rule is None or (mesh_is_valid(at.orbit) and mesh_meets_tolerance(at.orbit, self.rule))
+
+    def remesh(
+        self, at: OrbitEvaluation, others: Sequence[Array], *, solved: bool
+    ) -> tuple[PeriodicOrbitSystem, Array, list[Array]]:
+        """Return the system on a mesh made for an orbit, with that orbit and ``others`` in its unknowns.
+
+        A solution (``solved``) tells where intervals are wanted; a guess gets them where the last solution wanted them.
+        """
+        assert self.rule is not None
+        orbit, density = at.orbit, self.density
+        if self.rule.tol is not None and (density is None or (solved and mesh_is_valid(orbit))):
+            density = find_density(orbit, self.rule.tol)
+        mesh = make_mesh(self.problem, orbit.theta, self.rule, density)
+        moved = transfer_orbit(orbit, mesh)
+        system = PeriodicOrbitSystem(moved.problem, self.sizes, self.rule, density)
+        carried = [moved.x if other is at.x else transfer_orbit(Orbit(self.problem, other), mesh).x for other in others]
+        return system, moved.x, carried
+
+    def interpolate_from(self, other: PeriodicOrbitSystem, x: Array) -> Array:
+        """Return the orbit ``x`` of another system with the same signature in this one's unknowns."""
+        if other.problem.mesh is self.problem.mesh:
+            return x
+        return transfer_orbit(Orbit(other.problem, x), self.problem.mesh).x
+
+    def update_reference(self, at: OrbitEvaluation) -> PeriodicOrbitSystem:
+        """Return the system with an orbit as the reference of its phase and of where its mesh is fine."""
+        orbit, density = at.orbit, self.density
+        if self.rule is not None and self.rule.tol is not None:
+            density = find_density(orbit, self.rule.tol)
+        problem = self.problem
+        if problem.reference is not None:
+            problem = replace(problem, reference=orbit.values)
+        return PeriodicOrbitSystem(problem, self.sizes, self.rule, density, self.assembler)
+
+    def explain_unsettled_mesh(self) -> str:
+        """Return what it means if no mesh is adequate for the orbit found on it."""
+        return (
+            "the mesh does not settle: a delayed value is read across a jump of the state here, or 'mesh: {tol}' is "
+            "too small"
+        )

@@ -1,0 +1,11 @@
+from .pictures import draw_picture as draw_picture
+from .pictures import render_image as render_image
+from .pictures import save_picture as save_picture
+from .registry import VIEWS as VIEWS
+from .registry import forget_view as forget_view
+from .registry import register_view as register_view
+from .style_sheet import apply_style as apply_style
+from .view import Drawing as Drawing
+from .view import View as View
+from .view import ViewRequest as ViewRequest
+from .view_selection import list_views as list_views

@@ -1,0 +1,48 @@
+"""Names and units as they are written on axes."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+
+from pddecont.results import Step
+
+GREEK = (
+    *("alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "kappa", "lambda", "mu", "nu"),
+    *("xi", "pi", "rho", "sigma", "tau", "phi", "chi", "psi", "omega"),
+)
+_POWER = re.compile(r"(?:\^|\*\*)\(?(-?\d+)\)?")
+
+
+def format_axis_label(steps: Step | Sequence[Step], name: str) -> str:
+    """Return a name as mathematics and its unit in parentheses, where one of the steps knows it."""
+    several = [steps] if isinstance(steps, Step) else steps
+    unit = next((found for step in several if (found := find_unit(step.meta.get("units", {}), name))), "")
+    return f"{format_name(name)} ({format_unit(unit)})" if unit else format_name(name)
+
+
+def format_name(name: str) -> str:
+    """Return a name as it is written in mathematics: ``tau_d`` with its Greek letter and index."""
+    # In a file from somebody else a name may hold anything.
+    name = name.replace("$", r"\$")
+    if "(" in name:
+        return name
+    first, _, rest = name.partition("_")
+    if "_" in rest or not (first in GREEK or len(first) == 1):
+        return name.replace("_", " ")
+    body = f"\\{first}" if first in GREEK else first
+    # An index of several letters is a word.
+    index = rest if len(rest) < 2 or rest.isdigit() else f"\\mathrm{{{rest}}}"
+    return f"${body}_{{{index}}}$" if rest else f"${body}$"
+
+
+def find_unit(units: Mapping[str, str], name: str) -> str:
+    """Return the unit of a column, state or delayed value; empty if the model does not say."""
+    if name == "period":
+        return units.get("t", "")
+    return units.get(name) or units.get(name.partition("(")[0], "")
+
+
+def format_unit(unit: str) -> str:
+    """Return a unit with its powers raised: ``m/s^2`` or ``m/s**2``; anything else stays as it is."""
+    return _POWER.sub(r"$^{\1}$", unit.replace("$", r"\$"))

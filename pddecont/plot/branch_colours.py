@@ -1,0 +1,76 @@
+"""Colours and line styles of branches, and what a legend says of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pddecont.plot.branch_parts import LineStyle, OrbitFamily, find_orbit_family, split_branch
+from pddecont.plot.legend import make_line_handle
+from pddecont.plot.style import COLOURS
+from pddecont.results import Step
+from pddecont.tables import find_signature, shorten_signature
+
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+
+# Of lines in a legend that stand for a style, whatever the colour.
+NEUTRAL = "0.35"
+
+
+@dataclass(frozen=True)
+class BranchColours:
+    """The colours of some branches: ``of_parts`` by (step's name, family), ``in_legend`` with the texts beside them."""
+
+    of_parts: Mapping[tuple[str, OrbitFamily], str]
+    in_legend: Sequence[tuple[str, str]]
+
+    def make_handles(self) -> list[Artist]:
+        """Return the legend's handles."""
+        return [make_line_handle(text, color=colour) for text, colour in self.in_legend]
+
+
+def assign_branch_colours(steps: Sequence[Step], palette: Sequence[str] = COLOURS) -> BranchColours:
+    """Return the colours of branches.
+
+    Families differ in colour; where there is only one, steps do; where there is only one step too, there is no legend.
+    """
+    pairs = list(dict.fromkeys((step.name, part.family) for step in steps for part in split_branch(step)))
+    families = list(dict.fromkeys(family for _, family in pairs))
+    by_step = len(families) == 1
+    distinct: list[Any] = [step.name for step in steps] if by_step else families
+    colours = {item: palette[k % len(palette)] for k, item in enumerate(distinct)}
+    of_parts = {pair: colours[pair[0] if by_step else pair[1]] for pair in pairs}
+    if len(distinct) == 1:
+        return BranchColours(of_parts, [])
+    names = [step.name for step in steps] if by_step else name_families(steps, families)
+    return BranchColours(of_parts, list(zip(names, colours.values(), strict=True)))
+
+
+def name_families(steps: Sequence[Step], families: Sequence[OrbitFamily]) -> list[str]:
+    """Return how a legend calls each family: its signature as it is first found, and its periods where they differ."""
+    signatures: dict[OrbitFamily, str] = {}
+    for step in steps:
+        for part in split_branch(step):
+            own = (int(i) for i in part.rows if find_orbit_family(step, int(i)) == part.family)
+            signatures.setdefault(part.family, shorten_signature(find_signature(step, next(own, int(part.rows[0])))))
+    several = len({family.n_periods for family in families}) > 1
+    periods = [f"{f.n_periods} period{'s' if f.n_periods > 1 else ''}" if several else "" for f in families]
+    return [
+        ", ".join(text for text in (signatures[family], period) if text) or "no events"
+        for family, period in zip(families, periods, strict=True)
+    ]
+
+
+def make_style_handles(steps: Sequence[Step], color: str = NEUTRAL, **style: Any) -> list[Artist]:
+    """Return the legend's handles for line styles; none where every line is solid."""
+    used = {part.style for step in steps for part in split_branch(step)}
+    if used == {LineStyle.SOLID}:
+        return []
+    known = np.concatenate([step.points.get("stable", np.full(len(step), -1)) >= 0 for step in steps])
+    solid = "stable" if known.all() else "stable, or not computed" if known.any() else "admissible"
+    words = {LineStyle.SOLID: solid, LineStyle.DASHED: "unstable", LineStyle.DOTTED: "not admissible"}
+    return [make_line_handle(text, color=color, ls=ls, **style) for ls, text in words.items() if ls in used]

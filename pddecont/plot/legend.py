@@ -1,0 +1,52 @@
+"""What stands in legends: handles of lines, marks and areas, and the legend below a figure."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from pddecont.plot.style import LEGEND_SIZE
+
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+# Letters of a legend that fit in an inch, and those that a handle takes.
+LETTERS_PER_INCH, HANDLE_LETTERS = 19, 6
+MAX_COLUMNS = 3
+
+
+def make_line_handle(label: str, **style: Any) -> Artist:
+    """Return a legend's line (or mark, by ``marker`` and ``ls``) with its text."""
+    from matplotlib.lines import Line2D
+
+    return Line2D([], [], label=label, **style)
+
+
+def make_area_handle(label: str, **style: Any) -> Artist:
+    """Return a legend's coloured area with its text."""
+    from matplotlib.patches import Patch
+
+    return Patch(label=label, **style)
+
+
+def add_legend(figure: Figure, handles: Sequence[Artist], max_columns: int | None = None) -> None:
+    """Put a legend below all panels, in as many columns as fit (or ``max_columns``); without handles there is none."""
+    if not handles:
+        return
+    columns = min(max_columns, len(handles)) if max_columns else _count_columns(figure, handles)
+    figure.legend(handles=list(handles), loc="outside lower center", ncols=columns, fontsize=LEGEND_SIZE)
+
+
+def _count_columns(figure: Figure, handles: Sequence[Artist]) -> int:
+    longest = max(len(line) for handle in handles for line in str(handle.get_label()).splitlines())
+    fitting = int(figure.get_figwidth() * LETTERS_PER_INCH / (longest + HANDLE_LETTERS))
+    return max(1, min(MAX_COLUMNS, len(handles), fitting))
+
+
+def add_inner_legend(axes: Axes, size: float) -> None:
+    """Put a legend into a panel, each text once."""
+    handles, names = axes.get_legend_handles_labels()
+    unique = dict(zip(names, handles, strict=True))
+    axes.legend(unique.values(), unique.keys(), fontsize=size)

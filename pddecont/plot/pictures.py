@@ -1,0 +1,120 @@
+"""Views of results files as figures, as images and as picture files."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pddecont.errors import ResultsError
+from pddecont.plot.registry import VIEWS
+from pddecont.plot.style import MOVING_DPI
+from pddecont.plot.style_sheet import apply_style
+from pddecont.plot.view import ViewRequest
+from pddecont.plot.view_selection import select_view
+from pddecont.results import Results
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+STILL_SUFFIXES = (".png", ".svg", ".pdf")
+MOVING_SUFFIXES = (".gif", ".mp4")
+FRAMES_PER_SECOND = 12
+# An SVG of more bytes is slow to show: a PNG is the better image then.
+MAX_SVG_BYTES = 1_000_000
+# Letters of a message of matplotlib's that are passed on.
+MAX_REASON = 200
+
+
+def draw_picture(results: Results, request: ViewRequest) -> Figure:
+    """Return a view of a results file as a matplotlib figure.
+
+    Raises
+    ------
+    ResultsError
+        If there is nothing to draw so, or the view moves.
+    """
+    from matplotlib.figure import Figure
+
+    view, steps = select_view(results, request)
+    if view.is_moving:
+        raise ResultsError(f"the view '{view.name}' moves; it goes into a file ({', '.join(MOVING_SUFFIXES)})")
+    figure = view.drawing.draw(steps, request)
+    assert isinstance(figure, Figure)
+    return figure
+
+
+def render_image(results: Results, request: ViewRequest) -> tuple[str, bytes]:
+    """Return a view of a results file as (media type, contents): SVG, or PNG where that would be large."""
+    with apply_style(), io.BytesIO() as stream:
+        figure = draw_picture(results, request)
+        figure.savefig(stream, format="svg", metadata={"Date": None})
+        if stream.tell() <= MAX_SVG_BYTES:
+            return "image/svg+xml", stream.getvalue()
+        stream.seek(0)
+        stream.truncate()
+        figure.savefig(stream, format="png")
+        return "image/png", stream.getvalue()
+
+
+def save_picture(results: Results, request: ViewRequest, path: Path, style: str | None = None) -> None:
+    """Write a view of a results file to ``path``, whose suffix says in which format.
+
+    ``style`` is a style sheet over this program's own settings.
+
+    Raises
+    ------
+    ResultsError
+        If the suffix is not that of such a picture, the file cannot be written, or there is nothing to draw so.
+    """
+    is_moving = request.view in VIEWS and VIEWS[request.view].is_moving
+    _check_suffix(path, is_moving)
+    with apply_style(style), _explain_errors(results, path):
+        if is_moving:
+            _save_animation(results, request, path)
+        else:
+            draw_picture(results, request).savefig(path)
+
+
+def _save_animation(results: Results, request: ViewRequest, path: Path) -> None:
+    from matplotlib.animation import Animation, FFMpegWriter, PillowWriter
+
+    view, steps = select_view(results, request)
+    is_gif = path.suffix.lower() == ".gif"
+    if not is_gif and not FFMpegWriter.isAvailable():
+        raise ResultsError(
+            f"{path}: MP4 is written by the program 'ffmpeg', which was not found; install it, or write a .gif"
+        )
+    animation = view.drawing.draw(steps, request)
+    assert isinstance(animation, Animation)
+    animation.save(path, (PillowWriter if is_gif else FFMpegWriter)(fps=FRAMES_PER_SECOND), dpi=MOVING_DPI)
+
+
+def _check_suffix(path: Path, is_moving: bool) -> None:
+    suffix = path.suffix.lower()
+    if suffix in MOVING_SUFFIXES and not is_moving:
+        raise ResultsError(
+            f"{path}: '{suffix}' holds moving pictures; give '--view animate', or one of {', '.join(STILL_SUFFIXES)}"
+        )
+    allowed = MOVING_SUFFIXES if is_moving else STILL_SUFFIXES
+    if suffix not in allowed:
+        what = "moving pictures" if is_moving else "pictures"
+        raise ResultsError(f"{path}: {what} are {', '.join(allowed)}; found '{path.suffix or 'no suffix'}'")
+
+
+@contextmanager
+def _explain_errors(results: Results, path: Path) -> Iterator[None]:
+    """Turn what matplotlib and numpy raise for strange numbers, or a file that cannot be written, into ResultsError."""
+    try:
+        with np.errstate(all="ignore"):
+            yield
+    except OSError as exc:
+        raise ResultsError(f"{path} cannot be written: {exc.strerror}") from exc
+    except (ValueError, OverflowError, np.linalg.LinAlgError) as exc:
+        # Axes cannot be laid out for numbers that are not finite, or too large to be subtracted.
+        reason = " ".join(str(exc).split())[:MAX_REASON]
+        raise ResultsError(f"what {results.path} holds cannot be drawn so: {reason}") from exc

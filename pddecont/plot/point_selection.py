@@ -1,0 +1,35 @@
+"""Which points of the steps drawn are shown closely."""
+
+from __future__ import annotations
+
+from pddecont.errors import ResultsError
+from pddecont.plot.layouts import MAX_PANELS
+from pddecont.plot.special_points import find_special_rows
+from pddecont.plot.view import ViewRequest
+from pddecont.results import Step
+
+
+def select_points(
+    steps: list[Step], request: ViewRequest, n: int = MAX_PANELS, *, ends: bool = True
+) -> list[tuple[Step, int]]:
+    """Return the points asked for, else at most ``n`` special points, else (``ends``) the first and the last.
+
+    Raises
+    ------
+    ResultsError
+        If there is no such label or index; indices are those of the last step.
+    """
+    main = steps[-1]
+    asked = []
+    for label in request.labels:
+        step = next((s for s in reversed(steps) if label in s.labels), main)
+        asked.append((step, step.row(label)))
+    for i in request.indices:
+        if i >= len(main):
+            raise ResultsError(f"step '{main.name}' has {len(main)} points, no index {i}")
+        asked.append((main, i))
+    if asked:
+        return asked
+    special = [(step, i) for step in steps for i in find_special_rows(step)]
+    outer = [(main, int(i)) for i in dict.fromkeys((main.order[0], main.order[-1]))] if ends else []
+    return (special or outer)[:n]

@@ -1,0 +1,100 @@
+"""A soft band along a curve in two parameters, on the side where its orbits live on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pddecont.plot.columns import list_free_parameters, read_column
+from pddecont.plot.special_points import read_curve_kind
+from pddecont.plot.style import find_curve_colour
+from pddecont.results import Step
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Array = NDArray[np.float64]
+# Width of a band, as a share of the smaller side of the axes.
+BAND_WIDTH = 0.055
+# A band fades outwards: areas of these shares of its width lie over one another.
+SHADES, OPACITY = (1.0, 0.66, 0.33), 0.11
+# Shares of its width that a band may have where another part of the curve is near, the widest first.
+NARROWER = np.linspace(1.0, 0.05, 20)
+# A point counts as beside the curve if no other part of it is nearer than this share of its distance.
+NEARER = 0.85
+# Places along a curve for one width of a band, and at most, where its other parts are looked for.
+SAMPLES_PER_WIDTH, MAX_SAMPLES = 8.0, 20_000.0
+
+
+def draw_side_band(axes: Axes, step: Step, x: str, y: str) -> bool:
+    """Draw the band on the side that each point's ``side`` points to, and return whether there was any to draw.
+
+    Call it when the limits of the axes are set: directions and widths are those of the picture, not of the parameters.
+    """
+    free = list_free_parameters(step)
+    if "side" not in step.points or {x, y} != set(free) or len(step) < 2:
+        return False
+    rows = step.order
+    limits = np.array([axes.get_xlim(), axes.get_ylim()])
+    pixels = np.array([axes.bbox.width, axes.bbox.height])
+    scale = pixels / (limits[:, 1] - limits[:, 0])
+    curve = np.column_stack([read_column(step, x), read_column(step, y)])[rows] * scale
+    normals = _find_normals(curve)
+    side = step.points["side"][rows][:, [free.index(x), free.index(y)]] * scale
+    special = [bool(step.labels[i]) for i in rows]
+    signs = fill_signs(np.sign(np.nan_to_num(np.sum(normals * side, axis=1))), special)
+    ranges = find_ranges(signs)
+    for first, last in ranges:
+        edge, directions = curve[first:last], signs[first:last, None] * normals[first:last]
+        for share in SHADES:
+            outer = _offset_edge(edge, directions, share * BAND_WIDTH * float(pixels.min()), curve)
+            outline = np.vstack([edge, outer[::-1]]) / scale
+            colour = find_curve_colour(read_curve_kind(step))
+            axes.fill(*outline.T, color=colour, alpha=OPACITY, linewidth=0, zorder=0.5)
+    return bool(ranges)
+
+
+def fill_signs(signs: Array, special: Sequence[bool]) -> Array:
+    """Return the signs (n,) of the sides, those that are not known (0) at special points taken from a neighbour."""
+    filled = signs.copy()
+    for k in np.flatnonzero((signs == 0.0) & np.array(special)):
+        near = [j for j in (k - 1, k + 1) if 0 <= j < len(signs) and signs[j]]
+        filled[k] = signs[near[0]] if near else 0.0
+    return filled
+
+
+def find_ranges(signs: Array) -> list[tuple[int, int]]:
+    """Return (first, last + 1) of each range of at least two points with one known side."""
+    cuts = np.flatnonzero(np.diff(signs)) + 1
+    edges = [0, *(int(c) for c in cuts), len(signs)]
+    return [(a, b) for a, b in pairwise(edges) if b - a > 1 and signs[a]]
+
+
+def _find_normals(curve: Array) -> Array:
+    """Return a unit normal at each point of a curve (n, 2), to the left of its direction, shape (n, 2)."""
+    steps = _normalise(np.diff(curve, axis=0))
+    tangents = _normalise(np.vstack([steps[:1], steps[:-1] + steps[1:], steps[-1:]]))
+    return np.column_stack([-tangents[:, 1], tangents[:, 0]])
+
+
+def _normalise(vectors: Array) -> Array:
+    lengths = np.hypot(*vectors.T)
+    return np.asarray(vectors / np.where(lengths > 0.0, lengths, 1.0)[:, None])
+
+
+def _offset_edge(edge: Array, directions: Array, width: float, curve: Array) -> Array:
+    """Return the points ``width`` away from ``edge`` (n, 2), or nearer where they would come close to another part."""
+    from scipy.spatial import cKDTree
+
+    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(curve, axis=0).T))])
+    fine = np.linspace(0.0, along[-1], int(min(MAX_SAMPLES, SAMPLES_PER_WIDTH * along[-1] / width)) + 2)
+    tree = cKDTree(np.column_stack([np.interp(fine, along, curve[:, k]) for k in (0, 1)]))
+    shares = np.zeros(len(edge))
+    for share in NARROWER:
+        clear = tree.query(edge + share * width * directions)[0] > NEARER * share * width
+        shares = np.where(clear & (shares == 0.0), share, shares)
+    return np.asarray(edge + (width * shares)[:, None] * directions)

@@ -1,0 +1,76 @@
+"""The settings that matplotlib has while pictures are drawn: this program's own, and a style sheet over them."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from pddecont.errors import ResultsError, suggest
+from pddecont.plot.style import SETTINGS
+
+
+@contextmanager
+def apply_style(style: str | None = None) -> Iterator[None]:
+    """Give matplotlib this program's settings, then those of ``style``: a file, or a style that matplotlib has."""
+    import matplotlib
+
+    with matplotlib.rc_context({**SETTINGS, **(read_style_sheet(style) if style else {})}):
+        yield
+
+
+def read_style_sheet(style: str) -> Mapping[Any, Any]:
+    """Return the settings of a style sheet.
+
+    Raises
+    ------
+    ResultsError
+        If there is none of this name, or a line of the file is no setting of matplotlib.
+    """
+    import matplotlib.style
+
+    if Path(style).is_file():
+        return _read_file(style)
+    library = matplotlib.style.library
+    if style in library:
+        return library[style]
+    raise ResultsError(
+        f"--style {style}: there is no such file and no such style{suggest(style, library)} (styles: "
+        f"{', '.join(name for name in sorted(library) if not name.startswith('_'))})"
+    )
+
+
+def _read_file(file: str) -> Mapping[Any, Any]:
+    import matplotlib
+
+    # Of a key that it does not know matplotlib only writes to its log.
+    log = _FirstLines()
+    logger = logging.getLogger("matplotlib")
+    logger.addHandler(log)
+    propagate, logger.propagate = logger.propagate, False
+    try:
+        found = matplotlib.rc_params_from_file(file, fail_on_error=True, use_default_template=False)
+    except UnicodeDecodeError as exc:
+        raise ResultsError(f"--style {file}: not text in UTF-8") from exc
+    except (ValueError, TypeError) as exc:
+        raise ResultsError(f"--style {file}: {exc}") from exc
+    finally:
+        logger.removeHandler(log)
+        logger.propagate = propagate
+    if log.lines:
+        raise ResultsError(f"--style {file}: {log.lines[0]}; expected lines such as 'font.size: 8'")
+    return found
+
+
+class _FirstLines(logging.Handler):
+    """Keeps the first line of each message."""
+
+    def __init__(self) -> None:
+        super().__init__(logging.WARNING)
+        self.lines: list[str] = []
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Keep a message."""
+        self.lines.append(record.getMessage().strip().splitlines()[0])

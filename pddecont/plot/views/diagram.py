@@ -1,0 +1,65 @@
+"""Bifurcation diagrams: any column of points against any other, one or several branches."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from pddecont.plot.axis_labels import format_axis_label
+from pddecont.plot.branch_colours import assign_branch_colours, make_style_handles
+from pddecont.plot.branch_parts import LineStyle, split_branch
+from pddecont.plot.columns import choose_columns, keep_same_free, list_free_parameters, read_column
+from pddecont.plot.layouts import MAX_BESIDE, finish_figure, make_panel_beside_orbits
+from pddecont.plot.limits import widen_for_columns
+from pddecont.plot.point_labels import PointLabel
+from pddecont.plot.point_selection import select_points
+from pddecont.plot.segment_colours import match_diagram
+from pddecont.plot.special_points import mark_special_points
+from pddecont.plot.view import Drawing, ViewRequest
+from pddecont.results import Results, Step
+
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+
+def draw_figure(steps: list[Step], request: ViewRequest) -> Figure:
+    """Return the diagram with phase plots of chosen or special points beside it."""
+    x, y = choose_columns(steps[-1])
+    rows = select_points(steps, request, MAX_BESIDE, ends=False)
+    figure, axes = make_panel_beside_orbits(steps, rows, match_diagram(steps, rows))
+    return finish_figure(figure, axes, *draw_diagram(axes, steps, request.x or x, request.y or y))
+
+
+def choose_steps(steps: list[Step], results: Results, request: ViewRequest) -> list[Step]:
+    """Return the branches in the last one's parameter; curves only where there are no branches."""
+    return keep_same_free([step for step in steps if len(list_free_parameters(step)) == 1] or steps)
+
+
+def draw_diagram(axes: Axes, steps: Sequence[Step], x: str, y: str) -> tuple[list[PointLabel], list[Artist]]:
+    """Draw branches: unstable parts dashed, those that are not admissible dotted, each signature in its colour.
+
+    Returns the labels of special points, which go in last, and the handles of the legend.
+    """
+    colours = assign_branch_colours(steps)
+    labels: list[PointLabel] = []
+    for step in steps:
+        xs, ys = read_column(step, x), read_column(step, y)
+        for part in split_branch(step):
+            axes.plot(
+                xs[part.rows],
+                ys[part.rows],
+                ls=part.style,
+                color=colours.of_parts[step.name, part.family],
+                lw=1.0 if part.style == LineStyle.DOTTED else 1.6,
+                marker="." if len(xs) < 3 else None,
+            )
+        labels += mark_special_points(axes, step, x, y)
+    widen_for_columns(axes, steps, {"x": x, "y": y})
+    axes.set_xlabel(format_axis_label(steps, x))
+    axes.set_ylabel(format_axis_label(steps, y))
+    return labels, [*colours.make_handles(), *make_style_handles(steps)]
+
+
+DRAWING = Drawing(draw_figure, choose_steps=choose_steps)

@@ -1,0 +1,137 @@
+"""Curves of special points in the plane of two parameters, with the side where the orbit lives on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from pddecont.errors import ResultsError
+from pddecont.plot.axis_labels import format_axis_label
+from pddecont.plot.branch_colours import make_style_handles
+from pddecont.plot.branch_parts import LineStyle, find_orbit_family, split_branch
+from pddecont.plot.columns import choose_plane, keep_same_free, list_free_parameters, read_column
+from pddecont.plot.layouts import finish_figure, make_panel_beside_orbits
+from pddecont.plot.legend import make_area_handle, make_line_handle
+from pddecont.plot.point_labels import PointLabel
+from pddecont.plot.point_selection import select_points
+from pddecont.plot.segment_colours import match_plane
+from pddecont.plot.side_bands import draw_side_band
+from pddecont.plot.special_points import find_special_rows, mark_special_points, read_curve_kind
+from pddecont.plot.style import find_curve_colour, find_marker
+from pddecont.plot.view import Drawing, ViewRequest
+from pddecont.results import Results, Step
+from pddecont.tables import describe_reason, find_signature, name_kind, shorten_signature
+
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+# What the shaded side of a curve keeps, by the kind of point that the curve follows.
+SIGNATURE_KEPT = "signature kept"
+SIDES = {"GR": SIGNATURE_KEPT, "VS": SIGNATURE_KEPT, "LP": "orbits exist", "PD": "stable", "TR": "stable"}
+OTHER_SIDE = "orbit kept"
+# The kind of curves along which a user function is zero: which one tells them apart.
+USER_FUNCTION = "UF"
+
+
+def draw_figure(steps: list[Step], request: ViewRequest) -> Figure:
+    """Return the curves in two parameters, with phase plots of points that were asked for."""
+    rows = select_points(steps, request, ends=False) if request.labels or request.indices else []
+    figure, axes = make_panel_beside_orbits(steps, rows, match_plane(steps, rows))
+    return finish_figure(figure, axes, *draw_plane(axes, steps, *choose_plane(steps[::-1], request.x, request.y)))
+
+
+def choose_steps(steps: list[Step], results: Results, request: ViewRequest) -> list[Step]:
+    """Return the curves in the last one's two parameters."""
+    return keep_same_free(steps)
+
+
+def check_steps(steps: list[Step]) -> None:
+    """Raise ResultsError if curves are in different parameters."""
+    if len({frozenset(list_free_parameters(step)) for step in steps}) > 1:
+        pairs = "; ".join(f"{step.name}: {', '.join(list_free_parameters(step))}" for step in steps)
+        raise ResultsError(f"the curves are in different parameters ({pairs}); choose steps with the same pair")
+
+
+def draw_plane(axes: Axes, steps: Sequence[Step], x: str, y: str) -> tuple[list[PointLabel], list[Artist]]:
+    """Draw curves in two parameters, one colour a kind; a soft band marks the side that each point's ``side`` names.
+
+    Returns the labels of points of codimension two, which go in last, and the handles of the legend.
+    """
+    labels: list[PointLabel] = []
+    for step in steps:
+        xs, ys = read_column(step, x), read_column(step, y)
+        for part in split_branch(step):
+            axes.plot(
+                xs[part.rows],
+                ys[part.rows],
+                ls=part.style,
+                color=find_curve_colour(read_curve_kind(step)),
+                lw=1.2 if part.style == LineStyle.DOTTED else 1.8,
+                marker="." if len(xs) < 3 else None,
+            )
+        labels += mark_special_points(axes, step, x, y)
+    axes.margins(0.07)
+    axes.autoscale_view()
+    axes.set_xlim(axes.get_xlim())
+    axes.set_ylim(axes.get_ylim())
+    shaded = [step for step in steps if draw_side_band(axes, step, x, y)]
+    axes.set_xlabel(format_axis_label(steps, x))
+    axes.set_ylabel(format_axis_label(steps, y))
+    handles = [*make_curve_handles(steps), *make_style_handles(steps)]
+    return labels, [*handles, *_make_point_handles(steps), *_make_side_handles(shaded)]
+
+
+def make_curve_handles(steps: Sequence[Step]) -> list[Artist]:
+    """Return the legend's handles, one a kind of curve, in words."""
+    return [
+        make_line_handle(
+            _describe_curves(kind, [step for step in steps if read_curve_kind(step) == kind]),
+            color=find_curve_colour(kind),
+            lw=1.8,
+        )
+        for kind in dict.fromkeys(read_curve_kind(step) for step in steps)
+    ]
+
+
+def _describe_curves(kind: str, steps: Sequence[Step]) -> str:
+    """Return what the curves of a kind are in words, with what tells each from others of its kind."""
+    words = name_kind(steps[0], kind) or "curve"
+    if kind != USER_FUNCTION:
+        return words
+    names = dict.fromkeys(describe_reason(step.curve_reason) for step in steps)
+    return f"{words} {', '.join(n for n in names if n)}".strip()
+
+
+def _make_point_handles(steps: Sequence[Step]) -> list[Artist]:
+    names = {step.kind_of(i): name_kind(step, step.kind_of(i)) for step in steps for i in find_special_rows(step)}
+    return [
+        make_line_handle(f"{kind}: {name}", color="black", ls="", marker=find_marker(kind), ms=5)
+        for kind, name in sorted(names.items())
+    ]
+
+
+def _make_side_handles(steps: Sequence[Step]) -> list[Artist]:
+    kinds = list(dict.fromkeys(read_curve_kind(step) for step in steps))
+    words = {kind: _describe_side(kind, [s for s in steps if read_curve_kind(s) == kind]) for kind in kinds}
+    if len(kinds) > 1:
+        of_kind = {read_curve_kind(step): step for step in steps}
+        words = {kind: f"{text} ({name_kind(of_kind[kind], kind) or 'curve'})" for kind, text in words.items()}
+    return [
+        make_area_handle(f"shaded side: {text}", facecolor=find_curve_colour(kind), alpha=0.25, linewidth=0)
+        for kind, text in words.items()
+    ]
+
+
+def _describe_side(kind: str, steps: Sequence[Step]) -> str:
+    words = SIDES.get(kind, OTHER_SIDE)
+    families = {part.family for step in steps for part in split_branch(step)}
+    if words != SIGNATURE_KEPT or len(families) != 1:
+        return words
+    row = next(i for i in range(len(steps[0])) if find_orbit_family(steps[0], i) in families)
+    name = shorten_signature(find_signature(steps[0], row))
+    return f"signature {name} kept" if name else words
+
+
+DRAWING = Drawing(draw_figure, choose_steps=choose_steps, check_steps=check_steps)

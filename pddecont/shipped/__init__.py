@@ -1,1 +1,0 @@
-"""Models, run files and JSON Schemas that come with the program."""

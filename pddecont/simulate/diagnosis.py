@@ -1,0 +1,53 @@
+"""Why an integration came to a halt."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pddecont.codegen import NumericModel, find_non_finite
+from pddecont.simulate.failure import FailureReason, MotionFailure
+from pddecont.simulate.integrator import LAST_EVENT, MODE, ZENO_TIME, IntegratorState, Status, T
+
+Array = NDArray[np.float64]
+# How far ahead a part of the vector field without a value is looked for, relative to the time: from the spacing of
+# numbers, 2^-52, by powers of 2 up to 2^-30, which is longer than any step that an integration ends with.
+SHORTEST_AHEAD, LONGEST_AHEAD = -52, -30
+
+
+def diagnose_halt(
+    numeric: NumericModel, state: IntegratorState, status: Status, p: Array, delayed_values: Array
+) -> MotionFailure:
+    """Return why an integration at parameters ``p`` came to a halt; ``delayed_values`` are those read last."""
+    model, t = numeric.model, float(state.clock[T])
+    mode = list(model.modes)[state.count[MODE]]
+    if status in (Status.ZENO, Status.SLIDING):
+        event = list(model.events)[state.count[LAST_EVENT]]
+        reason = FailureReason.ACCUMULATION if status == Status.ZENO else FailureReason.SLIDING
+        return MotionFailure(reason, float(state.clock[ZENO_TIME]), event, mode)
+    part = _find_undefined_part(numeric, state, p, delayed_values)
+    if part:
+        return MotionFailure(FailureReason.UNDEFINED, t, None, mode, part)
+    return MotionFailure(
+        FailureReason.NOT_FINITE if status == Status.NOT_FINITE else FailureReason.STEP_TOO_SMALL, t, None, mode
+    )
+
+
+def _find_undefined_part(numeric: NumericModel, state: IntegratorState, p: Array, delayed_values: Array) -> str:
+    """Return which part of the vector field has no finite value here or a short way ahead; empty if there is none.
+
+    Ways ahead are tried along the present slope, from rounding up, with the delayed values read last.
+    """
+    model, n, t = numeric.model, numeric.n_states, float(state.clock[T])
+    mode = list(model.modes)[state.count[MODE]]
+    y, xd = state.y[:n, None], delayed_values[:, None]
+    named = [(f"{name}' of mode '{mode}'", f) for name, f in zip(model.states, model.modes[mode], strict=True)]
+    slope = numeric.mode(mode).value(np.array([t]), y, xd, p)
+    ahead = np.concatenate([[0.0], max(1.0, abs(t)) * 2.0 ** np.arange(SHORTEST_AHEAD, LONGEST_AHEAD + 1)])
+    with np.errstate(all="ignore"):
+        states = y + np.where(np.isfinite(slope), slope, 0.0) * ahead
+    finite = np.all(np.isfinite(states), axis=0)
+    states, times = states[:, finite], t + ahead[finite]
+    if not len(times):
+        return ""
+    return find_non_finite(numeric, named, times, states, np.repeat(xd, len(times), axis=1), p)

@@ -1,0 +1,118 @@
+"""Why a motion leads to no attractor, as data, and the sentence that says so."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import Enum
+
+from pddecont.reasons import Reason, Scalar
+
+
+class FailureReason(Enum):
+    """What a motion does instead of settling."""
+
+    ACCUMULATION = "accumulation"  # events accumulate, and nothing says which mode follows
+    SLIDING = "sliding"  # two vector fields point at the surface of an event
+    UNDEFINED = "undefined"  # the vector field has no value
+    NOT_FINITE = "not finite"  # the solution is infinite or NaN
+    STEP_TOO_SMALL = "step too small"  # no step meets the tolerances
+    SECTION_LEFT = "section left"  # it does not return to the section any more
+    NO_RETURN = "no return"  # it does not return to the section in time
+    NOT_SETTLED = "not settled"  # its returns still move when its time is over
+    EQUILIBRIUM = "equilibrium"  # it rests, so that returns to the section mean nothing
+
+    @property
+    def halts(self) -> bool:
+        """Whether the integration came to a halt, so that the motion cannot go on."""
+        return self in HALTS
+
+
+HALTS = (
+    FailureReason.ACCUMULATION,
+    FailureReason.SLIDING,
+    FailureReason.UNDEFINED,
+    FailureReason.NOT_FINITE,
+    FailureReason.STEP_TOO_SMALL,
+)
+
+
+@dataclass(frozen=True)
+class MotionFailure:
+    """Why a motion leads to no attractor.
+
+    Attributes
+    ----------
+    reason
+        What it does instead.
+    time
+        When it comes to a halt or returns last; NaN where there is no such time.
+    event, mode
+        The event that it comes to a halt at, if it is one, and the mode that it is in.
+    detail
+        Which part of the vector field has no value, and why.
+    """
+
+    reason: FailureReason
+    time: float = math.nan
+    event: str | None = None
+    mode: str | None = None
+    detail: str = ""
+
+    def is_like(self, other: MotionFailure) -> bool:
+        """Return whether two motions fail in one way: for one reason, at one event."""
+        return (self.reason, self.event) == (other.reason, other.event)
+
+
+def describe_failure(failure: MotionFailure) -> str:
+    """Return the sentence that says why a motion leads to no attractor, with advice."""
+    t, event, mode = failure.time, failure.event, failure.mode
+    match failure.reason:
+        case FailureReason.ACCUMULATION:
+            return (
+                f"events of '{event}' accumulate at t = {t:.12g} (Zeno): the motion comes to rest there. Write a mode "
+                f"for it and name it in the step, 'stick: {{{event}: MODE}}'"
+            )
+        case FailureReason.SLIDING:
+            return (
+                f"event '{event}' leads, at t = {t:.12g}, to a mode whose flow leads straight back: both point at the "
+                f"surface (the motion slides along it). Write a mode for sliding and name it in the step, 'stick: "
+                f"{{{event}: MODE}}'"
+            )
+        case FailureReason.UNDEFINED:
+            return f"the simulation ends at t = {t:.10g} in mode '{mode}': {failure.detail}"
+        case FailureReason.NOT_FINITE:
+            return (
+                f"the solution is no longer finite near t = {t:.10g} in mode '{mode}'; it grows without bound there, "
+                "or the vector field cannot be evaluated: check its logarithms, roots and divisions"
+            )
+        case FailureReason.STEP_TOO_SMALL:
+            return (
+                f"no step is small enough near t = {t:.10g} in mode '{mode}': the solution grows without bound there, "
+                "or the vector field has a singularity or a jump that no event marks; a stiff model wants 'method: "
+                "stiff'"
+            )
+        case FailureReason.SECTION_LEFT:
+            return f"the motion no longer returns to the section after t = {t:.6g}"
+        case FailureReason.NO_RETURN:
+            return "the motion does not come back to the section in the time of the transient"
+        case FailureReason.NOT_SETTLED:
+            return (
+                "the motion has not settled in the time of the transient: its last returns still move, die away or "
+                "grow; raise 'transient'"
+            )
+        case FailureReason.EQUILIBRIUM:
+            return "the motion stays at an equilibrium or dies away to it: its returns to the section mean nothing"
+
+
+def failure_to_reason(failure: MotionFailure) -> Reason:
+    """Return a failure as results files keep it."""
+    values: dict[str, Scalar] = {} if math.isnan(failure.time) else {"time": failure.time}
+    texts = {"event": failure.event, "mode": failure.mode, "detail": failure.detail}
+    return Reason(failure.reason.value, {**values, **{name: text for name, text in texts.items() if text}})
+
+
+def failure_from_reason(reason: Reason) -> MotionFailure:
+    """Return the failure that :func:`failure_to_reason` wrote; raise ValueError if it is none."""
+    values = {name: str(reason.values[name]) for name in ("event", "mode", "detail") if name in reason.values}
+    return MotionFailure(FailureReason(reason.code), float(reason.values.get("time", math.nan)), **values)

@@ -1,0 +1,240 @@
+"""The integration itself: steps from one stop to the next, cut by events."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pddecont.simulate.integrator.breaking import (
+    add_breaking_points,
+    find_next_stop,
+    pass_breaking_points,
+    queues_have_capacity,
+)
+from pddecont.simulate.integrator.buffers import N_COEFFICIENTS, make_log
+from pddecont.simulate.integrator.calls import entry, internal, offset
+from pddecont.simulate.integrator.core import make_core
+from pddecont.simulate.integrator.event_functions import evaluate_event_slope
+from pddecont.simulate.integrator.event_handling import enter_sticking_mode, find_start_crossing, handle_events
+from pddecont.simulate.integrator.event_location import find_first_crossing
+from pddecont.simulate.integrator.event_sides import note_sides, update_side
+from pddecont.simulate.integrator.history import interpolate_state, past_has_capacity, record_step, time_tolerance
+from pddecont.simulate.integrator.state import (
+    ARC,
+    FIRST,
+    FRESH,
+    MODE,
+    N_BREAKING,
+    N_PENDING,
+    N_REJECTED,
+    N_STEPS,
+    READY,
+    T_START,
+    UNRESOLVED,
+    USED,
+    T,
+)
+from pddecont.simulate.integrator.status import Status
+from pddecont.simulate.integrator.step import make_step
+
+# A step that is too long for an event function is made shorter by this factor, but not shorter than so many tolerances
+# of time: below that the values of the function are mostly rounding.
+UNRESOLVED_SHRINK, SHORTEST_RESOLVED = 16.0, 1000.0
+# Events at one moment for which the queues, and the log, have capacity left whenever a step begins. Both are chosen
+# large; a moment that brings more ends with CAPACITY or LOG_FULL.
+EVENTS_AT_ONCE, LOG_HEADROOM = 16, 64
+
+
+@entry
+def initialise(system, values, state, work, t, mode):
+    """Set the clock of a new integration to ``t`` and its mode; its states are in ``state.y`` already."""
+    c = make_core(system, values, state, make_log(0, 0, 0), work)
+    c.clock[T] = c.clock[T_START] = t
+    c.count[MODE] = mode
+    c.count[FRESH] = 1
+    add_breaking_points(c, t, 0)
+
+
+@entry
+def change_parameters(system, values, state, work, before):
+    """Let ``values`` hold from the present time on instead of ``before``.
+
+    The vector field jumps now, and the jumps of the past come back after other delays. The variables of a chain are its
+    derivatives times powers of its step, which changes with the delay.
+    """
+    c = make_core(system, values, state, make_log(0, 0, 0), work)
+    t = c.clock[T]
+    c.count[ARC] += 1
+    c.count[FRESH], c.count[READY] = 1, 0
+    moved = False
+    for k in range(c.n_delays):
+        moved = moved or before.tau[k] != c.tau[k]
+    if moved and c.chain_n > 0:
+        for i in range(c.n_pairs):
+            k = c.pair_delay[i]
+            for stage in range(c.chain_n):
+                if before.tau[k] == 0.0:
+                    c.y[c.n + (i * c.chain_n + stage) * c.chain_order] = c.y[c.pair_state[i]]
+                for power in range(1, c.chain_order):
+                    # w_k is the k-th derivative times the k-th power of the step of the chain.
+                    ratio = c.tau[k] / before.tau[k] if before.tau[k] > 0.0 else 0.0
+                    c.y[c.n + (i * c.chain_n + stage) * c.chain_order + power] *= ratio**power
+    elif moved:
+        c.count[N_BREAKING] = 0
+        last = c.past_arc[c.count[FIRST] & c.mask]
+        for number in range(c.count[FIRST], c.count[FIRST] + c.count[USED]):
+            j = number & c.mask
+            if c.past_arc[j] != last or c.past_time[j] == c.clock[T_START]:
+                add_breaking_points(c, c.past_time[j], 0)
+            last = c.past_arc[j]
+        pass_breaking_points(c, t)
+    add_breaking_points(c, t, 0)
+
+
+@entry
+def run(system, values, state, log, work, t_stop, most_steps):
+    """Do what :func:`advance` does, from Python; return a status, of which CAPACITY asks for a larger state."""
+    state.count[READY] = 0
+    return np.int64(advance(make_core(system, values, state, log, work), t_stop, most_steps))
+
+
+@internal
+def advance(c, t_stop, most_steps):
+    """Integrate to ``t_stop``, or to a return to the section, an accumulation of events or a failure; return a status.
+
+    Each turn of the loop handles what is due at the present time or makes one step. At most ``most_steps`` are made.
+    """
+    n_steps = 0
+    while True:
+        t = c.clock[T]
+        if not past_has_capacity(c) or not queues_have_capacity(c, EVENTS_AT_ONCE):
+            return Status.CAPACITY
+        if c.log_events > 0 and c.log_n[1] + LOG_HEADROOM > c.log_events:
+            return Status.LOG_FULL
+        if c.log_steps > 0 and c.log_n[0] + 1 > c.log_steps:
+            return Status.LOG_FULL
+        if c.count[ARC] == 0 and c.count[FRESH] == 1 and t == c.clock[T_START]:
+            hit, direction = find_start_crossing(c)
+            if hit >= 0:
+                status = _handle_due_events(c, hit, direction)
+                if (status == Status.ZENO or status == Status.SLIDING) and enter_sticking_mode(c, t_stop):
+                    continue
+                if status != Status.REACHED:
+                    return status
+                continue
+        if c.count[N_PENDING] > 0 and c.pending_time[0] <= t + time_tolerance(t):
+            status = _handle_due_events(c, -1, 0)
+            if (status == Status.ZENO or status == Status.SLIDING) and enter_sticking_mode(c, t_stop):
+                continue
+            if status != Status.REACHED:
+                return status
+            continue
+        pass_breaking_points(c, t)
+        if t >= t_stop:
+            return Status.REACHED
+        if n_steps >= most_steps:
+            return Status.PAUSED
+        n_steps += 1
+        stop = find_next_stop(c, t_stop)
+        h, status = make_step(c, t, stop)
+        if status != Status.REACHED:
+            return status
+        status = _finish_step(c, t, h, stop)
+        if (status == Status.ZENO or status == Status.SLIDING) and enter_sticking_mode(c, t_stop):
+            continue
+        if status != Status.REACHED:
+            return status
+
+
+@internal
+def _finish_step(c, t, h, stop):
+    """Look for events in the step just made, record it, move to its end and handle what is due; return a status.
+
+    A step over which an event function cannot be resolved is discarded, and the next one is shorter.
+    """
+    mode = c.count[MODE]
+    hit, earliest = -1, 2.0
+    same = time_tolerance(t + h) / h
+    n_segments = c.n_segments
+    for segment in range(n_segments):
+        event = c.segment_event[segment]
+        if c.segment_mode[segment] != mode or c.after[event] >= 0:
+            continue
+        direction, side = c.segment_direction[segment], c.side[segment]
+        s, c.found_side[segment] = find_first_crossing(c, event, direction, t, h, side)
+        # Of events at one moment the one declared first comes first.
+        if s >= 0.0 and s < earliest - same:
+            hit, earliest = segment, s
+    marked = False
+    if c.section >= 0:
+        direction, side = c.section_direction, c.side[n_segments]
+        s, c.found_side[n_segments] = find_first_crossing(c, c.section, direction, t, h, side)
+        if s >= 0.0 and s < earliest:
+            marked, hit, earliest = True, -1, s
+    if c.count[UNRESOLVED] == 1:
+        # An event function varies faster than a step of this length can show.
+        c.count[UNRESOLVED] = 0
+        if h > SHORTEST_RESOLVED * time_tolerance(t):
+            c.next_step[c.count[MODE]] = h / UNRESOLVED_SHRINK
+            c.count[READY] = 0
+            c.count[N_REJECTED] += 1
+            return Status.REACHED
+    whole = earliest > 1.0
+    end = (stop if t + h >= stop - time_tolerance(stop) else t + h) if whole else min(t + earliest * h, stop)
+    if end > t:
+        record_step(c, t, h, end)
+    if end > t and c.log_steps > 0:
+        _log_step(c, t, h, end)
+    c.count[N_STEPS] += 1
+    if not whole:
+        interpolate_state(c, earliest, offset(c.trial, c.dimension), c.dimension)
+    for i in range(c.dimension):
+        c.y[i] = c.trial[c.dimension + i]
+    c.count[READY] = int(whole)
+    c.clock[T] = end
+    for segment in range(n_segments):
+        event = c.segment_event[segment]
+        if c.segment_mode[segment] == mode and c.after[event] < 0 and segment != hit:
+            update_side(c, segment, event, end, whole)
+    if c.section >= 0:
+        update_side(c, n_segments, c.section, end, whole)
+    if marked:
+        c.side[n_segments] = 0
+        return Status.SECTION
+    if hit < 0:
+        return Status.REACHED
+    direction = c.segment_direction[hit]
+    if direction == 0:
+        slope, _ = evaluate_event_slope(c, c.segment_event[hit], mode, end, c.y)
+        direction = -c.side[hit] if c.side[hit] != 0 else (1 if slope > 0.0 else -1)
+    return _handle_due_events(c, hit, direction)
+
+
+@internal
+def _log_step(c, t, h, end):
+    """Write the step just made to the log."""
+    row, n = c.log_n[0], c.n
+    c.log_time[row], c.log_length[row], c.log_end[row], c.log_mode[row], c.log_arc[row] = (
+        t,
+        h,
+        end,
+        c.count[MODE],
+        c.count[ARC],
+    )
+    for i in range(n):
+        c.log_value[row * n + i] = c.y[i]
+        for k in range(N_COEFFICIENTS):
+            c.log_coefficients[(row * N_COEFFICIENTS + k) * n + i] = c.extension[k * c.dimension + i]
+    c.log_n[0] = row + 1
+
+
+@internal
+def _handle_due_events(c, hit, direction):
+    """Handle all events that are due now and note the sides on which the new arc begins; return a status.
+
+    The sides are those of the delayed values before this moment: one that jumps now carries its event function over
+    zero, and that counts as a crossing.
+    """
+    status = handle_events(c, hit, direction)
+    if c.count[FRESH] == 1:
+        note_sides(c, c.clock[T])
+    return status

@@ -1,0 +1,128 @@
+"""All of an integration in one tuple of plain numbers and pointers, for the functions that run inside a step.
+
+An argument that is a tuple of arrays costs numba a count of references for each array at each call, more than the
+arithmetic does; numbers and pointers cost nothing.
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+
+from pddecont.simulate.integrator.calls import internal, pointer
+
+# What System, ParameterValues and IntegratorState hold under the same names, with lengths as n_..., the length of the
+# ring less one as mask, the arrays of the log as log_... and event_..., and the Workspace. Arrays of several dimensions
+# lie row by row.
+Core = namedtuple(
+    "Core",
+    """
+    field event reset history field_jacobian event_jacobian reset_jacobian n n_full dimension tangent n_pairs
+    n_delays n_kept n_segments n_events pair_state pair_delay kept place segment_mode segment_event
+    segment_direction segment_reset segment_to after reads chain_order chain_n section section_direction
+    stop_event stiff p tau event_delay max_step rtol atol longest stick clock count y constant mask past_time
+    past_length past_end past_arc past_shift past_value past_coefficients cursor reading pending_time
+    pending_event pending_shift breaking_time breaking_level accumulation segment_counts side next_step log_steps
+    log_events log_n log_time log_length log_end log_mode log_arc log_value log_coefficients event_time
+    event_segment event_arc event_before event_after stages extension trial slope xd xd_slope jacobian gradient
+    after_reset crossing found_side bernstein stack
+""",
+)
+
+
+@internal
+def make_core(system, values, state, log, work):
+    """Return an integration in plain numbers and pointers; the arrays that it points to have to outlive it."""
+    return Core(
+        system.field,
+        system.event,
+        system.reset,
+        system.history,
+        system.field_jacobian,
+        system.event_jacobian,
+        system.reset_jacobian,
+        system.n,
+        system.n_full,
+        len(state.y),
+        system.tangent,
+        len(system.pair_state),
+        len(values.tau),
+        len(system.kept),
+        len(system.segment_mode),
+        len(system.after),
+        pointer(system.pair_state),
+        pointer(system.pair_delay),
+        pointer(system.kept),
+        pointer(system.place),
+        pointer(system.segment_mode),
+        pointer(system.segment_event),
+        pointer(system.segment_direction),
+        pointer(system.segment_reset),
+        pointer(system.segment_to),
+        pointer(system.after),
+        pointer(system.reads),
+        system.chain_order,
+        system.chain_n,
+        system.section,
+        system.section_direction,
+        system.stop_event,
+        system.stiff,
+        pointer(values.p),
+        pointer(values.tau),
+        pointer(values.event_delay),
+        values.max_step,
+        values.rtol,
+        values.atol,
+        values.longest,
+        pointer(values.stick),
+        pointer(state.clock),
+        pointer(state.count),
+        pointer(state.y),
+        pointer(state.constant),
+        len(state.past_time) - 1,
+        pointer(state.past_time),
+        pointer(state.past_length),
+        pointer(state.past_end),
+        pointer(state.past_arc),
+        pointer(state.past_shift),
+        pointer(state.past_value),
+        pointer(state.past_coefficients),
+        pointer(state.cursor),
+        pointer(state.reading),
+        pointer(state.pending_time),
+        pointer(state.pending_event),
+        pointer(state.pending_shift),
+        pointer(state.breaking_time),
+        pointer(state.breaking_level),
+        pointer(state.accumulation),
+        pointer(state.segment_counts),
+        pointer(state.side),
+        pointer(state.next_step),
+        len(log.time),
+        len(log.event_time),
+        pointer(log.n),
+        pointer(log.time),
+        pointer(log.length),
+        pointer(log.end),
+        pointer(log.mode),
+        pointer(log.arc),
+        pointer(log.value),
+        pointer(log.coefficients),
+        pointer(log.event_time),
+        pointer(log.event_segment),
+        pointer(log.event_arc),
+        pointer(log.before),
+        pointer(log.after),
+        pointer(work.stages),
+        pointer(work.extension),
+        pointer(work.trial),
+        pointer(work.slope),
+        pointer(work.xd),
+        pointer(work.xd_slope),
+        pointer(work.jacobian),
+        pointer(work.gradient),
+        pointer(work.after_reset),
+        pointer(work.crossing),
+        pointer(work.found_side),
+        pointer(work.bernstein),
+        pointer(work.stack),
+    )

@@ -1,0 +1,49 @@
+"""Event functions: their values, their slopes along the flow, and how far from zero they are zero to rounding."""
+
+from __future__ import annotations
+
+from pddecont.simulate.integrator.calls import call, internal
+from pddecont.simulate.integrator.history import read_delayed, read_delayed_slopes, time_tolerance
+from pddecont.simulate.integrator.rhs import evaluate_rhs
+
+# Rounding in the terms of an event function, relative to them, and in the time, in tolerances of it; both leave some
+# room above what a few operations make.
+ROUNDING, TIME_ROUNDING = 1e-14, 4.0
+
+
+@internal
+def evaluate_event(c, event, t, y):
+    """Return the value of an event function."""
+    if c.reads[event] == 1:
+        read_delayed(c, t, y, c.xd, 0)
+    c.gradient[0] = 0.0
+    call(c.event, event, t, y, c.xd, c.p, c.gradient)
+    return c.gradient[0]
+
+
+@internal
+def evaluate_event_slope(c, event, mode, t, y):
+    """Return dh/dt along the flow of ``mode``, and how far from zero the function may be and still be zero to rounding.
+
+    The latter is what rounding in its terms, and in the time at which it is evaluated, makes of it. The derivatives
+    dh/dx, dh/dxd, dh/dt are left in ``c.gradient``, the flow in ``c.slope``.
+    """
+    n, m, gradient = c.n, c.n_pairs, c.gradient
+    evaluate_rhs(c, mode, t, y, c.slope)
+    for i in range(n + m + 1):
+        gradient[i] = 0.0
+    read_delayed(c, t, y, c.xd, 0)
+    call(c.event_jacobian, event, t, y, c.xd, c.p, gradient)
+    slope, moving = gradient[n + m], abs(gradient[n + m])
+    size = moving * abs(t)
+    for i in range(n):
+        slope += gradient[i] * c.slope[i]
+        moving += abs(gradient[i] * c.slope[i])
+        size += abs(gradient[i] * y[i])
+    if c.reads[event] == 1:
+        read_delayed_slopes(c, t, y, c.slope, c.xd_slope)
+        for i in range(m):
+            slope += gradient[n + i] * c.xd_slope[i]
+            moving += abs(gradient[n + i] * c.xd_slope[i])
+            size += abs(gradient[n + i] * c.xd[i])
+    return slope, ROUNDING * size + TIME_ROUNDING * time_tolerance(t) * moving

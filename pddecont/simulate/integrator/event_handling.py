@@ -1,0 +1,197 @@
+"""What happens at one moment: events in declared order, their resets, and the delayed events that they start."""
+
+from __future__ import annotations
+
+from pddecont.simulate.integrator.accumulation import detect_accumulation, estimate_curvature, is_at_rest, is_sliding
+from pddecont.simulate.integrator.breaking import add_breaking_points, add_pending, queues_have_capacity, remove_pending
+from pddecont.simulate.integrator.calls import call, internal
+from pddecont.simulate.integrator.event_functions import evaluate_event, evaluate_event_slope
+from pddecont.simulate.integrator.history import read_delayed, time_tolerance
+from pddecont.simulate.integrator.state import ARC, FRESH, LAST_EVENT, MODE, N_PENDING, READY, SHIFT, ZENO_TIME, T
+from pddecont.simulate.integrator.status import Status
+from pddecont.simulate.integrator.variational import find_event_shift, map_tangent, set_tangent
+
+
+@internal
+def handle_events(c, hit, direction):
+    """Let everything happen that is due at the present time; segment ``hit`` (-1: none) crosses in ``direction``.
+
+    Returns a status: REACHED to go on, SECTION after the event that returns are counted at, ZENO or SLIDING; CAPACITY
+    or LOG_FULL after more events at one moment than there is capacity for.
+    """
+    t = c.clock[T]
+    _mark_crossings(c, t, hit, direction)
+    forced = c.segment_event[hit] if hit >= 0 else -1
+    result = Status.REACHED
+    while True:
+        segment, pending = _find_next_segment(c, t, forced)
+        if segment < 0:
+            break
+        event = c.segment_event[segment]
+        status = _apply_event(c, segment, pending)
+        forced = -1
+        if pending < 0:
+            c.crossing[event] = 0
+        if status != Status.REACHED:
+            return status
+        if event == c.stop_event:
+            result = Status.SECTION
+        if not queues_have_capacity(c, 1):
+            return Status.CAPACITY
+        if 0 < c.log_events <= c.log_n[1]:
+            return Status.LOG_FULL
+    while c.count[N_PENDING] > 0 and c.pending_time[0] <= t + time_tolerance(t):
+        remove_pending(c, 0)
+    return result
+
+
+@internal
+def find_start_crossing(c):
+    """Return the segment that ends at the very start and the direction of its crossing; -1 and 0 if none does.
+
+    A motion that starts on a surface has not crossed it, unless it moves into it and the reset turns it round: that is
+    an impact. From rest on the surface it moves where its acceleration points.
+    """
+    t, mode = c.clock[T], c.count[MODE]
+    for segment in range(c.n_segments):
+        event = c.segment_event[segment]
+        if c.segment_mode[segment] != mode or c.after[event] >= 0:
+            continue
+        slope, size = evaluate_event_slope(c, event, mode, t, c.y)
+        into = slope if slope != 0.0 else estimate_curvature(c, event, mode, t, slope)
+        direction = 1 if into > 0.0 else -1
+        if into == 0.0 or direction * c.segment_direction[segment] < 0 or abs(evaluate_event(c, event, t, c.y)) > size:
+            continue
+        read_delayed(c, t, c.y, c.xd, 0)
+        for i in range(c.dimension):
+            c.trial[i] = c.y[i]
+        for i in range(c.n):
+            c.trial[i] = 0.0
+        call(c.reset, c.segment_reset[segment], t, c.y, c.xd, c.p, c.trial)
+        after, _ = evaluate_event_slope(c, event, c.segment_to[segment], t, c.trial)
+        if after * direction <= 0.0 and c.segment_to[segment] == mode:
+            return segment, direction
+    return -1, 0
+
+
+@internal
+def _mark_crossings(c, t, hit, direction):
+    """Write to ``c.crossing`` in which direction each event function crosses its zero at this moment (0: none)."""
+    mode = c.count[MODE]
+    for event in range(c.n_events):
+        c.crossing[event] = 0
+    for segment in range(c.n_segments):
+        event = c.segment_event[segment]
+        if c.segment_mode[segment] != mode or c.after[event] >= 0 or c.crossing[event] != 0:
+            continue
+        if hit >= 0 and event == c.segment_event[hit]:
+            c.crossing[event] = direction
+            continue
+        side = c.side[segment]
+        if side == 0 or c.count[FRESH] == 1:
+            continue
+        slope, size = evaluate_event_slope(c, event, mode, t, c.y)
+        if slope * side < 0.0 and abs(evaluate_event(c, event, t, c.y)) <= size:
+            c.crossing[event] = -side
+
+
+@internal
+def _find_next_segment(c, t, forced):
+    """Return the first segment in declared order that ends now, and the place in the queue of the event that ends it.
+
+    The place is -1 where an event function ends it; the segment is -1 if none ends.
+    """
+    mode = c.count[MODE]
+    for segment in range(c.n_segments):
+        if c.segment_mode[segment] != mode:
+            continue
+        event = c.segment_event[segment]
+        if c.after[event] >= 0:
+            for i in range(c.count[N_PENDING]):
+                if c.pending_time[i] > t + time_tolerance(t):
+                    break
+                if c.pending_event[i] == event:
+                    return segment, i
+        elif c.crossing[event] != 0 and c.segment_direction[segment] * c.crossing[event] >= 0:
+            if event == forced:
+                return segment, -1
+            _, size = evaluate_event_slope(c, event, mode, t, c.y)
+            if abs(evaluate_event(c, event, t, c.y)) <= size:
+                return segment, -1
+            c.crossing[event] = 0
+    return -1, -1
+
+
+@internal
+def _apply_event(c, segment, pending):
+    """End a segment: reset, new mode, breaking points and delayed events to come; return a status.
+
+    ``pending`` is the place of the delayed event in the queue, -1 for an event function.
+    """
+    t, n, mode = c.clock[T], c.n, c.count[MODE]
+    event, target = c.segment_event[segment], c.segment_to[segment]
+    shift = 0.0
+    if pending >= 0:
+        shift = c.pending_shift[pending]
+        remove_pending(c, pending)
+    elif c.tangent == 1:
+        shift = find_event_shift(c, event, mode, t)
+    if c.tangent == 1:
+        map_tangent(c, c.segment_reset[segment], mode, t, shift)
+    crossing, resolution = (c.crossing[event] if pending < 0 else 0), 0.0
+    if crossing != 0:
+        _, resolution = evaluate_event_slope(c, event, mode, t, c.y)
+    read_delayed(c, t, c.y, c.xd, 0)
+    row = c.log_n[1]
+    logged = row < c.log_events
+    if logged:
+        c.event_time[row], c.event_segment[row] = t, segment
+        for i in range(n):
+            c.event_before[row * n + i] = c.y[i]
+    for i in range(n):
+        c.after_reset[i] = 0.0
+    call(c.reset, c.segment_reset[segment], t, c.y, c.xd, c.p, c.after_reset)
+    for i in range(n):
+        c.y[i] = c.after_reset[i]
+        if logged:
+            c.event_after[row * n + i] = c.y[i]
+    if logged:
+        c.event_arc[row] = c.count[ARC] + 1
+        c.log_n[1] = row + 1
+    if c.tangent == 1:
+        set_tangent(c, target, t, shift)
+    c.count[MODE] = target
+    c.count[ARC] += 1
+    c.count[FRESH], c.count[READY] = 1, 0
+    c.count[LAST_EVENT] = event
+    c.clock[SHIFT] = shift
+    c.segment_counts[segment] += 1
+    add_breaking_points(c, t, 0)
+    for other in range(c.n_events):
+        if c.after[other] == event:
+            add_pending(c, t + c.event_delay[other], other, shift)
+    if is_sliding(c, event, crossing, mode, target, t):
+        c.clock[ZENO_TIME] = t
+        return Status.SLIDING
+    if is_at_rest(c, event, crossing, target, t, resolution):
+        c.clock[ZENO_TIME] = t
+        return Status.ZENO
+    return detect_accumulation(c, event, t)
+
+
+@internal
+def enter_sticking_mode(c, t_stop):
+    """Go on in the mode that the last event sticks to; return whether there is one.
+
+    The clock is set to the time at which the events accumulate, or to ``t_stop`` if that comes first.
+    """
+    mode = c.stick[c.count[LAST_EVENT]]
+    if mode < 0:
+        return False
+    c.clock[T] = min(c.clock[ZENO_TIME], max(t_stop, c.clock[T]))
+    c.count[MODE] = mode
+    c.count[ARC] += 1
+    c.count[FRESH], c.count[READY] = 1, 0
+    for i in range(1, 4):
+        c.accumulation[4 * c.count[LAST_EVENT] + i] = 0.0
+    return True

@@ -1,0 +1,198 @@
+"""Delayed values: from the ring of past steps, from the history before the start, or from the last stage of a chain."""
+
+from __future__ import annotations
+
+from pddecont.simulate.integrator.buffers import N_COEFFICIENTS
+from pddecont.simulate.integrator.calls import call, internal, offset
+from pddecont.simulate.integrator.state import ARC, CONSTANT, FIRST, SHIFT, T_START, USED
+
+# Two times closer than so many units in the last place are one: enough for the rounding of sums of delays.
+TIME_UNITS = 32 * 2.220446049250313e-16
+
+
+@internal
+def time_tolerance(t):
+    """Return how close two times may be and still be one."""
+    return TIME_UNITS * max(1.0, abs(t))
+
+
+@internal
+def find_step_before(c, t, guess):
+    """Return the number of the last step that begins at ``t`` or before, found by walking from a ``guess``."""
+    first, end = c.count[FIRST], c.count[FIRST] + c.count[USED]
+    number = min(max(guess, first), end - 1)
+    while number + 1 < end and c.past_time[(number + 1) & c.mask] <= t:
+        number += 1
+    while number > first and c.past_time[number & c.mask] > t:
+        number -= 1
+    return number
+
+
+@internal
+def choose_arcs(c, middle):
+    """Choose the arc that each delay reads in a step with its middle at ``middle``; return whether any is another one.
+
+    A step lies between two breaking points, so all that it reads of one delay lies in one arc. Choosing it once, by the
+    step's middle, says on which side of a jump the step reads, whatever rounding does to the times. Arc -1 is the
+    history.
+    """
+    changed = False
+    for k in range(c.n_delays):
+        t = middle - c.tau[k]
+        arc = -1
+        if c.tau[k] == 0.0:
+            arc = c.count[ARC]
+        elif c.count[USED] > 0 and t >= c.clock[T_START]:
+            number = find_step_before(c, t, c.cursor[k])
+            c.cursor[k] = number
+            arc = c.past_arc[number & c.mask]
+        if arc != c.reading[k]:
+            c.reading[k] = arc
+            changed = True
+    return changed
+
+
+@internal
+def find_step_in_arc(c, t, k):
+    """Return the number of the step that delay ``k`` reads at ``t``, in the arc that was chosen for it.
+
+    Times outside the arc read the polynomials at its ends.
+    """
+    first, end = c.count[FIRST], c.count[FIRST] + c.count[USED]
+    arc = c.reading[k]
+    number = min(max(c.cursor[k], first), end - 1)
+    while number > first and c.past_arc[number & c.mask] > arc:
+        number -= 1
+    while number + 1 < end and c.past_arc[number & c.mask] < arc:
+        number += 1
+    while number + 1 < end and c.past_arc[(number + 1) & c.mask] == arc and c.past_time[(number + 1) & c.mask] <= t:
+        number += 1
+    while number > first and c.past_arc[(number - 1) & c.mask] == arc and c.past_time[number & c.mask] > t:
+        number -= 1
+    c.cursor[k] = number
+    return number
+
+
+@internal
+def evaluate_extension(value, coefficients, row, s):
+    """Return the value of a continuous extension at ``s`` in [0, 1].
+
+    ``coefficients`` points to the first of them; the next are ``row`` numbers apart.
+
+    Reference: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993), section II.6.
+    """
+    r, y = 1.0 - s, coefficients[6 * row] * s
+    y = (y + coefficients[5 * row]) * r
+    y = (y + coefficients[4 * row]) * s
+    y = (y + coefficients[3 * row]) * r
+    y = (y + coefficients[2 * row]) * s
+    y = (y + coefficients[row]) * r
+    return value + (y + coefficients[0]) * s
+
+
+@internal
+def evaluate_extension_slope(coefficients, row, s):
+    """Return the derivative of a continuous extension in ``s``."""
+    y, slope = 0.0, 0.0
+    for i in range(N_COEFFICIENTS - 1, -1, -1):
+        y += coefficients[i * row]
+        if i % 2 == 0:
+            slope = slope * s + y
+            y *= s
+        else:
+            slope = slope * (1.0 - s) - y
+            y *= 1.0 - s
+    return slope
+
+
+@internal
+def interpolate_state(c, s, y, n):
+    """Write the first ``n`` variables at ``s`` in [0, 1] of the present step to ``y``."""
+    for i in range(n):
+        y[i] = evaluate_extension(c.y[i], offset(c.extension, i), c.dimension, s)
+
+
+@internal
+def _locate_in_arc(c, t, k):
+    """Return the place in the ring of the step that delay ``k`` reads at ``t``, and where in the step."""
+    j = find_step_in_arc(c, t, k) & c.mask
+    return j, (t - c.past_time[j]) / c.past_length[j]
+
+
+@internal
+def _evaluate_history(c, order, t, state):
+    """Return a state of the history before the start, or its derivative of an order."""
+    if c.count[CONSTANT] == 1:
+        return 0.0 if order > 0 else c.constant[state]
+    c.after_reset[state] = 0.0
+    call(c.history, order, t, c.constant, c.constant, c.p, c.after_reset)
+    return c.after_reset[state]
+
+
+@internal
+def read_delayed(c, t, y, xd, part):
+    """Write the delayed values at ``t`` to ``xd``: of the states (``part`` 0) or of the tangent (1)."""
+    base = part * c.n_full
+    n_past = c.n_kept * (1 + c.tangent)
+    for i in range(c.n_pairs):
+        state, k = c.pair_state[i], c.pair_delay[i]
+        if c.tau[k] == 0.0:
+            xd[i] = y[base + state]
+        elif c.chain_n > 0:
+            xd[i] = y[base + c.n + (i * c.chain_n + c.chain_n - 1) * c.chain_order]
+        elif c.reading[k] < 0:
+            xd[i] = 0.0 if part == 1 else _evaluate_history(c, 0, t - c.tau[k], state)
+        else:
+            j, s = _locate_in_arc(c, t - c.tau[k], k)
+            column = part * c.n_kept + c.place[state]
+            xd[i] = evaluate_extension(
+                c.past_value[j * n_past + column],
+                offset(c.past_coefficients, j * N_COEFFICIENTS * n_past + column),
+                n_past,
+                s,
+            )
+
+
+@internal
+def read_delayed_slopes(c, t, y, dy, slopes):
+    """Write the time derivatives of the delayed values at ``t`` to ``slopes``; ``dy`` are those of ``y``."""
+    n_past = c.n_kept * (1 + c.tangent)
+    for i in range(c.n_pairs):
+        state, k = c.pair_state[i], c.pair_delay[i]
+        if c.tau[k] == 0.0:
+            slopes[i] = dy[state]
+        elif c.chain_n > 0:
+            slopes[i] = dy[c.n + (i * c.chain_n + c.chain_n - 1) * c.chain_order]
+        elif c.reading[k] < 0:
+            slopes[i] = _evaluate_history(c, 1, t - c.tau[k], state)
+        else:
+            j, s = _locate_in_arc(c, t - c.tau[k], k)
+            first = offset(c.past_coefficients, j * N_COEFFICIENTS * n_past + c.place[state])
+            slopes[i] = evaluate_extension_slope(first, n_past, s) / c.past_length[j]
+
+
+@internal
+def record_step(c, t, length, end):
+    """Add the step just made to the past and drop the steps that no delay reaches any more."""
+    if c.n_kept == 0 or c.chain_n > 0:
+        return
+    while c.count[USED] > 1 and c.past_end[c.count[FIRST] & c.mask] < end - c.longest - time_tolerance(end):
+        c.count[FIRST] += 1
+        c.count[USED] -= 1
+    j = (c.count[FIRST] + c.count[USED]) & c.mask
+    c.past_time[j], c.past_length[j], c.past_end[j] = t, length, end
+    c.past_arc[j], c.past_shift[j] = c.count[ARC], c.clock[SHIFT]
+    n_past = c.n_kept * (1 + c.tangent)
+    for k in range(c.n_kept):
+        for part in range(1 + c.tangent):
+            source, column = part * c.n_full + c.kept[k], part * c.n_kept + k
+            c.past_value[j * n_past + column] = c.y[source]
+            for i in range(N_COEFFICIENTS):
+                c.past_coefficients[(j * N_COEFFICIENTS + i) * n_past + column] = c.extension[i * c.dimension + source]
+    c.count[USED] += 1
+
+
+@internal
+def past_has_capacity(c):
+    """Return whether a step still fits into the ring."""
+    return c.count[USED] + 2 < c.mask + 1

@@ -1,0 +1,14 @@
+"""Where the machine code of the integrator is kept between runs."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+from pddecont.codegen import choose_cache_folder
+
+
+@cache
+def find_machine_code() -> Path:
+    """Return the folder that holds the machine code of the integrator as its sources are now; it may not exist yet."""
+    return choose_cache_folder(Path(__file__).parent.glob("*.py"))

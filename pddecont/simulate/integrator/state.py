@@ -1,0 +1,186 @@
+"""The state of an integration: all that changes while it goes on."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pddecont.simulate.integrator.buffers import N_COEFFICIENTS
+from pddecont.simulate.integrator.calls import either
+from pddecont.simulate.integrator.system import ParameterValues, System
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+# Steps that the past holds at first, and how many for each delay; both only save copies while the past grows.
+FIRST_CAPACITY, CAPACITY_PER_DELAY = 32, 4
+
+
+class IntegratorState(NamedTuple):
+    """The state of an integration; all of it is arrays that change in place.
+
+    Attributes
+    ----------
+    clock, count
+        Times and numbers by the places named below (N_CLOCK,), (N_COUNT,).
+    y
+        States, variables of the chain, and the tangent of both (dimension,).
+    constant
+        The states that are the history if it is constant (n,).
+    past_time, past_length, past_end, past_arc, past_shift, past_value, past_coefficients
+        The past, a ring of steps whose length is a power of two: where a step begins, how long it was, where it ends
+        (an event may cut it), the arc that it belongs to, how much later that arc began for the tangent, and the
+        continuous extension of the states that are kept (capacity, n_kept), (capacity, N_COEFFICIENTS, n_kept).
+    cursor, reading
+        The step that each delay read last, and the arc that it reads in the present step (n_delays,).
+    pending_time, pending_event, pending_shift
+        Delayed events under way, in order of time (capacity,).
+    breaking_time, breaking_level
+        Breaking points to come, in order of time, and which derivative jumps there (capacity,).
+    accumulation
+        For each event the time of the last one, the gap before it, the ratio of the last two gaps, and how many
+        ratios in a row were nearly equal (n_events, 4).
+    segment_counts
+        How often each segment has ended (n_segments,).
+    side
+        The sign of each segment's event function, and last the section's (n_segments + 1,); 0: it has just been zero.
+    next_step
+        The length that the next step may have in each mode (n_modes,); 0: none was made there.
+    """
+
+    clock: Array
+    count: Integers
+    y: Array
+    constant: Array
+    past_time: Array
+    past_length: Array
+    past_end: Array
+    past_arc: Integers
+    past_shift: Array
+    past_value: Array
+    past_coefficients: Array
+    cursor: Integers
+    reading: Integers
+    pending_time: Array
+    pending_event: Integers
+    pending_shift: Array
+    breaking_time: Array
+    breaking_level: Integers
+    accumulation: Array
+    segment_counts: Integers
+    side: Integers
+    next_step: Array
+
+
+# Places in IntegratorState.clock: the present time, the start, where events accumulate, how much later the present arc
+# began for the tangent, and the time of the last event.
+T, T_START, ZENO_TIME, SHIFT, LAST_EVENT_TIME = 0, 1, 2, 3, 4
+N_CLOCK = 5
+# Places in IntegratorState.count: the mode; the number of the oldest step in the past and how many it holds; the arc;
+# steps made and rejected; delayed events and breaking points to come; 1 where an arc begins; events so far at one
+# moment; 1 for a constant history; 1 if the last slope of the step before is the first of the next; the last event;
+# 1 if a step was too long to resolve an event function.
+(
+    MODE,
+    FIRST,
+    USED,
+    ARC,
+    N_STEPS,
+    N_REJECTED,
+    N_PENDING,
+    N_BREAKING,
+    FRESH,
+    SIMULTANEOUS,
+    CONSTANT,
+    READY,
+    LAST_EVENT,
+    UNRESOLVED,
+) = range(14)
+N_COUNT = 14
+
+
+@either
+def make_state(system: System, values: ParameterValues) -> IntegratorState:
+    """Return the state of an integration that has not begun."""
+    capacity = FIRST_CAPACITY
+    while capacity < CAPACITY_PER_DELAY * (len(values.tau) + 8):
+        capacity *= 2
+    n_past = len(system.kept) * (1 + system.tangent)
+    n_events = len(system.after)
+    dimension = system.n_full * (1 + system.tangent)
+    accumulation = np.zeros((n_events, 4))
+    accumulation[:, 0] = -np.inf
+    reading = np.zeros(len(values.tau), np.int64)
+    reading[:] = -1
+    return IntegratorState(
+        np.zeros(N_CLOCK),
+        np.zeros(N_COUNT, np.int64),
+        np.zeros(dimension),
+        np.zeros(system.n),
+        np.zeros(capacity),
+        np.zeros(capacity),
+        np.zeros(capacity),
+        np.zeros(capacity, np.int64),
+        np.zeros(capacity),
+        np.zeros((capacity, n_past)),
+        np.zeros((capacity, N_COEFFICIENTS, n_past)),
+        np.zeros(len(values.tau), np.int64),
+        reading,
+        np.zeros(capacity),
+        np.zeros(capacity, np.int64),
+        np.zeros(capacity),
+        np.zeros(capacity),
+        np.zeros(capacity, np.int64),
+        accumulation,
+        np.zeros(len(system.segment_mode), np.int64),
+        np.zeros(len(system.segment_mode) + 1, np.int64),
+        np.zeros(system.n_modes),
+    )
+
+
+@either
+def _double(a):
+    b = np.zeros(2 * len(a), a.dtype)
+    b[: a.shape[0]] = a
+    return b
+
+
+@either
+def enlarge(state: IntegratorState) -> IntegratorState:
+    """Return the state with twice the capacity; a step of the past is again at its number modulo the capacity."""
+    old, new = len(state.past_time), 2 * len(state.past_time)
+    time, length, end = np.zeros(new), np.zeros(new), np.zeros(new)
+    arc, shift = np.zeros(new, np.int64), np.zeros(new)
+    value = np.zeros((new, state.past_value.shape[1]))
+    coefficients = np.zeros((new, state.past_coefficients.shape[1], state.past_coefficients.shape[2]))
+    for number in range(state.count[FIRST], state.count[FIRST] + state.count[USED]):
+        i, j = number % old, number % new
+        time[j], length[j], end[j] = state.past_time[i], state.past_length[i], state.past_end[i]
+        arc[j], shift[j] = state.past_arc[i], state.past_shift[i]
+        value[j] = state.past_value[i]
+        coefficients[j] = state.past_coefficients[i]
+    return IntegratorState(
+        state.clock,
+        state.count,
+        state.y,
+        state.constant,
+        time,
+        length,
+        end,
+        arc,
+        shift,
+        value,
+        coefficients,
+        state.cursor,
+        state.reading,
+        _double(state.pending_time),
+        _double(state.pending_event),
+        _double(state.pending_shift),
+        _double(state.breaking_time),
+        _double(state.breaking_level),
+        state.accumulation,
+        state.segment_counts,
+        state.side,
+        state.next_step,
+    )

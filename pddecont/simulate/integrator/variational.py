@@ -1,0 +1,93 @@
+"""The tangent at events, and where the jumps of the past come back through delays.
+
+Where a neighbouring motion meets an event a time ``shift`` later, it follows the old vector field for so much longer.
+Its jump comes back through a delay as much later as well: there the tangent jumps by the difference of the vector
+fields times that shift.
+
+References: Müller, Chaos Solitons Fractals 5 (1995), for the jump at an event; that at a delayed read is its
+counterpart.
+"""
+
+from __future__ import annotations
+
+from pddecont.simulate.integrator.calls import call, internal, offset
+from pddecont.simulate.integrator.event_functions import evaluate_event_slope
+from pddecont.simulate.integrator.history import choose_arcs, find_step_before, read_delayed, read_delayed_slopes
+from pddecont.simulate.integrator.rhs import evaluate_rhs
+from pddecont.simulate.integrator.state import MODE, T_START, USED
+
+
+@internal
+def find_event_shift(c, event, mode, t):
+    """Return by how much later, to first order, a motion displaced by the tangent meets an event."""
+    n, m, y = c.n, c.n_pairs, c.y
+    slope, _ = evaluate_event_slope(c, event, mode, t, y)
+    read_delayed(c, t, y, c.xd_slope, 1)
+    moved = 0.0
+    for i in range(n):
+        moved += c.gradient[i] * y[c.n_full + i]
+    for i in range(m):
+        moved += c.gradient[n + i] * c.xd_slope[i]
+    return -moved / slope if slope != 0.0 else 0.0
+
+
+@internal
+def map_tangent(c, reset, mode, t, shift):
+    """Write the tangent after the reset, taken at the neighbour's own event, to the second row of ``c.slope``.
+
+    With the shift of its event the neighbour has there y + (tangent) + f (shift), and the reset's derivatives map it.
+    """
+    n, m, y, full = c.n, c.n_pairs, c.y, c.n_full
+    flow, moved, result = c.slope, offset(c.slope, 2 * c.dimension), offset(c.slope, c.dimension)
+    evaluate_rhs(c, mode, t, y, flow)
+    read_delayed(c, t, y, c.xd, 0)
+    for i in range(n * (n + m + 1)):
+        c.jacobian[i] = 0.0
+    call(c.reset_jacobian, reset, t, y, c.xd, c.p, c.jacobian)
+    for i in range(full):
+        moved[i] = result[i] = y[full + i] + flow[i] * shift
+    read_delayed(c, t, y, c.xd_slope, 1)
+    for i in range(n):
+        result[i] = c.jacobian[n * (n + m) + i] * shift
+        for j in range(n):
+            result[i] += c.jacobian[i * n + j] * moved[j]
+        for j in range(m):
+            result[i] += c.jacobian[n * n + i * m + j] * c.xd_slope[j]
+    read_delayed_slopes(c, t, y, flow, c.xd_slope)
+    for i in range(n):
+        for j in range(m):
+            result[i] += c.jacobian[n * n + i * m + j] * c.xd_slope[j] * shift
+
+
+@internal
+def set_tangent(c, mode, t, shift):
+    """Write the tangent after an event to ``c.y``: what :func:`map_tangent` left less the new field times the shift."""
+    evaluate_rhs(c, mode, t, c.y, c.slope)
+    for i in range(c.n_full):
+        c.y[c.n_full + i] = c.slope[c.dimension + i] - c.slope[i] * shift
+
+
+@internal
+def choose_arcs_with_tangent(c, t, middle):
+    """Choose the arcs that a step reads, as :func:`choose_arcs` does; return whether any is another one.
+
+    The tangent jumps where an arc begins to be read.
+    """
+    mode, changed = c.count[MODE], False
+    for k in range(c.n_delays):
+        if c.count[USED] == 0 or c.tau[k] == 0.0 or middle - c.tau[k] < c.clock[T_START] or c.chain_n > 0:
+            continue
+        number = find_step_before(c, middle - c.tau[k], c.cursor[k])
+        arc = c.past_arc[number & c.mask]
+        if arc == c.reading[k]:
+            continue
+        changed = True
+        shift = c.past_shift[number & c.mask] if c.reading[k] >= 0 else 0.0
+        if shift != 0.0:
+            evaluate_rhs(c, mode, t, c.y, offset(c.slope, c.dimension))
+        c.reading[k], c.cursor[k] = arc, number
+        if shift != 0.0:
+            evaluate_rhs(c, mode, t, c.y, c.slope)
+            for i in range(c.n_full):
+                c.y[c.n_full + i] += (c.slope[c.dimension + i] - c.slope[i]) * shift
+    return choose_arcs(c, middle) or changed

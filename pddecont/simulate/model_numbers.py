@@ -1,0 +1,111 @@
+"""A model in the numbers that the compiled integrator works with."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pddecont.codegen import ModelFunctions, NumericModel
+from pddecont.delay import DelayMethod
+from pddecont.simulate.integrator import ParameterValues, System
+from pddecont.simulate.method import Method
+from pddecont.simulate.returns import ReturnSection
+
+Array = NDArray[np.float64]
+DIRECTIONS = {"rising": 1, "falling": -1, "any": 0}
+
+
+def make_system(
+    numeric: NumericModel,
+    functions: ModelFunctions,
+    delay: DelayMethod,
+    method: Method,
+    section: ReturnSection,
+    *,
+    tangent: bool,
+) -> System:
+    """Return the model in numbers: addresses of its functions, and its modes, events and segments by number.
+
+    A section that is an expression is one more event function, numbered after the model's own.
+    """
+    model, n = numeric.model, numeric.n_states
+    modes, events, resets = list(model.modes), list(model.events), list(model.resets)
+    order, length = delay.simulated_stages
+    pairs = np.array([(d.state, d.delay) for d in model.delayed], dtype=np.int64).reshape(-1, 2)
+    kept = np.unique(pairs[:, 0])
+    place = np.full(n, -1)
+    place[kept] = np.arange(len(kept))
+    delayed = set(model.delayed_symbols)
+    after = [events.index(e.after) if e.after is not None else -1 for e in model.events.values()]
+    segments = model.segments.values()
+    return System(
+        field=functions.field,
+        event=functions.event,
+        reset=functions.reset,
+        history=functions.history,
+        field_jacobian=functions.field_jacobian if tangent or method.stiff else 0,
+        event_jacobian=functions.event_jacobian,
+        reset_jacobian=functions.reset_jacobian if tangent else 0,
+        n=n,
+        n_full=n + len(pairs) * order * length,
+        tangent=int(tangent),
+        pair_state=np.ascontiguousarray(pairs[:, 0]),
+        pair_delay=np.ascontiguousarray(pairs[:, 1]),
+        kept=kept,
+        place=place,
+        segment_mode=_integers(modes.index(s.mode) for s in segments),
+        segment_event=_integers(events.index(s.event) for s in segments),
+        segment_direction=_integers(DIRECTIONS[s.direction] for s in segments),
+        segment_reset=_integers(resets.index(s.reset) for s in segments),
+        segment_to=_integers(modes.index(s.to) for s in segments),
+        after=_integers([*after, *([] if section.expr is None else [-1])]),
+        reads=_integers(bool(delayed & h.free_symbols) for h in functions.events),
+        chain_order=order,
+        chain_n=length,
+        section=-1 if section.expr is None else len(events),
+        section_direction=DIRECTIONS[section.direction],
+        stop_event=-1 if section.event is None else events.index(section.event),
+        stiff=int(method.stiff),
+        n_modes=len(modes),
+    )
+
+
+def make_values(
+    numeric: NumericModel, delay: DelayMethod, method: Method, section: ReturnSection, p: Array, longest: float
+) -> ParameterValues:
+    """Return the model's numbers at parameters ``p``; the past is kept for ``longest``, or the longest delay.
+
+    No step is longer than half the period of the forcing, nor than the shortest delay where delayed values come from
+    the past.
+    """
+    model = numeric.model
+    tau = np.asarray(numeric.delays.value(p), dtype=float)
+    event_delay = [
+        float(numeric.event_delay(e.name).value(p)[0]) if e.delay is not None else 0.0 for e in model.events.values()
+    ]
+    event_delay += [0.0] * (section.expr is not None)
+    bounds = [method.max_step]
+    if delay.simulated_stages == (0, 0):
+        bounds += [x for x in tau if x > 0]
+    if model.forced:
+        bounds.append(float(numeric.period.value(p)[0]) / 2)
+    events, modes = list(model.events), list(model.modes)
+    stick = np.full(len(event_delay), -1)
+    for event, mode in method.stick.items():
+        stick[events.index(event)] = modes.index(mode)
+    return ParameterValues(
+        p=np.array(p, dtype=float),
+        tau=tau,
+        event_delay=np.array(event_delay),
+        max_step=float(min(bounds)),
+        rtol=method.rtol,
+        atol=method.atol,
+        longest=max(longest, float(max(tau, default=0.0))),
+        stick=stick,
+    )
+
+
+def _integers(numbers: Iterable[int]) -> NDArray[np.int64]:
+    return np.array(list(numbers), dtype=np.int64)

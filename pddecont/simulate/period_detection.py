@@ -1,0 +1,248 @@
+"""The period and the signature of the motion that a trajectory has settled to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pddecont.codegen import NumericModel
+from pddecont.errors import SignatureError
+from pddecont.model import Model
+from pddecont.simulate.trajectory import Trajectory
+
+Array = NDArray[np.float64]
+# The longest period that is looked for, in periods of the forcing or passages; four times as many events.
+MAX_PERIODS, EVENTS_PER_PERIOD = 64, 4
+# A motion repeats itself where it comes back to this part of its size; Newton's method does the rest for an orbit.
+CLOSE = 1e-4
+# Gaps between the same events may differ by this part of the period.
+SAME_GAPS = 1e-3
+# Where between two events a state is compared: a part that no symmetry of the motion makes special.
+OFF_CENTRE = 0.4789
+# Places in a period at which states are compared.
+N_PLACES = 24
+# A passage is located to 2^-60 of a step.
+BISECTIONS = 60
+# A motion that is smaller than this part of what it was, or of where it is, has come to rest.
+STILL = 1e-6
+AT_REST = (
+    "the motion comes to rest: the trajectory settles to an equilibrium, and there is no periodic motion to find. "
+    "Change the parameters so that it oscillates, keep the effects that drive it, or start elsewhere ('initial')"
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Cycle:
+    """The last period of a trajectory.
+
+    Attributes
+    ----------
+    signature
+        The names of its segments; empty for a motion without events.
+    times
+        Where they begin and end (n_segments + 1,).
+    arcs
+        Their numbers in the trajectory.
+    n_periods
+        Periods of the forcing in it; 1 for an autonomous model.
+    mode
+        The mode at its start.
+    trajectory
+        The trajectory.
+    """
+
+    signature: tuple[str, ...]
+    times: Array
+    arcs: tuple[int, ...]
+    n_periods: int
+    mode: str
+    trajectory: Trajectory
+
+    def evaluate(self, segment: int, t: Array) -> Array:
+        """Return the states at times ``t`` in a segment, shape (n_times, n_states)."""
+        return self.trajectory.evaluate_arc(self.arcs[segment], t)
+
+
+def detect_period(numeric: NumericModel, p: Array, trajectory: Trajectory) -> Cycle:
+    """Return the cycle that the end of ``trajectory`` repeats.
+
+    Raises
+    ------
+    SignatureError
+        If the trajectory has not settled to a periodic motion, with the nearest return found and what to try; if it has
+        come to rest; if its mode changes where no segment leads to that mode.
+    """
+    if numeric.model.forced:
+        cycle = _detect_forced(trajectory, float(numeric.period.value(p)[0]))
+    elif len(trajectory.events):
+        cycle = _detect_by_events(trajectory)
+    else:
+        cycle = _detect_by_section(trajectory)
+    _refuse_sticking(numeric.model, cycle)
+    return cycle
+
+
+def _refuse_sticking(model: Model, cycle: Cycle) -> None:
+    """Raise :class:`SignatureError` if the cycle changes its mode where no segment leads to that mode."""
+    for i, name in enumerate(cycle.signature):
+        here, there, t = model.segments[cycle.signature[i - 1]], model.segments[name], cycle.times[i]
+        if here.to != there.mode:
+            raise SignatureError(
+                f"after '{here.name}' at t = {t:.10g} the motion sticks in mode '{there.mode}', which that segment "
+                f"does not lead to: no signature lists the events that accumulate at '{here.event}'. Start the orbit "
+                "where nothing sticks, or write the last event before rest as one that leads there"
+            )
+
+
+def _detect_forced(trajectory: Trajectory, period: float) -> Cycle:
+    """Return the cycle of a forced trajectory: the least number of forcing periods after which it comes back."""
+    end = _find_end(trajectory, period)
+    most = min(MAX_PERIODS, int(0.5 * (end - trajectory.t0) / period))
+    if most < 1:
+        raise SignatureError(f"the trajectory is shorter than two forcing periods ({period:.6g}); raise 't_end'")
+    offsets = np.linspace(0.0, 1.0, N_PLACES, endpoint=False) * period
+    recent = trajectory(end - offsets)
+    size = _measure_size(recent)
+    distances = [_measure_distance(recent, trajectory(end - offsets - k * period), size) for k in range(1, most + 1)]
+    for k, distance in enumerate(distances, 1):
+        if distance < CLOSE:
+            cycle = _find_cycle(trajectory, end, k * period, k)
+            if cycle is not None:
+                return cycle
+    raise _make_error(trajectory, distances, [k * period for k in range(1, most + 1)], "forcing periods")
+
+
+def _find_end(trajectory: Trajectory, period: float) -> float:
+    """Return a time near the end, away from events: there a state has two values, and returns could not be compared."""
+    times = trajectory.events.t[trajectory.events.t > trajectory.t_end - 3.0 * period]
+    if len(times) < 2:
+        return trajectory.t_end
+    longest = int(np.argmax(np.diff(times)))
+    return float(times[longest] + OFF_CENTRE * (times[longest + 1] - times[longest]))
+
+
+def _find_cycle(trajectory: Trajectory, end: float, length: float, n_periods: int) -> Cycle | None:
+    """Return the last ``length`` of the trajectory, from event to event; None if its events do not repeat."""
+    events = trajectory.events
+    inside = np.flatnonzero((end - length < events.t) & (events.t <= end))
+    if not len(inside):
+        return Cycle(
+            (), np.array([end - length, end]), (int(trajectory.arc[-1]),), n_periods, trajectory.mode[-1], trajectory
+        )
+    q, last = len(inside), int(inside[-1])
+    if last - q < 0 or abs(events.t[last] - events.t[last - q] - length) > SAME_GAPS * length:
+        return None
+    return _make_cycle(trajectory, last - q, last, n_periods)
+
+
+def _make_cycle(trajectory: Trajectory, first: int, last: int, n_periods: int) -> Cycle:
+    """Return the cycle between two events.
+
+    The segment that lasts longest comes first; the trajectory may hold one more turn before, so that any segment can.
+    """
+    events = trajectory.events
+    count = last - first
+    lengths = np.diff(events.t[first : last + 1])
+    turn = min(range(count), key=lambda i: -lengths[i])
+    begin = first + turn - count
+    if begin >= 0 and events.segment[begin + 1 : first + 1] == events.segment[begin + 1 + count : first + 1 + count]:
+        first = begin
+    arcs = tuple(int(arc) for arc in events.arc[first : first + count])
+    return Cycle(
+        events.segment[first + 1 : first + 1 + count],
+        events.t[first : first + count + 1],
+        arcs,
+        n_periods,
+        trajectory.find_mode(arcs[0]),
+        trajectory,
+    )
+
+
+def _detect_by_events(trajectory: Trajectory) -> Cycle:
+    """Return the cycle of an autonomous trajectory: the least number of events after which they repeat."""
+    events = trajectory.events
+    states = events.after
+    # At its events a motion may always be in one state: its size is that of the arcs between them.
+    recent = trajectory(np.linspace(events.t[-min(len(events), 9)], trajectory.t_end, 200))
+    size = _measure_size(np.concatenate([states[-200:], recent]))
+    most = min(MAX_PERIODS * EVENTS_PER_PERIOD, (len(events) - 1) // 2)
+    distances, lengths = [], []
+    for q in range(1, most + 1):
+        same = events.segment[-q:] == events.segment[-2 * q : -q]
+        gaps = events.t[-q:] - events.t[-2 * q : -q]
+        distance = _measure_distance(states[-q:], states[-2 * q : -q], size) if same else np.inf
+        distance = max(distance, float(np.ptp(gaps) / np.max(gaps))) if same else np.inf
+        distances.append(distance)
+        lengths.append(float(events.t[-1] - events.t[-1 - q]))
+        if distance < CLOSE:
+            return _make_cycle(trajectory, len(events) - 1 - q, len(events) - 1, 1)
+    raise _make_error(trajectory, distances, lengths, "events")
+
+
+def _detect_by_section(trajectory: Trajectory) -> Cycle:
+    """Return the cycle of a smooth autonomous trajectory, from its upward passages through a section."""
+    t, x, _ = trajectory.sample()
+    late = t > t[0] + 0.5 * (t[-1] - t[0])
+    swing = np.ptp(x[late], axis=0)
+    if np.max(swing) < STILL * (1e-300 + np.max(np.abs(x[late]))):
+        raise SignatureError(AT_REST)
+    state = int(np.argmax(swing / (np.max(np.abs(x[late]), axis=0) + 1e-300)))
+    level = 0.5 * (x[late, state].min() + x[late, state].max())
+    up = np.flatnonzero(late[:-1] & (x[:-1, state] < level) & (x[1:, state] >= level))
+    passages = []
+    for i in up:
+        a, b = t[i], t[i + 1]
+        for _ in range(BISECTIONS):
+            middle = 0.5 * (a + b)
+            a, b = (middle, b) if trajectory(middle)[state] < level else (a, middle)
+        passages.append(b)
+    points = trajectory(np.array(passages))
+    distances, lengths = [], []
+    for q in range(1, min(MAX_PERIODS, (len(passages) - 1) // 2) + 1):
+        gaps = np.array([passages[-1 - i] - passages[-1 - i - q] for i in range(q)])
+        distance = max(_measure_distance(points[-q:], points[-2 * q : -q], swing), float(np.ptp(gaps) / np.max(gaps)))
+        length = passages[-1] - passages[-1 - q]
+        grid = np.linspace(0.0, length, N_PLACES)
+        here, there = (trajectory(passages[-1] - back - grid) for back in (0.0, length))
+        distance = max(distance, _measure_distance(here, there, swing)) if passages[-1] - 2 * length > t[0] else np.inf
+        distances.append(distance)
+        lengths.append(length)
+        if distance < CLOSE:
+            times = np.array([passages[-1] - length, passages[-1]])
+            return Cycle((), times, (int(trajectory.arc[-1]),), 1, trajectory.mode[-1], trajectory)
+    raise _make_error(trajectory, distances, lengths, "passages")
+
+
+def _measure_size(states: Array) -> Array:
+    """Return how large each state of a motion is, shape (n_states,)."""
+    size: Array = np.ptp(states, axis=0) + 1e-9 * np.max(np.abs(states)) + 1e-300
+    return size
+
+
+def _measure_distance(a: Array, b: Array, size: Array) -> float:
+    """Return how far apart two sets of states are, relative to the size of the motion."""
+    return float(np.max(np.abs(a - b) / (size + 1e-300)))
+
+
+def _is_at_rest(trajectory: Trajectory) -> bool:
+    """Return whether hardly anything moves in the last tenth of a trajectory, compared with all of it."""
+    t, x, _ = trajectory.sample()
+    late = t > t[-1] - 0.1 * (t[-1] - t[0])
+    return bool(np.all(np.ptp(x[late], axis=0) <= STILL * np.ptp(x, axis=0)))
+
+
+def _make_error(trajectory: Trajectory, distances: list[float], lengths: list[float], what: str) -> SignatureError:
+    """Return what to raise for a trajectory that does not repeat itself, with the return that came nearest."""
+    if _is_at_rest(trajectory):
+        return SignatureError(AT_REST)
+    if not distances:
+        return SignatureError(f"the trajectory holds too few {what} to see a period in them; raise 't_end'")
+    best = int(np.argmin(distances))
+    return SignatureError(
+        f"the trajectory has not settled to a periodic motion: of returns after 1 to {len(distances)} {what} the "
+        f"nearest, after time {lengths[best]:.6g}, misses by {distances[best]:.2g} of the motion's size ({CLOSE:g} is "
+        "needed). If the motion is still settling, raise 't_end'; if it is quasi-periodic or chaotic, change the "
+        "parameters or the initial state"
+    )

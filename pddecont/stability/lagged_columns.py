@@ -1,0 +1,107 @@
+"""Columns of the unknowns of several periods, for the linearised motion from one period to the next.
+
+Column w * n_columns + j belongs to unknown j of period k - w. A period's columns are its base values, durations and
+start, and the state after the reset at its end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pddecont.delay import DelayOperator, LocalWeights
+from pddecont.orbit import DelayedEventLink, Entries, Orbit, OrbitProblem, Reads, Rows
+from pddecont.stability.lagged_times import LaggedMesh, find_deepest_lag
+from pddecont.stability.period_line import PeriodLine
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.intp]
+
+
+class LaggedColumns:
+    """Columns of ``n_lags`` periods; every read goes to the period that it reaches back to.
+
+    ``lines`` holds the delay lines by number of the delay: their history is kept by the lines' own states.
+    """
+
+    def __init__(self, problem: OrbitProblem, operators: Sequence[DelayOperator], lines: Mapping[int, PeriodLine]):
+        mesh, unknowns = problem.mesh, problem.unknowns
+        wraps = [int(np.max(op.weights.wraps)) for op in operators if isinstance(op.weights, LocalWeights)]
+        linked = [link.wraps for link in problem.links]
+        self.n_lags = 2 + max([*wraps, *linked], default=0) + find_deepest_lag(mesh)
+        self.problem, self.unknowns, self.lines = problem, unknowns, lines
+        self.lags = LaggedMesh(mesh, self.n_lags)
+        self.n_columns = unknowns.size + unknowns.n_states
+        self.shape = (self.n_columns, self.n_columns * self.n_lags)
+        durations = np.arange(unknowns.durations.start, unknowns.durations.stop)
+        self.moving_columns: Ints = (np.arange(self.n_lags)[:, None] * self.n_columns + durations).ravel()
+        flat = (-1, self.n_lags * mesh.n_segments)
+        self.equation_times: Array = self.lags.times(mesh.equation_points).reshape(flat)
+        self.interval_lengths: Array = self.lags.length.reshape(flat)
+
+    def delayed_derivatives(self, orbit: Orbit, reads: Reads) -> Array:
+        """Return how delayed values move with the durations of all periods."""
+        n_delayed = len(orbit.numeric.model.delayed)
+        moves = [self._derivatives_of(q, orbit, reads).reshape(self.equation_times.shape) for q in range(n_delayed)]
+        return np.stack(moves) if moves else np.zeros((0, *self.equation_times.shape))
+
+    def _derivatives_of(self, q: int, orbit: Orbit, reads: Reads) -> Array:
+        """Return the derivatives of delayed value ``q``, shape (n_equation_points, n_lags, S)."""
+        mesh, read = orbit.mesh, orbit.numeric.model.delayed[q]
+        if read.delay in self.lines:
+            line = self.lines[read.delay]
+            result = np.zeros((mesh.n_equation_points, self.n_lags, mesh.n_segments))
+            result[:, 0] = line.slopes[:, line.states.index(read.state)]
+            return result
+        weights = reads.operators[read.delay].weights
+        assert isinstance(weights, LocalWeights)
+        values = orbit.values[weights.columns, read.state]
+        slope = np.einsum("pb,pb->p", weights.weights @ mesh.basis.differentiate, values)
+        moves = self.lags.sigma_derivatives(
+            mesh.equation_points, weights.interval, weights.sigma, weights.wraps, reads.h[weights.interval]
+        )
+        return np.asarray(slope[:, None, None] * moves)
+
+    def read_columns(self, weights: LocalWeights, points: Ints, state: int) -> Ints:
+        """Return the columns that a read reaches: those of as many periods back as it wraps."""
+        now = self.unknowns.value_index[weights.columns[points], state]
+        return np.asarray(now + (weights.wraps[points] * self.n_columns)[:, None])
+
+    def state_after(self, s: int) -> Ints:
+        """Return the columns of the state that segment ``s`` is followed by; after the last, a state of its own."""
+        mesh = self.problem.mesh
+        if s + 1 == mesh.n_segments:
+            return self.unknowns.size + np.arange(self.unknowns.n_states)
+        result: Ints = self.unknowns.value_index[mesh.first_base[s + 1]]
+        return result
+
+    def find_elapsed_weights(self, link: DelayedEventLink) -> Array:
+        """Return the weights of the durations of as many periods as lie between a delayed event and its source."""
+        weights = np.zeros((self.n_lags, self.problem.mesh.n_segments))
+        weights[1 : link.wraps + 1] = 1.0
+        weights[0, : link.segment + 1] += 1.0
+        weights[link.wraps, : link.source + 1] -= 1.0
+        return weights.ravel()
+
+    def phase_entries(self, row: int) -> list[Entries]:
+        """Return the entry of a period that lasts as long as the orbit's own."""
+        return [Entries(row, self.unknowns.durations.start, 1.0)]
+
+    def period_entries(self, row: int) -> list[Entries]:
+        """Return where a period starts: the state that the last one ended with, and its time."""
+        unknowns, n = self.unknowns, self.unknowns.n_states
+        rows = Rows(unknowns).size + np.arange(n)
+        entries = [
+            Entries(rows, unknowns.value_index[self.problem.mesh.first_base[0]], 1.0),
+            Entries(rows, self.n_columns + unknowns.size + np.arange(n), -1.0),
+        ]
+        if unknowns.forced:
+            start = unknowns.start.start
+            entries.append(Entries(row, start, 1.0))
+            if self.problem.signature.has_events:
+                durations = np.arange(unknowns.durations.start, unknowns.durations.stop)
+                entries.append(Entries(row, self.n_columns + start, -1.0))
+                entries.append(Entries(row, self.n_columns + durations, -1.0))
+        return entries

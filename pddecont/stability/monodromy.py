@@ -1,0 +1,159 @@
+"""The linearised motion from one period to the next.
+
+X_k holds the base values, durations and start of period k and the state after the reset at its end. Each obeys
+
+    sum over w of A_w X_{k-w}  +  (delayed values made by delay lines)  =  0
+
+A_0 is the Jacobian with every read of an earlier period taken out: those stand in A_1, A_2, ... A period ends at its
+last event; one without events lasts as long as the orbit's own.
+
+Reference: Szalai, Stepan, Hogan, SIAM J. Sci. Comput. 28 (2006), for the map by collocation.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from pddecont.continuation import Matrix, ScaledFactors, equilibrate
+from pddecont.delay import FullWeights, LocalWeights
+from pddecont.errors import ConvergenceError
+from pddecont.orbit import Assembly, Linearisation, Orbit, OrbitProblem
+from pddecont.stability.lagged_columns import LaggedColumns
+from pddecont.stability.period_line import PeriodLine, make_period_line
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.intp]
+
+
+@dataclass(frozen=True, eq=False)
+class Coupling:
+    """A delay line with the equations that read it: ``into[j]`` (n_rows, n_equation_points) for its quantity j."""
+
+    line: PeriodLine
+    into: tuple[Matrix, ...]
+
+    @property
+    def size(self) -> int:
+        """Number of the line's states."""
+        return int(np.prod(self.line.shape))
+
+
+@dataclass(frozen=True, eq=False)
+class MonodromyOperator:
+    """The linear map from a history to the history one period later.
+
+    ``present`` holds the factors of A_0, ``past`` the columns of A_1, A_2, ... that are not zero, ``kept[w - 1]`` which
+    unknowns of period k - w the history keeps, ``assembly`` where all entries stand.
+    """
+
+    problem: OrbitProblem
+    present: ScaledFactors
+    past: tuple[Matrix, ...]
+    kept: tuple[Ints, ...]
+    couplings: tuple[Coupling, ...]
+    assembly: Assembly
+
+    @cached_property
+    def size(self) -> int:
+        """Number of components of a history."""
+        return sum(map(len, self.kept)) + sum(c.size for c in self.couplings)
+
+    def step(self, histories: Array) -> tuple[Array, Array]:
+        """Return the next periods X (n_columns, k) and the histories one period later, for ``histories`` (size, k)."""
+        parts, lines = self._split(histories)
+        rhs = np.zeros((self.past[0].shape[0], histories.shape[1]))
+        for A, y in zip(self.past, parts, strict=True):
+            rhs = A @ y + rhs
+        for c, y in zip(self.couplings, lines, strict=True):
+            made = c.line.from_start(y)
+            for q, into in enumerate(c.into):
+                rhs = rhs + into @ made[:, q]
+        x = self.present.solve(-rhs)
+        unknowns, mesh = self.problem.unknowns, self.problem.mesh
+        values = x[unknowns.values].reshape(mesh.n_base, unknowns.n_states, -1)
+        after = []
+        for c, y in zip(self.couplings, lines, strict=True):
+            inputs = mesh.interpolate_at_nodes(values[:, list(c.line.states)])
+            after.append(c.line.end(y, inputs, x[unknowns.durations]))
+        recent = [x[self.kept[0]]]
+        for w in range(1, len(self.kept)):
+            recent.append(parts[w - 1][np.searchsorted(self.kept[w - 1], self.kept[w])])
+        return x, np.concatenate([*recent, *(y.reshape(-1, x.shape[1]) for y in after)])
+
+    def _split(self, histories: Array) -> tuple[list[Array], list[Array]]:
+        ends = np.cumsum([*map(len, self.kept), *(c.size for c in self.couplings)])
+        pieces = np.split(histories, ends[:-1])
+        n = len(self.kept)
+        lines = [y.reshape(*c.line.shape, -1) for y, c in zip(pieces[n:], self.couplings, strict=True)]
+        return pieces[:n], lines
+
+    def apply(self, history: Array) -> Array:
+        """Return one history (size,) a period later."""
+        return np.asarray(self.step(np.reshape(history, (-1, 1)))[1][:, 0])
+
+    def to_matrix(self) -> Array:
+        """Return the map as a matrix, shape (size, size)."""
+        return self.step(np.eye(self.size))[1]
+
+
+def linearise_period(orbit: Orbit, assembly: Assembly | None = None) -> MonodromyOperator:
+    """Return the linearised map of an orbit, its parameters fixed.
+
+    ``assembly`` of an earlier map is used where it serves.
+
+    Raises
+    ------
+    ConvergenceError
+        If a delay is negative, or the map is not defined.
+    """
+    orbit = orbit.with_free(())
+    reads = orbit.equation_reads
+    local = [op.weights for op in reads.operators if isinstance(op.weights, LocalWeights)]
+    if any(np.min(weights.wraps) < 0 for weights in local):
+        raise ConvergenceError("a delay is negative here, and an orbit that reads its future has no multipliers")
+    lines = {
+        k: make_period_line(orbit, k) for k, op in enumerate(reads.operators) if isinstance(op.weights, FullWeights)
+    }
+    operators = [
+        replace(op, weights=FullWeights(lines[k].weights)) if k in lines else op for k, op in enumerate(reads.operators)
+    ]
+    reads = replace(reads, operators=operators)
+    if assembly is None or lines or not assembly.serves(orbit.problem, operators):
+        assembly = Assembly(orbit.problem, operators, LaggedColumns(orbit.problem, operators, lines))
+    columns = assembly.columns
+    assert isinstance(columns, LaggedColumns)
+    at, n = assembly.linearise(orbit, reads), columns.n_columns
+    places = (assembly.entry_rows, assembly.entry_columns)
+    wide = sp.coo_matrix((assembly.evaluate(at), places), shape=columns.shape).tocsc()
+    present = wide[:, :n]
+    if lines:
+        present = present.toarray()
+        assembly.add_full_reads(present, at)
+    used = [np.flatnonzero(np.diff(wide.indptr[w * n : (w + 1) * n + 1])) for w in range(1, columns.n_lags)]
+    while len(used) > 1 and not len(used[-1]):
+        used.pop()
+    kept = tuple(np.unique(np.concatenate(used[w:])) for w in range(len(used)))
+    past = tuple(wide[:, (w + 1) * n + places] for w, places in enumerate(kept))
+    couplings = tuple(
+        Coupling(line, tuple(_read_by(assembly, at, n, q) for q in line.numbers)) for line in lines.values()
+    )
+    return MonodromyOperator(orbit.problem, equilibrate(present).factor(), past, kept, couplings, assembly)
+
+
+def _read_by(assembly: Assembly, at: Linearisation, n_rows: int, q: int) -> Matrix:
+    """Return how the equations depend on delayed value ``q`` at the equation points, as a sparse matrix."""
+    rows, points, values = [np.zeros(0, dtype=np.intp)], [np.zeros(0, dtype=np.intp)], [np.zeros(0)]
+    for e in assembly.functions:
+        for entry, (out, number) in enumerate(zip(*e.function.structure(()).dxd, strict=True)):
+            if number == q:
+                rows.append(e.rows[out])
+                points.append(e.points)
+                values.append(at.factor(e) * at.derivatives(e).dxd[entry])
+    places = (np.concatenate(rows), np.concatenate(points))
+    shape = (n_rows, assembly.problem.mesh.n_equation_points)
+    return sp.csr_matrix((np.concatenate(values), places), shape=shape)

@@ -1,0 +1,106 @@
+"""Doing an ``orbit`` step."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pddecont.delay import jump_returns_at_event
+from pddecont.errors import ConvergenceError, SignatureError
+from pddecont.orbit import Orbit, estimate_rounding_error, find_violations, guess_from_cycle, is_rotation, solve_orbit
+from pddecont.reasons import NO_REASON, Reason, Scalar
+from pddecont.results import ORBIT, Step
+from pddecont.runfile import Holding, PlannedStep, Source
+from pddecont.simulate import detect_period
+from pddecont.stability import Multipliers
+from pddecont.steps.context import Context
+from pddecont.steps.execution.ending import report_done
+from pddecont.steps.execution.orbit_rows import make_multiplier_cache, make_orbit_meta, orbit_to_row
+from pddecont.steps.execution.recorded_orbits import find_orbit
+from pddecont.steps.orbit import OrbitSettings
+from pddecont.steps.registry import list_step_kinds
+
+# Rounding errors above this part of an orbit's size are worth a word when it does not converge.
+ROUNDING = 1e-10
+# Multipliers whose values are told when the step is done.
+N_TOLD = 2
+
+
+def make_guess(context: Context, step: PlannedStep[Any]) -> Orbit:
+    """Return the first guess of the orbit that a step starts from: a simulation's, an attractor's, a recorded one."""
+    plan, source = context.plan, _source_of(step)
+    kinds = list_step_kinds()
+    above = None if source.file is not None else plan.find_step(source.step)
+    if above is not None and kinds[above.kind].holds == Holding.TRAJECTORY:
+        # What simulates is imported by runs that simulate, and by no others.
+        from pddecont.steps.execution.simulate import find_trajectory
+
+        trajectory, p = find_trajectory(context, above), above.settings.last_parameters
+    else:
+        recorded = context.read_source(source)[1]
+        if kinds[recorded.kind].holds != Holding.ATTRACTORS:
+            return find_orbit(context, step, source)
+        from pddecont.steps.execution.attractor_restart import continue_attractor
+
+        trajectory, p = continue_attractor(context, recorded, source)
+    cycle = detect_period(plan.numeric, p, trajectory)
+    return guess_from_cycle(plan.numeric, plan.set_parameters(step, p), step.delay, cycle, step.rule)
+
+
+def _source_of(step: PlannedStep[Any]) -> Source:
+    assert step.source is not None, "an orbit step's schema has a source"
+    return step.source
+
+
+def run_orbit(context: Context, step: PlannedStep[OrbitSettings], recorded: Step | None) -> None:
+    """Correct the guess to a periodic orbit and record it."""
+    plan = context.plan
+    guess = make_guess(context, step)
+    names, asked = guess.signature.names, step.settings.signature
+    if asked is not None and not is_rotation(names, asked):
+        raise SignatureError(
+            f"the orbit runs through [{', '.join(names)}], not through the signature [{', '.join(asked)}] that step "
+            f"'{step.name}' asks for"
+        )
+    try:
+        solution = solve_orbit(guess, step.rule)
+    except ConvergenceError as exc:
+        raise ConvergenceError(_explain_failure(step, guess, exc), exc.history) from exc
+    orbit = solution.at.orbit
+    cache = make_multiplier_cache(step.settings.multipliers)
+    multipliers = None if cache is None else cache.find(orbit)
+    monitors = list(plan.monitors.values())
+    points, rows = orbit_to_row(orbit, monitors, n_iterations=solution.n_iterations, multipliers=multipliers)
+    with context.open_step(step, ORBIT, make_orbit_meta(plan, step), capacity=1) as writer:
+        writer.append(points, rows)
+        writer.terminate(_make_ending(orbit, multipliers))
+    report_done(context, step)
+
+
+def _explain_failure(step: PlannedStep[OrbitSettings], guess: Orbit, exc: ConvergenceError) -> str:
+    rounding = estimate_rounding_error(guess)
+    magnified = ""
+    if rounding >= ROUNDING:
+        magnified = (
+            f" The chain magnifies rounding errors to {rounding:.0e} of the orbit's size here: lower its order or 'n', "
+            "or use a coarser mesh or the direct method."
+        )
+    return (
+        f"step '{step.name}': no periodic orbit near the guess with signature [{', '.join(guess.signature.names)}]: "
+        f"{exc}. What usually helps: a longer transient (raise 't_end'), a finer mesh, parameters farther from a "
+        f"grazing.{magnified}"
+    )
+
+
+def _make_ending(orbit: Orbit, multipliers: Multipliers | None) -> Reason:
+    """Return how the step ended: leading multipliers, what makes them doubtful, what is not admissible."""
+    values: dict[str, Scalar] = {"multipliers": multipliers is not None}
+    if multipliers is not None:
+        for k, z in enumerate(multipliers.nontrivial[:N_TOLD].tolist(), 1):
+            values |= {f"re{k}": z.real, f"im{k}": z.imag}
+        values["jump_returns_at_event"] = jump_returns_at_event(
+            orbit.signature.discontinuity_sources, orbit.theta, len(orbit.signature)
+        )
+    violation = next(iter(find_violations(orbit)), NO_REASON)
+    if violation:
+        values |= {"detail": violation.code, **violation.values}
+    return Reason("converged", values)

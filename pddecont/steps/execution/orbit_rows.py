@@ -1,0 +1,125 @@
+"""One row of a branch: what is recorded of an orbit."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pddecont.bifurcation import list_kinds, measure_grazing_gap
+from pddecont.orbit import Monitor, Orbit, estimate_error, find_violations, orbit_to_rows
+from pddecont.runfile import Plan, PlannedStep
+from pddecont.stability import MultiplierCache, Multipliers
+from pddecont.steps.execution.units import find_units
+from pddecont.steps.orbit import MultiplierSettings
+
+Array = NDArray[np.float64]
+# Rounding of a plane's coefficients, relative to them.
+ROUNDING = 1e-14
+
+
+def make_orbit_meta(plan: Plan, step: PlannedStep[Any]) -> dict[str, Any]:
+    """Return what a step that records orbits says of itself."""
+    return {
+        "monitors": list(plan.monitors),
+        "events": list(plan.model.events),
+        "delayed": [s.name for s in plan.model.delayed_symbols],
+        "kinds": {kind.label: kind.name for kind in list_kinds()},
+        "mesh_settings": step.mesh_settings,
+        "units": find_units(plan),
+        **describe_choice(plan, step),
+    }
+
+
+def describe_choice(plan: Plan, step: PlannedStep[Any]) -> dict[str, str]:
+    """Return, for a run with an accuracy, the delay and mesh of a step as text.
+
+    Steps that start from it use them again.
+    """
+    if plan.accuracy is None or step.fields["mesh"] is None:
+        return {}
+    used = {"delay": step.fields["delay"] or plan.shared["delay"], "mesh": step.fields["mesh"]}
+    given = {key: {k: v for k, v in value.items() if v is not None} for key, value in used.items()}
+    return {"choice": json.dumps(given)}
+
+
+def make_multiplier_cache(settings: MultiplierSettings) -> MultiplierCache | None:
+    """Return what finds multipliers as a step asks for them, or None if it does not."""
+    return MultiplierCache(settings.number) if settings.wanted else None
+
+
+def orbit_to_row(
+    orbit: Orbit,
+    monitors: Sequence[Monitor],
+    *,
+    kind: str = "",
+    arclength: float = 0.0,
+    n_iterations: int = 0,
+    step: float = 0.0,
+    tangent: Array | None = None,
+    multipliers: Multipliers | None = None,
+    side: Array | None = None,
+    ranges: tuple[float, ...] = (),
+) -> tuple[dict[str, Any], dict[str, Array]]:
+    """Return the row of points and the rows of arrays that record an orbit.
+
+    ``ranges`` are the widths of the free parameters' ranges.
+    """
+    unknown = multipliers is None or multipliers.unreliable
+    points: Mapping[str, Any] = {
+        "kind": kind.encode(),
+        "arclength": arclength,
+        "parameters": orbit.numeric.with_fixed(orbit.parameters),
+        "period": orbit.period,
+        "stable": -1 if multipliers is None or unknown else multipliers.stable,
+        "n_unstable": -1 if multipliers is None or unknown else multipliers.n_unstable,
+        "trivial_error": np.nan if multipliers is None else multipliers.trivial_error,
+        "side": np.full(2, np.nan) if side is None else side,
+        "admissible": not find_violations(orbit),
+        "error_estimate": estimate_error(orbit, ranges),
+        "monitors": np.array([monitor.evaluate(orbit) for monitor in monitors]),
+        "clearance": measure_grazing_gap(orbit),
+        "n_iterations": n_iterations,
+        "step": step,
+        "n_periods": orbit.problem.n_periods,
+        "phase": orbit.problem.phase,
+        "n_unknowns": len(orbit.x),
+        "surfaces": find_surfaces(orbit),
+    }
+    values = np.zeros(0, dtype=complex) if multipliers is None else multipliers.values
+    rows = {"multipliers": np.stack([values.real, values.imag], axis=1), "delayed": read_delayed_values(orbit)}
+    return dict(points), {**orbit_to_rows(orbit, tangent), **rows}
+
+
+def read_delayed_values(orbit: Orbit) -> Array:
+    """Return the delayed values at the base points, shape (n_base, n_delayed)."""
+    mesh = orbit.mesh
+    result = np.empty((mesh.n_base, len(orbit.numeric.model.delayed)))
+    result[mesh.base_index.ravel()] = orbit.read(mesh.grid(mesh.basis.base)).xd.T
+    return result
+
+
+def find_surfaces(orbit: Orbit) -> Array:
+    """Return each event surface a . z = b as the row (a, b), shape (n_events, n_states + 1).
+
+    It is NaN where the surface is not a plane.
+    """
+    model, n = orbit.numeric.model, orbit.numeric.n_states
+    result = np.full((len(model.events), n + 1), np.nan)
+    p = orbit.parameters
+    for i, event in enumerate(model.events.values()):
+        if event.function is None or not event.function.free_symbols <= {
+            *model.state_symbols,
+            *model.parameter_symbols,
+        }:
+            continue
+        function = orbit.numeric.event(event.name)
+        d = function.derivatives(np.zeros(2), np.outer(np.ones(n), [0.0, 1.0]), np.zeros((len(model.delayed), 2)), p)
+        rounding = ROUNDING * (1 + np.max(np.abs(d.dx), initial=0.0))
+        if np.allclose(d.dx[:, 0], d.dx[:, 1], rtol=0, atol=rounding) and np.all(np.isfinite(d.value)):
+            result[i] = 0.0
+            result[i, function.structure().dx[1]], result[i, n] = d.dx[:, 0], -d.value[0, 0]
+    return result

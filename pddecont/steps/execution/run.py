@@ -1,0 +1,158 @@
+"""A whole run: its steps one after another, into one results file."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import json
+import platform
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from pddecont.errors import PddecontError, ResultsError, RunError, suggest
+from pddecont.model import parse_document
+from pddecont.results import Step, compact_step, create_results, drop_steps, hold_lock, read_results, upgrade_results
+from pddecont.runfile import Plan, PlannedStep
+from pddecont.simulate import Workers
+from pddecont.steps.context import Context
+from pddecont.steps.execution.accuracy import choose_settings
+from pddecont.steps.execution.sources import check_sources
+from pddecont.steps.registry import list_step_kinds
+from pddecont.steps.reporter import Reporter, Silent
+from pddecont.version import __version__
+
+PACKAGES = ("numpy", "scipy", "sympy", "h5py", "numba")
+
+
+def execute(
+    plan: Plan,
+    path: Path,
+    reporter: Reporter | None = None,
+    *,
+    resume: bool = False,
+    overwrite: bool = False,
+    only: str | None = None,
+    until: str | None = None,
+    workers: int = 1,
+    scheduler: str | None = None,
+) -> None:
+    """Do the steps of ``plan`` and keep their results in the file at ``path``.
+
+    Raises
+    ------
+    RunError, ResultsError
+        If the file exists and neither ``resume`` nor ``overwrite`` is given, or it belongs to another run, or a step
+        has nothing to start from; nothing is written then.
+    ConvergenceError
+        If a step fails; what was computed before it stays in the file.
+    """
+    steps = select_steps(plan, only, until)
+    if path.is_symlink():
+        path = path.resolve()
+    with hold_lock(path):
+        is_resumed = path.exists() and resume
+        if is_resumed:
+            check_same_run(plan, path)
+        check_sources(plan, steps, path, resume=resume)
+        if is_resumed:
+            upgrade_results(path)
+        else:
+            source = plan.source.encode(errors="backslashreplace").decode()
+            versions = json.dumps(find_versions())
+            create_results(path, plan.model_text, plan.run_text, source, versions, overwrite=overwrite)
+        context = Context(plan, path, reporter or Silent(), Workers(workers, scheduler))
+        for step in steps:
+            do_step(context, step)
+
+
+def do_step(context: Context, step: PlannedStep[Any]) -> None:
+    """Do a step, or what is left of it to do."""
+    kind = list_step_kinds()[step.kind]
+    context.reporter.step(step.name, step.kind)
+    recorded = read_results(context.path, step.name).steps.get(step.name)
+    step = choose_settings(context, step, None if recorded is None else recorded.meta.get("choice"))
+    if recorded is not None:
+        _check_same_settings(context, step, recorded)
+        if recorded.done:
+            compact_step(context.path, step.name)
+            context.reporter.done("done already")
+            return
+        if not kind.resumes:
+            drop_steps(context.path, [step.name])
+            recorded = None
+    if kind.integrates:
+        _announce_compilation(context.reporter)
+    kind.load()(context, step, recorded)
+
+
+def _check_same_settings(context: Context, step: PlannedStep[Any], recorded: Step) -> None:
+    now, then = context.plan.describe_settings(step), recorded.meta.get("settings")
+    if then is None or _drop_nulls(json.loads(then)) != _drop_nulls(json.loads(now)):
+        raise ResultsError(
+            f"step '{step.name}' of {context.path} was computed with other settings; give --overwrite or another -o"
+        )
+
+
+def _drop_nulls(data: Any) -> Any:
+    """Return settings without what is not given: which keys a step may have is no part of them."""
+    if isinstance(data, dict):
+        return {key: _drop_nulls(value) for key, value in data.items() if value is not None}
+    return [_drop_nulls(value) for value in data] if isinstance(data, list) else data
+
+
+def _announce_compilation(reporter: Reporter) -> None:
+    from pddecont.simulate import find_machine_code
+
+    if not find_machine_code().exists():
+        reporter.note("the integrator is compiled, once an installation; this takes about a minute")
+
+
+def select_steps(plan: Plan, only: str | None, until: str | None) -> Sequence[PlannedStep[Any]]:
+    """Return the steps to do; raise RunError for a name that is not a step's."""
+    names = [step.name for step in plan.steps]
+    for option, name in (("--only", only), ("--until", until)):
+        if name is not None and name not in names:
+            raise RunError.at(
+                f"{option} {name}", 0, 0, f"is not a step of this run{suggest(name, names)} (steps: {', '.join(names)})"
+            )
+    if only is not None:
+        return [plan.find_step(only)]
+    return plan.steps if until is None else plan.steps[: names.index(until) + 1]
+
+
+def check_same_run(plan: Plan, path: Path) -> None:
+    """Raise ResultsError unless the file at ``path`` was made from the same model and run."""
+    recorded = read_results(path)
+    for what, here, there in (
+        ("model", plan.model_text, recorded.model_text),
+        ("run file", plan.run_text, recorded.run_text),
+    ):
+        if here != there:
+            if what == "model" and _apart_from_run(here) == _apart_from_run(there):
+                raise ResultsError(
+                    f"{path} was made by another run of this model: what has changed is the model file's 'run' block, "
+                    "or how the file is written. The results are left as they are. Give --overwrite to replace them, "
+                    "or another -o; to continue them, put the file back as it was"
+                )
+            raise ResultsError(
+                f"{path} was made from another {what} than the one given now; it is left as it is. Give --overwrite to "
+                "replace it, or another -o"
+            )
+
+
+def _apart_from_run(model_text: str) -> dict[str, Any]:
+    """Return what a model file says, its 'run' block left out."""
+    try:
+        data = parse_document(model_text, "the model").data
+    except PddecontError:
+        return {"text": model_text}
+    return {key: value for key, value in data.items() if key != "run"}
+
+
+def find_versions() -> dict[str, str]:
+    """Return the versions of this program and of what its numbers depend on."""
+    return {
+        "pddecont": __version__,
+        "python": platform.python_version(),
+        **{name: importlib.metadata.version(name) for name in PACKAGES},
+    }

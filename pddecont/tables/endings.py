@@ -1,0 +1,222 @@
+"""How steps ended, in a sentence each, with advice."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from pddecont.errors import ResultsError
+from pddecont.reasons import Reason
+from pddecont.results import Step
+from pddecont.tables.attractors import estimate_shares, find_attractors, name_motion
+from pddecont.tables.orbits import find_signature
+from pddecont.tables.precision import describe_cheapest, describe_reference
+from pddecont.tables.words import describe_reason
+
+# Orbits whose estimated error is above this are poor.
+POOR = 1e-3
+# A trivial multiplier farther from 1 than this says that the mesh is too coarse.
+TRIVIAL_ERROR = 1e-4
+# What ends a branch: what happened, and what to do.
+BRANCH_ENDS = {
+    "range": ("reached the end of the range", "widen 'range' to go on"),
+    "max_points": ("reached 'max_points'", "raise it, or 'step: {max}', to go on"),
+    "step_too_small": (
+        "the step fell below 'step: {min}'",
+        "look at the last orbits for a grazing, a vanishing segment or a sharp fold, refine 'mesh', or lower "
+        "'step: {min}'",
+    ),
+    "impossible": ("can go no further with this signature", ""),
+    "limit": ("reached a limit of the model", ""),
+    "special": ("stopped at a special point where the signature of the orbit changes", ""),
+    "invalid": (
+        "the orbit stops being a motion of the model without a special point that was located",
+        "take smaller steps ('step: {max}'), or start anew from a simulation beyond",
+    ),
+    "resonance": ("the curve ends where its pair of multipliers meets on the real axis", ""),
+}
+UNRELIABLE = (
+    "the multipliers are lost among those of this delay line's own stages, which are far shorter than mesh intervals: "
+    "use more intervals, a lower 'n' or order, or the direct method"
+)
+# Values of an ending that are not those of its detail.
+_OWN = ("direction", "unexplained", "detail", "next_signature")
+
+
+def describe_endings(step: Step) -> list[str]:
+    """Return how each direction of a step ended, in order."""
+    return [describe_ending(step, ending) for ending in step.endings]
+
+
+def describe_ending(step: Step, ending: Reason) -> str:
+    """Return how a step, or one of its directions, ended.
+
+    Raises
+    ------
+    ResultsError
+        If what belongs to it is not there.
+    """
+    if ending.code == "text":
+        return describe_reason(ending)
+    describe = _BY_KIND.get(step.kind)
+    try:
+        return describe_reason(ending) if describe is None else describe(step, ending)
+    except (KeyError, IndexError, TypeError, ValueError, OverflowError) as exc:
+        raise ResultsError(f"how step '{step.name}' ended is not recorded whole; the file is damaged") from exc
+
+
+def register_ending(kind: str, describe: Callable[[Step, Reason], str]) -> None:
+    """Give words to how steps of a kind end."""
+    _BY_KIND[kind] = describe
+
+
+def forget_ending(kind: str) -> None:
+    """Forget words that :func:`register_ending` gave."""
+    _BY_KIND.pop(kind, None)
+
+
+def describe_branch_end(code: str, detail: Reason, n_unexplained: int = 0) -> str:
+    """Return how a direction of a branch ended: what, where, what to do, why."""
+    what, advice = BRANCH_ENDS.get(code, (code.replace("_", " "), ""))
+    words = describe_reason(detail)
+    where, why = (f", {words}", "") if code == "range" and words else ("", f" ({words})" if words else "")
+    s = "s"[: n_unexplained - 1]
+    lost = f"; WARNING: {n_unexplained} change{s} of stability not located: take smaller steps" if n_unexplained else ""
+    return f"{what}{where}{f'; {advice}' if advice else ''}{why}{lost}"
+
+
+def _describe_continue(step: Step, ending: Reason) -> str:
+    v = ending.values
+    way = int(v["direction"])
+    detail = Reason(str(v.get("detail", "")), {k: value for k, value in v.items() if k not in _OWN})
+    text = describe_branch_end(ending.code, detail, int(v.get("unexplained", 0)))
+    names = _signatures_along(step, way)
+    through = f", through the signatures [{'], ['.join(names)}]" if len(names) > 1 else ""
+    last = _last_reason(step, way)
+    after = ""
+    if "next_signature" in v:
+        after = f"; the orbit of the next signature was not found: {v['next_signature']}"
+    elif last.code == "meeting":
+        after = f": {describe_reason(last)}; beyond, they happen in another order: start anew from a simulation there"
+    return f"{'down' if way < 0 else 'up'}: {text}{through}{after}"
+
+
+def _rows_along(step: Step, way: int) -> list[int]:
+    """Return the rows of one direction in its order, with the row that it starts from."""
+    return [int(i) for i in step.order[::way] if step.points["arclength"][i] * way >= 0]
+
+
+def _signatures_along(step: Step, way: int) -> list[str]:
+    """Return the signatures that a direction went through, in order."""
+    names: list[str] = []
+    for i in _rows_along(step, way):
+        if step.kind_of(i) in ("", "EP"):
+            name = find_signature(step, i)
+            names += [name] if names[-1:] != [name] else []
+    return names
+
+
+def _last_reason(step: Step, way: int) -> Reason:
+    rows = _rows_along(step, way)
+    return step.reason(rows[-1]) if rows else Reason()
+
+
+def _describe_orbit(step: Step, ending: Reason) -> str:
+    p, v = step.points, ending.values
+    text = (
+        f"converged in {p['n_iterations'][0]} Newton iterations to signature [{find_signature(step, 0)}], "
+        f"period {p['period'][0]:.10g}"
+    )
+    if p["error_estimate"][0] > POOR:
+        text += (
+            f"; WARNING: its estimated error is {p['error_estimate'][0]:.1e}: refine 'mesh', and with a chain of order "
+            "3 or more lower 'n' (it magnifies rounding errors)"
+        )
+    if v.get("multipliers"):
+        text += f"; {_describe_stability(step, v)}"
+        if v.get("jump_returns_at_event"):
+            text += (
+                "; WARNING: a jump of the state comes back through a delay just at an event: nearby motions read it "
+                "before or after, and have other multipliers on either side"
+            )
+    if v.get("detail"):
+        detail = Reason(str(v["detail"]), v)
+        text += f"; not admissible: {describe_reason(detail)}"
+    return text
+
+
+def _describe_stability(step: Step, values: Mapping[str, Any]) -> str:
+    """Return stability in words, with a warning where the trivial multiplier is far from 1."""
+    n_unstable, error = int(step.points["n_unstable"][0]), float(step.points["trivial_error"][0])
+    if n_unstable < 0:
+        return f"WARNING: {UNRELIABLE}"
+    leading = [(values[f"re{k}"], values[f"im{k}"]) for k in (1, 2) if f"re{k}" in values]
+    shown = ", ".join(f"{re:.6g}" if im == 0.0 else f"{re:.6g} {im:+.6g}i" for re, im in leading)
+    stable = f"unstable ({n_unstable} multipliers outside the unit circle)" if n_unstable else "stable"
+    text = f"{stable}, leading {shown or 'none'}"
+    if np.isfinite(error):
+        text += f", trivial multiplier off by {error:.1e}"
+        if error > TRIVIAL_ERROR:
+            text += " (WARNING: refine 'mesh', the multipliers are no better than that)"
+    return text
+
+
+def _describe_simulate(step: Step, ending: Reason) -> str:
+    p, since = step.points, float(ending.values.get("since", 0.0))
+    when = f" since t = {since:.10g}" if since else ""
+    return f"reached t = {p['t_end'][0]:.10g} in {p['n_steps'][0]} steps with {p['n_events'][0]} events{when}"
+
+
+def _describe_sweep(step: Step, ending: Reason) -> str:
+    kinds = Counter(
+        "failed" if not step.labels[i] else "periodic" if step.points["period"][i] else "without period"
+        for i in range(len(step))
+    )
+    found = ", ".join(f"{n} {what}" for what, n in sorted(kinds.items()))
+    return f"{ending.values['n_cells']} parameter points; attractors: {found}"
+
+
+def _describe_basin(step: Step, ending: Reason) -> str:
+    rows, shares, parts = find_attractors(step), estimate_shares(step), []
+    for row in rows:
+        share, low, high = shares[int(row)]
+        percent = f"{100 * share:.2f} % ({100 * low:.2f} to {100 * high:.2f})"
+        name = step.labels[row] or "none"
+        what = name_motion(step, int(row)) if step.labels[row] else describe_reason(step.reason(int(row)))
+        parts.append(f"{name} ({what}): {percent}")
+    return f"{len(step.meta['x']) * len(step.meta['y'])} initial states; {'; '.join(parts)}"
+
+
+def _describe_precision(step: Step, ending: Reason) -> str:
+    return f"{len(step) - 1} settings against {describe_reference(step)}"
+
+
+def describe_done(step: Step) -> str:
+    """Return what a step that is done came to, in one line."""
+    texts = describe_endings(step)
+    if step.kind == "continue":
+        return _summarise_branch(step, texts)
+    if step.kind == "precision":
+        return f"{texts[0]}; cheapest for {describe_cheapest(step)[1]}"
+    return "; ".join(texts)
+
+
+def _summarise_branch(step: Step, texts: Sequence[str]) -> str:
+    errors = step.points["trivial_error"]
+    poor = bool(np.any(errors > TRIVIAL_ERROR))
+    doubt = f"; WARNING: the trivial multiplier is off by up to {np.nanmax(errors):.1e}: refine 'mesh'" if poor else ""
+    special = ", ".join(sorted(label for label in step.labels if label)) or "none"
+    return f"{len(step)} points; special: {special}; {'; '.join(texts)}{doubt}"
+
+
+_BY_KIND: dict[str, Callable[[Step, Reason], str]] = {
+    "continue": _describe_continue,
+    "orbit": _describe_orbit,
+    "simulate": _describe_simulate,
+    "sweep": _describe_sweep,
+    "basin": _describe_basin,
+    "precision": _describe_precision,
+}

@@ -1,0 +1,113 @@
+"""Words for what files hold as data: kinds of special points, and reasons by their codes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TypeAlias
+
+from pddecont.errors import ResultsError
+from pddecont.reasons import Reason, Scalar
+from pddecont.results import Step
+from pddecont.simulate import FailureReason, describe_failure, failure_from_reason
+
+Values: TypeAlias = Mapping[str, Scalar]
+# Names of kinds in files of format 2, which do not say them.
+OLD_KIND_NAMES = {
+    "GR": "grazing",
+    "LP": "fold",
+    "PD": "period doubling",
+    "TR": "torus",
+    "BP": "branch point",
+    "VS": "vanishing segment",
+    "UF": "user function",
+    "CP": "cusp",
+    "R1": "resonance 1:1",
+    "R2": "resonance 1:2",
+    "R3": "resonance 1:3",
+    "R4": "resonance 1:4",
+    "FF": "fold-flip",
+    "FT": "fold-torus",
+    "PT": "flip-torus",
+    "TT": "double torus",
+    "GG": "double grazing",
+    "GL": "grazing with multiplier 1",
+    "GP": "grazing with multiplier -1",
+    "GT": "grazing with multipliers on the unit circle",
+}
+END_POINT = {"EP": "end point"}
+MOTION_FAILURES = {failure.value for failure in FailureReason}
+# Why an attractor has no Lyapunov exponent; its cause is a failure of the motion.
+NO_EXPONENT = "no exponent"
+_WORDS: dict[str, Callable[[Values], str]] = {
+    "user_function": lambda v: str(v["name"]),
+    "tangential": lambda v: "event turns tangential",
+    "meeting": lambda v: f"{v['event']} meets {v['other']}",
+    "vanishing": lambda v: f"{v['segment']} vanishes",
+    "halves_equal": lambda v: "halves become equal",
+    "grazing": lambda v: "grazing",
+    "kind": lambda v: str(v["kind"]),
+    "range": lambda v: f"{v['parameter']} = {v['value']:.8g}",
+    "segment_vanishes": lambda v: f"segment {v['number']} ({v['segment']}) vanishes",
+    "negative_delay": lambda v: f"delay '{v['delay']}' becomes negative beyond {_name_places(v)}",
+    "no_duration": lambda v: f"segment {v['number']} ({v['segment']}) has duration {v['duration']:.3g}",
+    "crossed_backwards": lambda v: f"{_name_crossing(v)} is crossed {v['crossed']} at its end, not {v['listed']}",
+    "also_crossed": lambda v: f"{_name_crossing(v)} is also crossed {v['crossed']} inside",
+}
+
+
+def describe_reason(reason: Reason) -> str:
+    """Return a reason in words; empty for none, and the bare data for a code that has no words.
+
+    Raises
+    ------
+    ResultsError
+        If what belongs to the reason is not there.
+    """
+    if not reason:
+        return ""
+    try:
+        return _describe(reason)
+    except (KeyError, TypeError, ValueError, OverflowError) as exc:
+        raise ResultsError(
+            f"what belongs to the reason '{reason.code[:40]}' is not there; the file is damaged"
+        ) from exc
+
+
+def _describe(reason: Reason) -> str:
+    if "text" in reason.values:
+        return str(reason.values["text"])
+    if reason.code in _WORDS:
+        return _WORDS[reason.code](reason.values)
+    if reason.code in MOTION_FAILURES:
+        return describe_failure(failure_from_reason(reason))
+    if reason.code == NO_EXPONENT:
+        cause = str(reason.values["cause"])
+        if cause == NO_EXPONENT:
+            raise ValueError("it is its own cause")
+        return f"no Lyapunov exponent: {_describe(Reason(cause, reason.values))}"
+    values = ", ".join(f"{name} = {value}" for name, value in reason.values.items())
+    return f"{reason.code.replace('_', ' ')}{f' ({values})' if values else ''}"
+
+
+def register_words(code: str, describe: Callable[[Values], str]) -> None:
+    """Give words to reasons of a code."""
+    _WORDS[code] = describe
+
+
+def name_kind(step: Step, kind: str) -> str:
+    """Return what people call a kind of special point, as the step's file says it; the label where it does not."""
+    return str({**END_POINT, **OLD_KIND_NAMES, **step.meta.get("kinds", {})}.get(kind, kind))
+
+
+def _name_places(values: Values) -> str:
+    places = {name.removeprefix("at "): value for name, value in values.items() if name.startswith("at ")}
+    return ", ".join(f"{name} = {value:.8g}" for name, value in places.items())
+
+
+def _name_crossing(values: Values) -> str:
+    return f"segment {values['number']} ({values['segment']}): event '{values['event']}'"
+
+
+def forget_words(code: str) -> None:
+    """Forget words that :func:`register_words` gave."""
+    _WORDS.pop(code, None)

@@ -1,0 +1,164 @@
+"""A model's machine code is its expressions, and what is compiled once is kept."""
+
+import ctypes
+import gc
+import subprocess
+import sys
+import threading
+
+import numpy as np
+import pytest
+import sympy
+
+from pddecont.codegen import ModelFunctions, NumericModel, machine_code
+from pddecont.codegen.machine_code import load_machine_code, write_machine_source
+from pddecont.model import load_model
+from tests.conftest import MODELS, ROOT, all_derivatives, numeric_from
+
+POINTER = ctypes.POINTER(ctypes.c_double)
+
+
+FUNCTION = ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_double, *[POINTER] * 4)
+
+
+def called(address, which, t, x, xd, p, n_out):
+    arrays = [np.array(a, dtype=float) for a in (x, xd, p)] + [np.zeros(max(n_out, 1))]
+    FUNCTION(address)(which, t, *(a.ctypes.data_as(POINTER) for a in arrays))
+    return arrays[-1][:n_out]
+
+
+@pytest.mark.parametrize("path", MODELS, ids=lambda p: p.stem)
+def test_every_models_functions_and_derivatives(path):
+    """Against the functions over arrays that continuation uses, whose derivatives are checked against differences."""
+    numeric = NumericModel(load_model(str(path))[0])
+    model, functions = numeric.model, ModelFunctions(numeric.model)
+    rng = np.random.default_rng(0)
+    n, m = numeric.n_states, len(model.delayed)
+    x, xd, t, p = rng.uniform(0.2, 0.9, n), rng.uniform(0.2, 0.9, m), 0.37, numeric.parameter_values
+    arguments = np.array([t]), x[:, None], xd[:, None], p
+    cases = [
+        (functions.field, functions.field_jacobian, [numeric.mode(name) for name in model.modes], False),
+        (functions.reset, functions.reset_jacobian, [numeric.reset(name) for name in model.resets], True),
+        (
+            functions.event,
+            functions.event_jacobian,
+            [None if e.function is None else numeric.event(e.name) for e in model.events.values()],
+            True,
+        ),
+    ]
+    for value, jacobian, known, with_time in cases if model.events else cases[:2]:
+        for which, function in enumerate(known):
+            if function is None:
+                continue
+            d, dx, dxd, _, dt = all_derivatives(function, arguments)
+            k = function.n_out
+            assert called(value, which, t, x, xd, p, k) == pytest.approx(d.value[:, 0], rel=1e-14, abs=1e-15)
+            parts = [dx[:, :, 0].ravel(), dxd[:, :, 0].ravel(), *([dt[:, 0]] if with_time else [])]
+            expected = np.concatenate(parts)
+            assert called(jacobian, which, t, x, xd, p, len(expected)) == pytest.approx(expected, rel=1e-13, abs=1e-14)
+
+
+def test_the_history_and_its_derivatives():
+    numeric = numeric_from(
+        "name: m\nstates: [x]\nparameters: {a: 2, tau: 1}\nmodes: {m: {x': -x(t - tau)}}\ninitial: {x: exp(a*t)}\n"
+    )
+    functions = ModelFunctions(numeric.model)
+    for k in range(4):
+        assert called(functions.history, k, -0.3, [0], [0], [2.0, 1.0], 1) == pytest.approx(
+            2.0**k * np.exp(-0.6), rel=1e-15
+        )
+
+
+def test_every_function_that_models_may_use_is_compiled():
+    t, x = sympy.Symbol("t", real=True), sympy.Symbol("x", real=True)
+    names = ["sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "sqrt"]
+    exprs = [getattr(sympy, name)(x) for name in names]
+    exprs += [
+        sympy.atan2(x, t),
+        sympy.E * x,
+        sympy.pi * x,
+        sympy.Rational(1, 3) * x,
+        x**-2,
+        x ** sympy.Rational(3, 2),
+        x**t,
+    ]
+    code = load_machine_code(write_machine_source([exprs], {t: "t", x: "x[0]"}))
+    expected = [float(e.subs({x: 0.6, t: 1.7})) for e in exprs]
+    assert called(code.address, 0, 1.7, [0.6], [0], [0], len(exprs)) == pytest.approx(expected, rel=1e-15)
+
+
+def test_what_cannot_be_evaluated_is_no_number_and_no_exception():
+    x = sympy.Symbol("x", real=True)
+    code = load_machine_code(write_machine_source([[1 / x, sympy.log(x), sympy.sqrt(x - 1)]], {x: "x[0]"}))
+    assert not np.any(np.isfinite(called(code.address, 0, 0.0, [0.0], [0], [0], 3)))
+
+
+def test_a_case_of_zeros_writes_nothing():
+    x = sympy.Symbol("x", real=True)
+    text = write_machine_source([[sympy.Integer(0)], [x, sympy.Integer(0)]], {x: "x[0]"})
+    assert "    if which == 0:\n        pass\n    elif which == 1:\n        out[0] = x[0]\n    return\n" in text
+    code = load_machine_code(text)
+    assert list(called(code.address, 0, 0.0, [5.0], [0], [0], 1)) == [0.0]
+    assert list(called(code.address, 1, 0.0, [5.0], [0], [0], 2)) == [5.0, 0.0]
+
+
+def test_code_is_shared_while_it_is_in_use_and_let_go_after():
+    x = sympy.Symbol("x", real=True)
+    text = write_machine_source([[x * sympy.Float(0.1234567)]], {x: "x[0]"})
+    code = load_machine_code(text)
+    assert load_machine_code(text) is code
+    assert text in machine_code._in_use
+    del code
+    gc.collect()
+    assert text not in machine_code._in_use
+    assert not [name for name in sys.modules if name.startswith("model_")]
+
+
+def test_a_model_lets_its_functions_go_with_it():
+    numeric = numeric_from("name: m\nstates: [x]\nparameters: {a: 1}\nmodes: {m: {x': -0.987654*a*x}}\n")
+    functions = numeric.compile()
+    assert functions.field
+    kept = [text for text in machine_code._in_use if "0.987654" in text]
+    assert kept
+    del functions, numeric
+    gc.collect()
+    assert not [text for text in machine_code._in_use if "0.987654" in text]
+
+
+def test_threads_get_one_code():
+    x = sympy.Symbol("x", real=True)
+    text = write_machine_source([[sympy.sin(x) * sympy.Float(0.7654321)]], {x: "x[0]"})
+    found, meeting = [], threading.Barrier(4, timeout=20)
+
+    def load():
+        meeting.wait()
+        found.append(load_machine_code(text))
+
+    threads = [threading.Thread(target=load) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(found) == 4
+    assert all(code is found[0] for code in found)
+
+
+SECOND = """
+import numpy as np
+from pddecont.delay import Direct
+from pddecont.codegen import NumericModel
+from pddecont.model import load_model
+from pddecont.simulate import simulate
+from pddecont.simulate.integrator.advance import run
+numeric = NumericModel(load_model("models/impact_oscillator.yaml")[0])
+simulate(numeric, numeric.parameter_values, Direct(), 1.0)
+print(sum(run.stats.cache_hits.values()), sum(run.stats.cache_misses.values()))
+"""
+
+
+def test_a_second_process_compiles_nothing():
+    for expected in (None, ["1", "0"]):
+        done = subprocess.run(
+            [sys.executable, "-c", SECOND], cwd=ROOT, capture_output=True, text=True, timeout=280, check=True
+        )
+        assert expected is None or done.stdout.split() == expected

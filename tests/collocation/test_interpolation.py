@@ -1,0 +1,81 @@
+"""From one mesh to another and back."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from pddecont.collocation import Mesh, raise_degree, resample, transfer
+from tests.collocation.meshes import make_pieces, meshes
+
+
+@settings(max_examples=40, deadline=None, derandomize=True)
+@given(found=meshes(), n_cuts=st.integers(1, 5), more=st.integers(0, 2), seed=st.integers(0, 1000))
+def test_polynomials_are_carried_over_exactly(found, n_cuts, more, seed):
+    """Polynomials of the mesh's degree in each segment's own time, onto other intervals of at least that degree."""
+    mesh, theta = found
+    shape = [[np.linspace(0, 1, n_cuts + 1)]] * mesh.n_segments
+    other = Mesh(mesh.degree + more, mesh.n_segments, make_pieces(shape))
+    coefficients = np.random.default_rng(seed).normal(size=(mesh.n_segments, mesh.degree + 1))
+
+    def values(on):
+        result, times, ends = np.empty((on.n_base, 1)), on.base_times(theta), np.concatenate([[0], np.cumsum(theta)])
+        for s in range(on.n_segments):
+            rows = np.arange(on.first_base[s], on.last_base[s] + 1)
+            fraction = (times[rows] - ends[s]) / theta[s]
+            result[rows, 0] = np.polynomial.Polynomial(coefficients[s])(fraction)
+        return result
+
+    assert transfer(mesh, theta, values(mesh), other, theta) == pytest.approx(values(other), abs=1e-10)
+    # A mesh that lasts another time carries the same values at the same fractions.
+    assert transfer(mesh, theta, values(mesh), other, 2.5 * theta) == pytest.approx(values(other), abs=1e-10)
+    # Back, if nothing was lost on the way.
+    there = transfer(mesh, theta, values(mesh), other, theta)
+    assert transfer(other, theta, there, mesh, theta) == pytest.approx(values(mesh), abs=1e-10)
+
+
+def test_a_jump_between_segments_stays_one():
+    mesh = Mesh(3, 2, make_pieces([[[0, 1]], [[0, 0.5, 1]]]))
+    other = Mesh(2, 2, make_pieces([[[0, 0.3, 1]], [[0, 1]]]))
+    theta = np.array([1.0, 2.0])
+    values = np.where(np.arange(mesh.n_base) < 4, 1.0, 5.0)[:, None]
+    found = transfer(mesh, theta, values, other, np.array([0.1, 7.0]))
+    assert found[:5, 0] == pytest.approx(np.ones(5))
+    assert found[5:, 0] == pytest.approx(np.full(3, 5.0))
+
+
+@settings(max_examples=30, deadline=None, derandomize=True)
+@given(found=meshes(), seed=st.integers(0, 1000))
+def test_a_degree_more_is_the_same_function(found, seed):
+    mesh, theta = found
+    finer = raise_degree(mesh, theta)
+    assert finer.degree == mesh.degree + 1
+    assert finer.pieces is mesh.pieces
+    assert finer.reference_theta is theta
+    values = np.random.default_rng(seed).normal(size=(mesh.n_base, 2))
+    raised = resample(mesh, values, finer)
+    sigma = np.array([0.0, 0.3, 0.8, 1.0])
+    same = pytest.approx(mesh.interpolate(values, mesh.grid(sigma)), abs=1e-12)
+    assert finer.interpolate(raised, finer.grid(sigma)) == same
+    assert resample(finer, raised, mesh) == pytest.approx(values, abs=1e-12)
+
+
+def test_the_error_of_a_coarser_mesh_falls_with_its_order():
+    """Interpolation of degree m leaves h^(m+1)."""
+    theta, errors = np.array([1.0]), []
+    for n in (16, 32):
+        mesh = Mesh(3, 1, make_pieces([[np.linspace(0, 1, n + 1)]]))
+        fine = Mesh(9, 1, make_pieces([[np.linspace(0, 1, 101)]]))
+        values = np.sin(2 * np.pi * fine.base_times(theta))[:, None]
+        there = transfer(fine, theta, values, mesh, theta)
+        errors.append(np.max(np.abs(transfer(mesh, theta, there, fine, theta) - values)))
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(4, abs=0.03)
+
+
+def test_a_mesh_of_another_degree_keeps_its_base_points_apart():
+    mesh = Mesh(3, 2, make_pieces([[[0, 1]], [[0, 0.5, 1]]]))
+    other = replace(mesh, degree=5)
+    values = np.where(np.arange(mesh.n_base) < 4, 1.0, 5.0)[:, None]
+    assert resample(mesh, values, other)[:, 0] == pytest.approx([1.0] * 6 + [5.0] * 11)

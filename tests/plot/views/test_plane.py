@@ -1,0 +1,87 @@
+"""Curves in the plane of two parameters."""
+
+import pytest
+
+from pddecont.bifurcation import list_kinds
+from pddecont.errors import ResultsError
+from pddecont.plot.style import CURVE_COLOURS, find_marker
+from pddecont.reasons import make_reason
+from tests.plot.drawn import coloured, legend, lines, texts
+from tests.plot.synthetic import point
+
+
+def test_curves_with_the_same_pair_are_drawn_whatever_its_order(every, show):
+    figure = show(every)
+    axes = figure.axes[0]
+    # The last curve's first free parameter is the horizontal one; all others are turned to fit.
+    first = show(every, steps=("folds",)).axes[0]
+    assert (axes.get_xlabel(), axes.get_ylabel()) == (first.get_xlabel(), first.get_ylabel()) == ("$K$", "$\\tau_{d}$")
+    grazing = lines(axes, "-")[0]
+    assert grazing[:, 1] == pytest.approx(3 + 4 * (grazing[:, 0] - 0.5) ** 2)
+    assert coloured(axes, "-") == [CURVE_COLOURS["GR"], CURVE_COLOURS["LP"]]
+    assert coloured(axes, "--") == [CURVE_COLOURS["GR"]]
+    assert lines(axes, "--")[0][0, 0] == pytest.approx(0.5)
+
+
+def test_kinds_and_sides_are_named_in_words(every, show):
+    names = legend(show(every))
+    assert names["grazing"] == CURVE_COLOURS["GR"]
+    assert names["fold"] == CURVE_COLOURS["LP"]
+    assert list(names)[2:-2] == ["stable", "unstable", "GG: double grazing", "R1: resonance 1:1", "R2: resonance 1:2"]
+    assert list(names)[-2:] == ["shaded side: signature NC C kept (grazing)", "shaded side: orbits exist (fold)"]
+    assert "shaded side: orbits exist" in legend(show(every, steps=("folds",)))
+
+
+def test_points_of_codimension_two_are_labelled(every, show):
+    found = texts(show(every).axes[0])
+    assert set(found) == {"GG1", "R1_1", "R2_1"}
+    assert found["GG1"].xy == pytest.approx((0.5, 3.0))
+
+
+def test_every_kind_of_point_is_marked(made, show):
+    kinds = [kind.label for kind in list_kinds()]
+    rows = [
+        point(float(k), 0.1 * k, 3.0 + 0.1 * k, 1.0, kind=kind, multipliers=[0.1 * k]) for k, kind in enumerate(kinds)
+    ]
+    results = made(c=(rows, {"free": ("K", "tau_d"), "curve": "LP", "side": True}))
+    for view in ("plane", "manifold"):
+        drawn = {
+            str(line.get_marker()): line for line in show(results, view).axes[0].lines if len(line.get_xydata()) == 1
+        }
+        for k, kind in enumerate(kinds):
+            line = drawn[str(find_marker(kind))]
+            x, y = line.get_data() if view == "plane" else line.get_data_3d()[:2]
+            assert (x[0], y[0]) == pytest.approx((0.1 * k, 3.0 + 0.1 * k)), (view, kind)
+    axes = show(results, "multipliers", labels=tuple(results.step("c").labels[2 * k] for k in range(4))).axes[0]
+    assert len(axes.collections) == 5
+
+
+def test_a_curve_without_sides_is_drawn_without_a_band(made, show):
+    rows = [point(float(k), 0.1 * k, 3.0, 1) for k in range(5)]
+    free = {"free": ("K", "tau_d")}
+    figure = show(
+        made(
+            u=(rows, free | {"curve": "UF", "followed": make_reason("user_function", name="x_is_1")}),
+            c=(rows, free | {"new": False}),
+        )
+    )
+    assert not figure.axes[0].patches
+    assert list(legend(figure)) == ["user function x_is_1", "curve"]
+
+
+def test_orbits_are_shown_beside_when_asked_for(every, show):
+    assert len(show(every).axes) == 1
+    figure = show(every, labels=("GG1",))
+    assert figure.axes[1].get_title() == "GG1  $\\tau_{d}$ = 3  $K$ = 0.5"
+
+
+def test_a_branch_is_no_curve_and_pairs_are_not_mixed(every, show, made):
+    with pytest.raises(
+        ResultsError, match=r"'in_gain' is a continue step in 1 parameter; it can be drawn as diagram.*not as plane"
+    ):
+        show(every, "plane", ("in_gain",))
+    rows = [point(float(k), k, 3, 1) for k in range(3)]
+    results = made(a=(rows, {"free": ("K", "tau_d"), "curve": "LP"}), b=(rows, {"free": ("K", "omega"), "curve": "LP"}))
+    with pytest.raises(ResultsError, match=r"different parameters \(a: K, tau_d; b: K, omega\)"):
+        show(results, "plane", ("a", "b"))
+    assert len(lines(show(results).axes[0], "-")) == 1

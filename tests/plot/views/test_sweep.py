@@ -1,0 +1,74 @@
+"""Brute-force diagrams show the numbers in the file."""
+
+import numpy as np
+import pytest
+
+from pddecont.errors import ResultsError
+from pddecont.plot.style import COLOURS
+from pddecont.plot.views.sweep import (
+    MAX_CLASSES,
+    OTHER_COLOUR,
+    assign_class_colours,
+    choose_state,
+    draw_classes,
+    draw_returns,
+)
+from tests.plot.drawn import legend
+
+CLASSES = ["period 2, 1 NC, 1 C", "period 2, 2 NC, 2 C"]
+
+
+def test_every_return_is_a_dot_in_its_classes_colour(simulated, axes):
+    step = simulated.steps["diagram"]
+    handles = draw_returns(axes, [step], "beta", "x")
+    dots = np.concatenate([line.get_xydata() for line in axes.lines])
+    recorded = np.concatenate(
+        [
+            np.stack([np.full(2, step.points["parameters"][i, 4]), step.orbit(i)["returns"][:, 0]], axis=1)
+            for i in range(len(step))
+        ]
+    )
+    assert {tuple(d) for d in dots} == {tuple(d) for d in recorded}
+    assert [h.get_label() for h in handles] == list(assign_class_colours([step])) == CLASSES
+    assert choose_state([step]) == "x"
+
+
+def test_classes_beyond_the_palette_are_grey(simulated, monkeypatch):
+    from pddecont.plot.views import sweep
+
+    monkeypatch.setattr(sweep, "name_motion", lambda step, i: f"class {i:02}")
+    colours = assign_class_colours([simulated.steps["diagram"]] * 2)
+    n = len(simulated.steps["diagram"])
+    assert list(colours) == [f"class {i:02}" for i in range(n)]
+    assert list(colours.values()) == [*COLOURS[:MAX_CLASSES], *[OTHER_COLOUR] * n][:n]
+
+
+def test_over_two_parameters_the_class_of_most_starts_is_shown(simulated, axes):
+    step = simulated.steps["plane"]
+    handles = draw_classes(axes, step, "beta", "a")
+    image = np.asarray(axes.collections[0].get_array()).reshape(2, 3)
+    assert image.shape == (2, 3)
+    assert set(np.unique(image)) <= set(range(len(handles)))
+    assert (axes.get_xlabel(), axes.get_ylabel()) == (r"$\beta$", "$a$")
+
+
+def test_exponents_have_a_panel_of_their_own_below(simulated, show):
+    diagram, exponents = show(simulated, "sweep", ("diagram",)).axes
+    assert (diagram.get_xlabel(), exponents.get_ylabel()) == ("", "largest Lyapunov exponent")
+    recorded = simulated.steps["diagram"].points["lyapunov"]
+    drawn = np.concatenate(
+        [line.get_ydata() for line in exponents.lines if len(line.get_ydata()) and line.get_marker() == "."]
+    )
+    assert sorted(drawn) == sorted(recorded)
+    assert len(show(simulated, "sweep", ("plane",)).axes) == 1
+
+
+def test_branches_are_named_beside_the_classes(simulated, show):
+    figure = show(simulated, "sweep", ("branch", "diagram"), y="v")
+    assert list(legend(figure)) == [*CLASSES, "followed: orbits"]
+    assert figure.axes[0].get_ylabel() == "$v$ at returns"
+
+
+def test_what_is_no_parameter_is_said(simulated, show):
+    with pytest.raises(ResultsError, match="no parameter 'bet'; did you mean 'beta'"):
+        show(simulated, "sweep", ("diagram",), x="bet")

@@ -1,0 +1,73 @@
+"""What files of format 2 said in sentences, as data."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from pddecont.reasons import Reason, make_reason, reason_from_json
+from pddecont.results.upgrade import upgrade_step
+from pddecont.simulate import FailureReason, MotionFailure, failure_from_reason
+from tests.simulate.test_failure import SENTENCES
+
+USERS = '{"step": {"continue": {"events_along": {"a_user_function_whose_name_is_longer_than_32_bytes": "x"}}}}'
+
+
+def reasons_of(kind, labels, notes, meta=None):
+    """Return the reasons that a step's notes become."""
+    points = {"kind": np.array(labels, dtype="S8"), "note": np.array([n.encode() for n in notes], dtype="S400")}
+    points, orbits, _ = upgrade_step(kind, meta or {}, points, {}, [])
+    assert list(points) == ["kind"]
+    ends = [0, *orbits["reason_end"]]
+    packed = orbits["reason"].tobytes().decode()
+    return [reason_from_json(packed[a:b]) for a, b in itertools.pairwise(ends)]
+
+
+@pytest.mark.parametrize("reason", FailureReason)
+def test_failures_of_motions_keep_their_reason_event_and_sentence(reason):
+    cut = SENTENCES[reason][:200]
+    [found] = reasons_of("sweep", [""], [cut])
+    event = "hit" if "hit" in cut else None
+    assert failure_from_reason(found).is_like(MotionFailure(reason, 9.0, event))
+    assert found.values["text"] == cut
+
+
+@pytest.mark.parametrize(
+    ("kind", "note", "reason"),
+    [
+        ("", "", Reason()),
+        ("UF", "u", make_reason("user_function", name="u")),
+        (
+            "UF",
+            "a_user_function_whose_name_is_lo",
+            make_reason("user_function", name="a_user_function_whose_name_is_longer_than_32_bytes"),
+        ),
+        ("PD", "halves become equal", make_reason("halves_equal")),
+        ("GG", "grazing", make_reason("grazing")),
+        ("VS", "hit meets meets", make_reason("meeting", event="hit", other="meets")),
+        ("VS", "flight vanishes", make_reason("vanishing", segment="flight")),
+        ("VS", "event turns tangential", make_reason("tangential")),
+        ("GR", "something else", make_reason("text", text="something else")),
+    ],
+)
+def test_notes_of_special_points(kind, note, reason):
+    assert reasons_of("continue", [kind], [note], {"settings": USERS}) == [reason]
+
+
+def test_endings_keep_their_direction():
+    _, _, endings = upgrade_step("continue", {}, {}, {}, [b"down: reached it", b"up: reached it", b"done"])
+    assert [ending.values["direction"] for ending in endings] == [-1, 1, 0]
+    assert [ending.values["text"] for ending in endings] == ["down: reached it", "up: reached it", "done"]
+
+
+def test_methods_of_a_comparison_become_fields():
+    families = ["direct", "direct, not tracked", "chebyshev", "chain of order 3", "chain of order 12, explicit states"]
+    points = {
+        "family": np.array([f.encode() for f in families], dtype="S40"),
+        "setting": np.array([b"s"] * len(families), dtype="S40"),
+    }
+    points, _, _ = upgrade_step("precision", {}, points, {}, [])
+    assert [m.decode() for m in points["method"]] == ["direct", "direct", "chebyshev", "chain", "chain"]
+    assert points["tracked"].tolist() == [1, 0, 1, 1, 1]
+    assert points["order"].tolist() == [0, 0, 0, 3, 12]
+    assert points["explicit"].tolist() == [0, 0, 0, 0, 1]
