@@ -11,7 +11,7 @@ from pddecont.simulate.integrator.breaking import (
     queues_have_capacity,
 )
 from pddecont.simulate.integrator.buffers import N_COEFFICIENTS, make_log
-from pddecont.simulate.integrator.calls import entry, internal, offset
+from pddecont.simulate.integrator.calls import entry, inlined, internal, offset
 from pddecont.simulate.integrator.core import make_core
 from pddecont.simulate.integrator.event_functions import evaluate_event_slope
 from pddecont.simulate.integrator.event_handling import enter_sticking_mode, find_start_crossing, handle_events
@@ -209,7 +209,7 @@ def _finish_step(c, t, h, stop):
     return _handle_due_events(c, hit, direction)
 
 
-@internal
+@inlined
 def _log_step(c, t, h, end):
     """Write the step just made to the log."""
     row, n = c.log_n[0], c.n

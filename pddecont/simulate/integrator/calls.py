@@ -19,6 +19,8 @@ from pddecont.codegen import DOUBLE_POINTER
 entry = njit(cache=True, nogil=True)
 # For what only machine code calls.
 internal = njit(nogil=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+# For what only machine code calls, in one place.
+inlined = njit(nogil=True, no_cpython_wrapper=True, no_cfunc_wrapper=True, inline="always")
 # For what both call: machine code where machine code calls it, Python where Python does.
 either = register_jitable
 

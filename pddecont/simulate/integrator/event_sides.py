@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pddecont.simulate.integrator.calls import internal
+from pddecont.simulate.integrator.calls import inlined, internal
 from pddecont.simulate.integrator.event_functions import evaluate_event, evaluate_event_slope
 from pddecont.simulate.integrator.state import FRESH, MODE
 
@@ -20,7 +20,7 @@ def note_sides(c, t):
         c.side[c.n_segments] = _find_side(c, c.section, mode, t)
 
 
-@internal
+@inlined
 def update_side(c, place, event, t, whole):
     """Keep the sign of an event function where a step ends.
 

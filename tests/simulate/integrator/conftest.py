@@ -29,7 +29,7 @@ def plain(function):
 
 def fake_calls():
     calls = types.ModuleType(f"{NAME}.calls")
-    calls.entry = calls.internal = calls.either = plain
+    calls.entry = calls.internal = calls.inlined = calls.either = plain
     calls.pointer = lambda array: array.reshape(-1)
     calls.offset = lambda pointer, count: pointer[count:]
     calls.call = lambda function, *arguments: function(*arguments)
