@@ -104,7 +104,7 @@ def find_special_points(
     """
     found = []
     for test, f0, f1 in zip(functions.tests, before.values, after.values, strict=True):
-        if f0 * f1 < 0.0 or (f1 == 0.0 and f0 != 0.0):
+        if (f0 * f1 < 0.0 or (f1 == 0.0 and f0 != 0.0)) and not _only_at_start(segment, test, f0, f1, from_):
             found += _locate(segment, test, 0.0, 1.0, f0, f1)
     found, n_unexplained = [f for f in found if f.fraction >= from_], 0
     if functions.counts is not None and not any(f.test.find_meeting for f in found):
@@ -117,6 +117,16 @@ def find_special_points(
         n_unexplained = 0 if from_ else len([f for f in counted if f is None])
     kept = (f for f in found if f.fraction >= from_)
     return sorted(kept, key=lambda f: (round(f.fraction, TOGETHER_DECIMALS), not f.test.end, f.fraction)), n_unexplained
+
+
+def _only_at_start(segment: BranchSegment[E], test: TestFunction[E], f0: float, f1: float, from_: float) -> bool:
+    """Return whether a test function changes its sign before ``from_`` alone, where the branch starts on its zero."""
+    if test.find_meeting is not None or abs(f0) >= from_ * abs(f1):
+        return False
+    try:
+        return test.value(segment.at(from_)) * f1 > 0.0
+    except ConvergenceError:
+        return False
 
 
 def _locate(

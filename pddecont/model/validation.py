@@ -23,7 +23,7 @@ UNION_TAG = "\0"
 class Strict(BaseModel):
     """A mapping of the file format: unknown keys are errors, values are never converted."""
 
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, arbitrary_types_allowed=True)
+    model_config = ConfigDict(defer_build=True, extra="forbid", strict=True, frozen=True, arbitrary_types_allowed=True)
 
 
 def _identifier(value: Any) -> str:
