@@ -166,3 +166,17 @@ def test_a_meeting_with_another_branch_is_found_by_its_own_means():
     none = place("PD", 0.6, end=End.SPECIAL, find_meeting=lambda a, b: None)
     found, _ = Step(TestFunctions((none,), counts)).find()
     assert [kind for kind, _ in told(found)] == ["N", "N"]
+
+
+@pytest.mark.parametrize(("start", "n_evaluations"), [(1e-16, 3), (-1e-16, 2)])
+def test_a_zero_that_the_branch_starts_on_is_not_located_whatever_its_sign_by_rounding(start, n_evaluations):
+    """The sign at the start is rounding's: either it is that of the end, or one value beyond the start tells."""
+    values = []
+
+    def value(point):
+        values.append(start if point.x[0] == 0.0 else -point.x[0])
+        return values[-1]
+
+    found, _ = Step(TestFunctions([TestFunction("GR", value)])).find(from_=1e-4)
+    assert found == []
+    assert len(values) == n_evaluations
