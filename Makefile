@@ -3,8 +3,10 @@ PYTHON ?= python3
 ENV := .venv
 BIN := $(ENV)/bin
 OUT := out
+# Random models that `make reliability` tries; PDDECONT_SEED repeats those of an earlier run.
+MODELS ?= 90
 
-.PHONY: setup demo figures test reliability check docs reference layers bench cost tracking chain-order schema clean \
+.PHONY: setup demo figures test reliability stress check docs reference layers bench cost tracking chain-order schema clean \
   distclean
 setup: $(ENV)/ready
 
@@ -25,8 +27,11 @@ test: setup          ## all but the two slowest tests, which `make reliability` 
 
 reliability: setup   ## docs/reliability.md, from the suite itself
 	mkdir -p $(OUT)
-	PDDECONT_KILLS=200 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile --reliability $(OUT)/reliability.json
+	PDDECONT_KILLS=200 PDDECONT_ACCURACIES=200 PDDECONT_MODELS=$(MODELS) OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile --reliability $(OUT)/reliability.json
 	$(BIN)/python -m tests.reliability $(OUT)/reliability.json docs/reliability.md
+
+stress: setup        ## a million random events against exact solutions; minutes
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest tests/simulate/test_random_events.py
 
 check: setup
 	$(BIN)/ruff format --check .

@@ -1,8 +1,8 @@
 """Draw docs/images/layers.svg, which folder imports which, from the import statements: ``make layers``.
 
 Boxes stand above all that they import. An arrow that follows from others is left out, and so are ``errors``,
-``reasons`` and ``version``, which import nothing, and imports for type checkers alone. Dashed: imported inside
-functions alone, when it is first used.
+``output``, ``reasons`` and ``version``, which import nothing above them, and imports for type checkers alone. Dashed:
+imported inside functions alone, when it is first used.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ ROOT = Path(__file__).parent.parent
 PACKAGE = ROOT / "pddecont"
 PICTURE = ROOT / "docs" / "images" / "layers.svg"
 # Single modules that nearly all import and that import none, and those that only lead to others.
-FOUNDATION = ("errors", "reasons", "version")
+FOUNDATION = ("errors", "output", "reasons", "version")
 ENTRIES = ("__init__", "__main__")
 # Boxes of their own inside other folders.
 OWN = ("steps.execution",)
@@ -37,7 +37,17 @@ BOX, PASS, HEIGHT, ROW = 1.5, 0.3, 0.42, 1.0
 SCALE = 0.85
 # Colours of boxes: those that compute, and all others.
 COMPUTING, OTHER = "#eaf4e6", "#e8eef7"
-NUMBERS = ("bifurcation", "stability", "orbit", "simulate", "delay", "codegen", "collocation", "continuation")
+NUMBERS = (
+    "bifurcation",
+    "stability",
+    "equilibrium",
+    "orbit",
+    "simulate",
+    "delay",
+    "codegen",
+    "collocation",
+    "continuation",
+)
 
 Edge = tuple[str, str]
 

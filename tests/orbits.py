@@ -16,10 +16,10 @@ from tests.runs import plan
 FINE = {"degree": 10, "tol": 1e-11}
 
 
-def settle_to_orbit(model, changes=None, t_end=60, *, mesh=FINE, delay=None, initial=None):
+def settle_to_orbit(model, changes=None, t_end=60, *, mesh=FINE, delay=None, initial=None, atol=None):
     """Return the orbit that a model (a shipped one's name, or a mapping) settles to in a time."""
     steps = [
-        {"name": "t", "simulate": {"t_end": t_end, "initial": initial or {}}},
+        {"name": "t", "simulate": {"t_end": t_end, "initial": initial or {}, **({"atol": atol} if atol else {})}},
         {"name": "o", "orbit": {"from": "t"}},
     ]
     keys = {"set": changes or {}, "mesh": mesh, "delay": delay or {"method": "direct"}, "steps": steps}

@@ -10,14 +10,19 @@ import json
 import sys
 from collections import defaultdict
 from collections.abc import Iterable
+from dataclasses import asdict
 from pathlib import Path
 
 import pytest
+
+from tests.random_models.tables import summarise_trials
 
 KEY = "reliability"
 TALLIES = "tallies"
 CASES = "Hard cases"
 ESTIMATES = "Error estimates"
+RANDOM = "Random models"
+MENDED = "Cases that went wrong"
 INTRODUCTION = {
     CASES: """\
 Each case with what it is compared with, the error reached and the limit that its test asserts; what is hard and why
@@ -27,6 +32,18 @@ equality.""",
 True error over `error_estimate`, for every model that has an orbit: on meshes of several fineness and degrees, the
 delay read directly (tracked or not) or through delay lines, and along branches. The true error is measured against a
 solution of far higher order, itself confirmed on a second mesh.""",
+    MENDED: """\
+Runs that went wrong without a word (`tests/cases`): what was said, what is said now, and what is known, from closed
+forms or an integrator written apart.""",
+    RANDOM: """\
+Models drawn at random (`tests/random_models`): simulated, solved, followed in a parameter, swept over its range; then
+compared with motions by an integrator written apart (SciPy's DOP853, the method of steps, events by root finding).
+*Periods*: recorded orbits simulated for one period from their own past, same events in the same order; the worst
+deviation is in parts of what the error estimate allows. *Multipliers*: the leading one against the growth of a small
+perturbation, relative deviation. *At a limit*: a change as small as the orbit's error changes its events. *Too
+sensitive*: a period magnifies the error to more than 1e-3. *Said to be none*: the program says itself that the orbit
+is no motion of the model; *refused, a motion*: it says so of one that is. *Wrong, unsaid*: none of that, and yet no
+motion, or another multiplier.""",
 }
 # Sections that count, by the name that tests give: heading, introduction.
 TITLES = {
@@ -41,6 +58,10 @@ nobody disturbed.""",
         """\
 Texts and files as strangers might send them, and how often each was refused with a message or read. None ended the
 process, ran code or touched another file; [security.md](security.md) says what is promised.""",
+    ),
+    "accuracy": (
+        "Accuracy asked for",
+        "`--accuracy` on random hybrid orbits; the error is that against a solution a thousand times finer.",
     ),
     "batch": ("Batch use", "Many runs at once, and what scripts rely on."),
 }
@@ -106,6 +127,22 @@ def compare(request):
 
 
 @pytest.fixture
+def mended(request):
+    """Keep a row of a case that went wrong: ``mended(case, before, now, reference)``."""
+
+    def row(case, before, now, reference):
+        keep(request, section=MENDED, case=case, before=before, now=now, reference=reference)
+
+    return row
+
+
+@pytest.fixture
+def keep_trial(request):
+    """Keep what a random model showed: ``keep_trial(trial)``."""
+    return lambda trial: keep(request, section=RANDOM, trial=asdict(trial))
+
+
+@pytest.fixture
 def tally(request):
     """Count outcomes in a section of the page: ``tally(section, what, outcome, number)``."""
 
@@ -122,6 +159,8 @@ def page(rows):
         *_cases([r for r in rows if r["section"] == CASES]),
         *_estimates([r for r in rows if r["section"] == ESTIMATES]),
     ]
+    parts += _mended([r for r in rows if r["section"] == MENDED])
+    parts += _random([r["trial"] for r in rows if r["section"] == RANDOM])
     parts += _tallies([r for r in rows if r["section"] == TALLIES])
     return "\n\n".join(parts) + "\n"
 
@@ -169,6 +208,24 @@ def _estimates(rows):
             for name, r in ratios.items()
         ),
     )
+
+
+def _mended(rows):
+    if not rows:
+        return
+    yield f"## {MENDED}"
+    yield INTRODUCTION[MENDED]
+    head = ["case", "before", "now", "reference"]
+    yield _table(head, ([r[name] for name in head] for r in rows))
+
+
+def _random(trials):
+    if not trials:
+        return
+    yield f"## {RANDOM}"
+    yield INTRODUCTION[RANDOM]
+    for head, lines in summarise_trials(trials):
+        yield _table(head, lines)
 
 
 def _tallies(rows):

@@ -1,7 +1,7 @@
 """The page that the suite's own rows make."""
 
 from tests.conftest import ROOT
-from tests.reliability import CASES, ESTIMATES, TALLIES, page
+from tests.reliability import CASES, ESTIMATES, MENDED, RANDOM, TALLIES, page
 
 
 def test_rows_become_tables():
@@ -21,6 +21,12 @@ def test_rows_become_tables():
         {"section": TALLIES, "title": "inputs", "what": "bombs", "outcome": "refused", "number": 22},
         {"section": TALLIES, "title": "inputs", "what": "bombs", "outcome": "accepted", "number": 3},
     ]
+    rows += [{"section": MENDED, "case": "slides", "before": "stable", "now": "MC at 1", "reference": "1"}]
+    trial = {"family": "relay", "outcome": "compared", "n_points": 40, "n_multipliers": 3, "worst_orbit": 0.02}
+    trial |= {"worst_multiplier": 3e-6, "at_limit": 1, "too_sensitive": 0, "warned": 2, "faults": [["a", "b", "c"]]}
+    trial["refused"] = []
+    trial["attractors"] = {"no period": 1, "on a stable part of the branch": 6}
+    rows += [{"section": RANDOM, "trial": trial}, {"section": RANDOM, "trial": {**trial, "outcome": "no orbit"}}]
     text = page(rows)
     for line in (
         "## Hard cases",
@@ -28,6 +34,11 @@ def test_rows_become_tables():
         "| stiff | closed form | 2.0e-11 | 1e-10 |",
         "| relay | 2 | 50.0 % | 50.0 % | 1 | 30 |",
         "| all | 4 | 75.0 % | 75.0 % | 1 | 30 |",
+        "## Cases that went wrong",
+        "| slides | stable | MC at 1 | 1 |",
+        "## Random models",
+        "| relay | 2 | 1 | 80 | 0.02 | 6 | 3.0e-06 | 2 | 0 | 4 | 0 | 2 |",
+        "| on a stable part of the branch | 12 |",
         "## Inputs tried and refused",
         "| killed | resumed | 25 |",
         "| bombs | refused | 1,042 |",

@@ -28,7 +28,8 @@ ALLOWED = {
     "simulate": {"simulate.integrator", "codegen", "delay", "model"},
     "orbit": {"codegen", "collocation", "continuation", "delay", "model", "simulate"},
     "stability": {"collocation", "continuation", "delay", "orbit"},
-    "bifurcation": {"collocation", "continuation", "model", "orbit", "stability"},
+    "equilibrium": {"codegen", "continuation", "delay"},
+    "bifurcation": {"collocation", "continuation", "equilibrium", "model", "orbit", "stability"},
     "runfile": {"codegen", "collocation", "data", "delay", "model", "orbit"},
     "steps": {"bifurcation", "codegen", "collocation", "model", "orbit", "results", "runfile", "simulate"},
     "tables": {"results", "simulate"},
@@ -55,7 +56,7 @@ ALLOWED = {
     "__init__": {"api"},
     "__main__": {"cli"},
 }
-BASE = {"errors", "reasons", "version"}
+BASE = {"errors", "output", "reasons", "version"}
 # Where each library may be imported.
 ROOMS = {
     "h5py": {"results"},

@@ -26,7 +26,7 @@ LABEL = "BP"
 DIFFERENCE = 1e-3
 
 
-def test_function(m: Multipliers) -> float:
+def measure_distance(m: Multipliers) -> float:
     """Return the distance to +1 of the real multiplier nearest to it, with the sign of the parity of those beyond."""
     real = m.nontrivial[m.nontrivial.imag == 0.0].real
     if not len(real):
@@ -71,7 +71,10 @@ def _switch(orbit: Orbit, tangent: Array, settings: BranchSettings) -> BranchSta
             "a branch is switched at a BP point on the mesh and with the free parameter of the step that found it"
         )
     at = system.at(orbit.x)
-    return BranchStart(CurvePoint(system, at, None, find_other_branch(at, tangent)))
+    direction = find_other_branch(at, tangent)
+    # Towards larger values of the parameter, as branches begin.
+    forward = -1.0 if direction[orbit.problem.unknowns.free.start] < 0.0 else 1.0
+    return BranchStart(CurvePoint(system, at, None, forward * direction))
 
 
 BRANCH_POINT = SpecialPointKind(

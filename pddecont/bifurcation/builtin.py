@@ -5,7 +5,9 @@ from __future__ import annotations
 from pddecont.bifurcation.branch_point import BRANCH_POINT
 from pddecont.bifurcation.fold import CUSP, FOLD
 from pddecont.bifurcation.grazing import DOUBLE_GRAZING, GRAZING
+from pddecont.bifurcation.hopf import HOPF_BIFURCATION, HOPF_HOPF
 from pddecont.bifurcation.kinds import SpecialPointKind
+from pddecont.bifurcation.motion_change import MOTION_CHANGE
 from pddecont.bifurcation.period_doubling import PERIOD_DOUBLING
 from pddecont.bifurcation.torus import RESONANCES, TORUS
 from pddecont.bifurcation.user_function import USER_FUNCTION
@@ -31,9 +33,12 @@ BUILTIN = (
     TORUS,
     GRAZING,
     VANISHING,
+    MOTION_CHANGE,
     USER_FUNCTION,
+    HOPF_BIFURCATION,
     CUSP,
     *RESONANCES,
+    HOPF_HOPF,
     *COUNTED,
     DOUBLE_GRAZING,
 )

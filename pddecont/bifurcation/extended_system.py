@@ -164,6 +164,11 @@ class ExtendedSystem:
         """Places of the unknowns that no mesh changes."""
         return self.inner.mesh_independent_index
 
+    @property
+    def order_independent_index(self) -> Ints:
+        """Places of those among them that have no corner where breaking points change their order."""
+        return self.inner.order_independent_index
+
     def mesh_is_valid(self, at: ExtendedEvaluation) -> bool:
         """Return whether the mesh's breaking points are in their order at an orbit."""
         return self.inner.mesh_is_valid(at.inner)

@@ -19,10 +19,12 @@ from pddecont.bifurcation.kinds import SpecialPointKind
 from pddecont.bifurcation.settings import BranchSettings
 from pddecont.continuation import CountFunction, Counts, CurvePoint, TestFunction
 from pddecont.orbit import OrbitEvaluation
-from pddecont.stability import Multipliers
+from pddecont.stability import OUTSIDE, Multipliers
 
 # A multiplier passes +1, one passes -1, a pair passes the circle elsewhere.
-TEST_FUNCTIONS = (branch_point.test_function, period_doubling.test_function, torus.test_function)
+TEST_FUNCTIONS = (branch_point.measure_distance, period_doubling.measure_distance, torus.measure_distance)
+# The multipliers of the first two.
+CRITICAL = (1.0, -1.0)
 ON_BRANCHES = (branch_point.LABEL, period_doubling.LABEL, torus.LABEL)
 # Two real multipliers outside the circle become a pair, or the other way round.
 ON_THE_AXIS = ((2, 0, -1), (-2, 0, 1), (0, 2, -1), (0, -2, 1))
@@ -37,7 +39,16 @@ def count_outside(m: Multipliers) -> Counts:
     """Return how many multipliers are real and above 1, real and below -1, and how many complex pairs lie outside."""
     values = m.nontrivial
     real, upper = values[values.imag == 0.0].real, values[values.imag > 0.0]
-    return int(np.sum(real > 1.0)), int(np.sum(real < -1.0)), int(np.sum(np.abs(upper) > 1.0))
+    return int(np.sum(real > OUTSIDE)), int(np.sum(real < -OUTSIDE)), int(np.sum(np.abs(upper) > OUTSIDE))
+
+
+def evaluate_polynomial(m: Multipliers, at: float) -> float:
+    """Return the characteristic polynomial of the multipliers at +1 or -1, positive with all of them inside the circle.
+
+    It is smooth where two of them meet on the real axis; those that are small, of which now more, now fewer are known,
+    hardly change it.
+    """
+    return float(np.prod(1.0 - at * m.nontrivial).real)
 
 
 def count_crossings(labels: Sequence[str], find: FindMultipliers) -> AnyCount:
@@ -46,10 +57,19 @@ def count_crossings(labels: Sequence[str], find: FindMultipliers) -> AnyCount:
     ``labels`` name what it is when one passes +1, -1 or the rest of the circle.
     """
 
-    def make_test(label: str, function: Callable[[Multipliers], float]) -> TestFunction[Any]:
-        return TestFunction(label, lambda point: function(find(point)), crosses=label == branch_point.LABEL)
+    def make_test(label: str, i: int) -> TestFunction[Any]:
+        value, crosses = TEST_FUNCTIONS[i], label == branch_point.LABEL
+        if i == 2:
+            return TestFunction(label, lambda point: value(find(point)), crosses=crosses)
+        critical = CRITICAL[i]
+        return TestFunction(
+            label,
+            lambda point: value(find(point)),
+            crosses=crosses,
+            smooth=lambda point: evaluate_polynomial(find(point), critical),
+        )
 
-    tests = [make_test(label, function) for label, function in zip(labels, TEST_FUNCTIONS, strict=True)]
+    tests = [make_test(label, i) for i, label in enumerate(labels)]
 
     def explain(before: Counts, after: Counts) -> Sequence[TestFunction[Any]] | None:
         change = tuple(b - a for a, b in zip(before, after, strict=True))

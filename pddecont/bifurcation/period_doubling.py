@@ -45,7 +45,7 @@ OPPOSITE = 0.8
 FAR = 3.0
 
 
-def test_function(m: Multipliers) -> float:
+def measure_distance(m: Multipliers) -> float:
     """Return the distance to -1 of the real multiplier nearest to it, with the sign of the parity of those beyond."""
     real = m.nontrivial[m.nontrivial.imag == 0.0].real
     if not len(real):

@@ -6,7 +6,7 @@ from collections.abc import Collection
 from dataclasses import dataclass
 
 from pddecont.collocation import MeshRule
-from pddecont.orbit import Monitor, Orbit, PeriodicOrbitSystem, measure_orbit
+from pddecont.orbit import Monitor, Orbit, PeriodicOrbitSystem, Verifier, measure_orbit
 from pddecont.stability import MultiplierCache
 
 
@@ -15,7 +15,8 @@ class BranchSettings:
     """Free parameters with their ranges, how meshes are made, multipliers if wanted, and what is looked for.
 
     ``user_functions`` are monitors whose zeros are special points; ``detect`` holds the labels of the kinds of special
-    points that are looked for (None: all).
+    points that are looked for (None: all). ``referee`` simulates orbits to see whether they are motions of the model
+    (None: nobody asks).
     """
 
     free: tuple[str, ...]
@@ -24,6 +25,7 @@ class BranchSettings:
     multipliers: MultiplierCache | None = None
     user_functions: tuple[Monitor, ...] = ()
     detect: Collection[str] | None = None
+    referee: Verifier | None = None
 
     @property
     def widths(self) -> tuple[float, ...]:

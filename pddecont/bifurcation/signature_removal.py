@@ -13,24 +13,38 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from pddecont.bifurcation.crossing_rates import find_crossing_rate
 from pddecont.bifurcation.extended_system import ExtendedEvaluation, solve_special_orbit
 from pddecont.bifurcation.grazing import define_grazing
 from pddecont.bifurcation.signature_insertion import INSIDE, STEP, set_duration
 from pddecont.collocation import MeshRule
 from pddecont.continuation import CurvePoint, find_tangent
 from pddecont.errors import ConvergenceError
-from pddecont.orbit import Orbit, OrbitEvaluation, PeriodicOrbitSystem, SegmentSpan, make_eventless, resegment
+from pddecont.orbit import (
+    Orbit,
+    OrbitEvaluation,
+    PeriodicOrbitSystem,
+    SegmentSpan,
+    find_event_profile,
+    make_eventless,
+    resegment,
+)
 from pddecont.reasons import Reason, make_reason
 
 Array = NDArray[np.float64]
 MEETING, VANISHING = "meeting", "vanishing"
 # A segment between two events that come to happen at once is followed down to this duration, in periods.
 AT_ONCE = 1e-9
+# Where equations do not determine an orbit so near, this is near enough.
+NEARLY_AT_ONCE = 1e-6
 # A segment that vanishes is shortened by this factor at a time.
 SHRINK = 0.3
 # The duration, in periods, at which a segment of a special orbit has vanished: what is left of it changes the
 # parameters by its square.
 NOTHING = 1e-5
+# Impacts so slow that in a period they would go less than this part of the way, and contacts not longer than SEVERAL
+# times the one that vanishes, vanish with it.
+TOGETHER, SEVERAL = 1e-5, 2.0
 # At a point where a segment vanishes the branch has no direction: it ends, or goes on in other unknowns.
 NO_DIRECTION = np.zeros(0)
 
@@ -64,9 +78,31 @@ def remove_segment(orbit: Orbit, rule: MeshRule, s: int) -> Orbit:
 
 
 def make_shorter_system(at: OrbitEvaluation, rule: MeshRule, s: int) -> tuple[PeriodicOrbitSystem, Orbit]:
-    """Return the system of orbits without what vanishes at the end of segment ``s``, and the orbit as a guess in it."""
-    guess = remove_segment(at.orbit, rule, s).with_free(at.orbit.problem.free)
+    """Return the system of orbits without what vanishes at the end of segment ``s``, and the orbit as a guess in it.
+
+    What vanishes at once with it, by a symmetry of the orbit, goes too.
+    """
+    guess = remove_segment(at.orbit, rule, s)
+    while True:
+        others = [t for t in range(len(guess.signature)) if _vanishes_too(guess, t)]
+        if not others:
+            break
+        guess = remove_segment(guess, rule, others[0])
+    guess = guess.with_free(at.orbit.problem.free)
     return PeriodicOrbitSystem(guess.problem, at.system.sizes, rule), guess
+
+
+def _vanishes_too(orbit: Orbit, s: int) -> bool:
+    """Return whether the contact that follows segment ``s`` has no duration, or the impact no speed, to speak of."""
+    segments, n = orbit.signature.segments, len(orbit.signature)
+    here, after = segments[s], segments[(s + 1) % n]
+    if not here.event or orbit.numeric.model.events[here.event].function is None:
+        return False
+    if here.to == here.mode:
+        largest = float(np.max(np.abs(find_event_profile(orbit, here.event).values)))
+        return abs(find_crossing_rate(orbit, s)) * orbit.period < TOGETHER * largest
+    short = orbit.durations[(s + 1) % n] < SEVERAL * INSIDE * orbit.period
+    return bool(short and n > 2 and after.event == here.event and segments[(s + 2) % n].mode == here.mode)
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,10 +127,15 @@ def vanish_segment(point: CurvePoint[OrbitEvaluation], rule: MeshRule) -> Vanish
     before, segment = signature.segments[s - 1], signature.segments[s]
     same = before.event == segment.event
     last = (INSIDE if same else AT_ONCE) * point.at.orbit.period
-    while point.at.orbit.durations[s] > last:
-        point = set_duration(point.at.system, point.x, s, max(last, SHRINK * float(point.at.orbit.durations[s])))
-    if not same:
+    if not same and point.at.orbit.durations[s] <= last:
         point = set_duration(point.at.system, point.x, s, last)
+    try:
+        while point.at.orbit.durations[s] > last:
+            point = set_duration(point.at.system, point.x, s, max(last, SHRINK * float(point.at.orbit.durations[s])))
+    except ConvergenceError:
+        if same or point.at.orbit.durations[s] > NEARLY_AT_ONCE * point.at.orbit.period:
+            raise
+    if not same:
         reason = make_reason(MEETING, event=before.event, other=segment.event)
         return VanishedSegment(replace(point, direction=NO_DIRECTION), reason, False)
     shorter, guess = make_shorter_system(point.at, rule, (s - 1) % len(signature))
@@ -129,7 +170,8 @@ def find_way_off(system: PeriodicOrbitSystem, at: OrbitEvaluation) -> Array:
     towards[at.orbit.problem.unknowns.free.start] = 1.0
     direction = find_tangent(at, system.scaling, towards)
     defining = define_grazing(at.orbit)
-    assert defining is not None
+    if defining is None:
+        raise ConvergenceError("the orbit without the segment that vanishes touches nothing")
     low, high = (defining.evaluate(system.at(at.x + k * STEP * direction)) for k in (-1.0, 1.0))
     sign = 1.0 if defining.is_max else -1.0
     return direction if sign * (high - low) < 0.0 else -direction

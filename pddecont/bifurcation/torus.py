@@ -29,7 +29,7 @@ LABEL = "TR"
 RESONANCE = "resonance"
 
 
-def test_function(m: Multipliers) -> float:
+def measure_distance(m: Multipliers) -> float:
     """Return the distance to the unit circle of the complex pair nearest to it; pairs outside alternate its sign."""
     upper = np.abs(m.nontrivial[m.nontrivial.imag > 0.0])
     if not len(upper):
@@ -79,7 +79,7 @@ def _define(at: OrbitEvaluation, settings: BranchSettings, reason: Reason) -> De
     return TorusFunction(multipliers, complex(upper[np.argmin(np.abs(np.abs(upper) - 1.0))]))
 
 
-def _remove_pair(m: Multipliers) -> Complex:
+def remove_pair(m: Multipliers) -> Complex:
     """Return the multipliers without the two, complex or past a resonance real, whose product is nearest to 1."""
     values = m.nontrivial
     if len(values) < 2:
@@ -97,7 +97,7 @@ TORUS = SpecialPointKind(
     define=_define,
     good_side=lambda _: -1.0,
     crossings=("FT", "PT", "TT"),
-    remove_critical=_remove_pair,
+    remove_critical=remove_pair,
 )
 
 

@@ -9,13 +9,13 @@ from click.shell_completion import CompletionItem, get_completion_class
 @click.command("completion")
 @click.argument("shell", type=click.Choice(["bash", "zsh", "fish"]))
 def command(shell: str) -> None:
-    r"""Print the script that lets a shell complete commands, options and files.
+    """Print the script that lets a shell complete commands, options and files.
 
     \b
       bash  pddecont completion bash >> ~/.bashrc
       zsh   pddecont completion zsh >> ~/.zshrc
       fish  pddecont completion fish > ~/.config/fish/completions/pddecont.fish
-    """
+    """  # noqa: D301 - click's mark for text that is not wrapped anew
     from pddecont.cli import group
 
     kind = get_completion_class(shell)

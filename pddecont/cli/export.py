@@ -10,6 +10,9 @@ import click
 
 from pddecont.cli.console import plain, print_json
 
+# A spreadsheet takes text that begins so for a formula and works it out; after an apostrophe it does not.
+FORMULA_SIGNS = ("=", "+", "-", "@", "\t", "\r")
+
 
 class TableName(click.Choice[str]):
     """The names of the tables that there are, which are loaded when they are asked for and not before."""
@@ -59,7 +62,10 @@ def command(file: str, step: str | None, name: str, label: str | None, index: in
 
 
 def to_csv(rows: list[dict[str, Any]]) -> str:
-    """Return rows as CSV with a header; numbers keep all their digits, a complex number is two columns, re and im."""
+    """Return rows as CSV with a header; numbers keep all their digits, a complex number is two columns, re and im.
+
+    Text that a spreadsheet would take for a formula gets an apostrophe before it.
+    """
     if not rows:
         return ""
     rows = [_real(row) for row in rows]
@@ -86,4 +92,6 @@ def _cell(value: Any) -> Any:
     if isinstance(value, bool):
         return str(value).lower()
     value = plain(value)
+    if isinstance(value, str) and value.startswith(FORMULA_SIGNS):
+        return f"'{value}"
     return repr(value) if isinstance(value, float) else "" if value is None else value

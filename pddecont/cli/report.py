@@ -20,15 +20,16 @@ def command(file: str, output: Path | None) -> None:
     The page holds all that it shows and loads nothing; an older page is replaced.
     """
     from pddecont.errors import ResultsError
-    from pddecont.report import render_page
+    from pddecont.output import check_replaceable, replace_whole
+    from pddecont.report import is_page, render_page
     from pddecont.results import read_results
 
     path = output or Path(Path(file).stem + ".html")
     if path.suffix.lower() not in (".html", ".htm"):
         raise ResultsError(f"{path}: a report is .html; found '{path.suffix or 'no suffix'}'")
-    text = render_page(read_results(file))
-    try:
-        path.write_text(text, encoding="utf-8")
-    except OSError as exc:
-        raise ResultsError(f"{path} cannot be written: {exc.strerror}") from exc
+    results = read_results(file)
+    check_replaceable(path, is_page, "a report of pddecont")
+    text = render_page(results)
+    with replace_whole(path) as part:
+        part.write_text(text, encoding="utf-8")
     say(f"report: {path}")

@@ -32,7 +32,7 @@ from pddecont.cli.console import Progress, print_json, say
 )
 @click.option("--until", metavar="STEP", help="Stop after this step.")
 @click.option("--resume", is_flag=True, help="Go on with an output that exists.")
-@click.option("--overwrite", is_flag=True, help="Replace an output that exists.")
+@click.option("--overwrite", is_flag=True, help="Replace results that exist.")
 @click.option(
     "--workers", type=click.IntRange(1), default=1, show_default=True, metavar="N", help="Cores for sweeps and basins."
 )
@@ -70,7 +70,8 @@ def command(
     checked = plan(file, overrides=Overrides(tuple(map(_assignment, assignments)), without, accuracy))
     for warning in checked.warnings:
         say(f"{warning} (warning)")
-    stem = "run" if file == "-" else Path(checked.source).stem
+    has_name = file != "-" and not Path(checked.source).is_fifo()
+    stem = Path(checked.source).stem if has_name else "run"
     path = output or Path(f"{stem}.h5")
     progress = Progress(quiet or as_json)
     try:

@@ -17,7 +17,8 @@ from weakref import WeakValueDictionary
 import sympy
 from numba import cfunc, types
 
-from pddecont.codegen.cache import choose_cache_folder
+from pddecont.codegen.cache import find_cache_folder
+from pddecont.codegen.compilation import compiler_settings
 from pddecont.codegen.printer import Names, ScalarPrinter, name_symbols, print_assignments
 from pddecont.model import TIME, Model
 
@@ -148,14 +149,19 @@ def load_machine_code(text: str) -> MachineCode:
 
 
 @cache
-def _find_source_folder() -> Path:
-    return choose_cache_folder(Path(__file__).parent.glob("*.py"))
+def _find_source_folder() -> Path | None:
+    return find_cache_folder(Path(__file__).parent.glob("*.py"))
 
 
 def _load(text: str) -> MachineCode:
     """Return the machine code of a source that is kept in a file beside it, as numba's cache needs one."""
-    name = "model_" + hashlib.sha256(text.encode()).hexdigest()[:24]
-    path = _find_source_folder() / f"{name}.py"
+    name, folder = "model_" + hashlib.sha256(text.encode()).hexdigest()[:24], _find_source_folder()
+    if folder is None:
+        namespace: dict[str, Any] = {}
+        exec(compile(text, "<generated>", "exec"), namespace)  # the text comes from the printer, never from a file
+        with compiler_settings(None):
+            return cast(MachineCode, cfunc(SIGNATURE, error_model="numpy")(namespace["generated"]))
+    path = folder / f"{name}.py"
     if not path.exists() or path.read_text() != text:
         path.parent.mkdir(parents=True, exist_ok=True)
         temporary = path.with_name(f".{name}.{os.getpid()}.part")
@@ -168,6 +174,7 @@ def _load(text: str) -> MachineCode:
     sys.modules[name] = module
     try:
         spec.loader.exec_module(module)
-        return cast(MachineCode, cfunc(SIGNATURE, cache=True, error_model="numpy")(module.generated))
+        with compiler_settings(folder):
+            return cast(MachineCode, cfunc(SIGNATURE, cache=True, error_model="numpy")(module.generated))
     finally:
         del sys.modules[name]

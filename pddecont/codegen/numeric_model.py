@@ -118,6 +118,10 @@ class NumericModel:
         assert delay is not None, f"event {name} is not a delayed event"
         return self._parameter_function((delay,))
 
+    def single_delay(self, number: int) -> ParameterFunction:
+        """Return a delay as a function of the parameters, n_out = 1."""
+        return self._parameter_function((self.model.delays[number],))
+
     @cached_property
     def period(self) -> ParameterFunction:
         """The forcing period as a function of the parameters, n_out = 1 (0 for autonomous models)."""

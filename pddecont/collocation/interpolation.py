@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.collocation.mesh import Mesh
+from pddecont.collocation.mesh import Mesh, MeshPoints
 
 Array = NDArray[np.float64]
 
@@ -16,17 +16,44 @@ def transfer(old: Mesh, old_theta: Array, values: Array, new: Mesh, new_theta: A
     """Return base ``values`` (n_base, n) of ``old`` at the base points of ``new``.
 
     A base point reads the old polynomials at the same fraction of its segment, so the two meshes may differ in their
-    segment durations.
+    segment durations. The old intervals may have passed one another at ``old_theta`` (:func:`_read_folded`).
     """
     times, n = new.base_times(new_theta), new.n_segments
     old_ends = np.concatenate([[0.0], np.cumsum(old_theta[:n])])
     new_ends = np.concatenate([[0.0], np.cumsum(new_theta[:n])])
     result = np.empty((new.n_base, values.shape[1]))
+    folded = np.zeros(n, dtype=bool)
+    folded[old.segment[old.length @ old_theta < 0.0]] = True
     for s in range(n):
         rows = np.arange(new.first_base[s], new.last_base[s] + 1)
         at = old_ends[s] + (times[rows] - new_ends[s]) * (old_theta[s] / new_theta[s])
+        if folded[s]:
+            result[rows] = _read_folded(old, old_theta, values, s, at)
+            continue
         points, _ = old.locate(old_theta, at, segment=s)
         result[rows] = old.interpolate(values, points.clipped())
+    return result
+
+
+def _read_folded(mesh: Mesh, theta: Array, values: Array, s: int, times: Array) -> Array:
+    """Return the polynomials of a segment at ``times`` (n,) where some intervals end before they begin.
+
+    Let breaking points a < b pass one another, and P1, P2, P3 be the solution before a, between them, and after b. What
+    jumps at a is P2 - P1, at b P3 - P2; with b before a the solution between them is P1 + (P3 - P2), for jumps of small
+    size. All three intervals lie over that part of time, P2 the wrong way round: so every interval over a time counts,
+    with the sign of its length. Shape (n, n_quantities).
+    """
+    intervals = np.flatnonzero(mesh.segment == s)
+    left, lengths = (mesh.start @ theta)[intervals], (mesh.length @ theta)[intervals]
+    # Neighbours share their edge to the last bit: with signs, every time then has one interval over it.
+    edges = np.append(left, left[-1] + lengths[-1])
+    low, high = np.minimum(edges[:-1], edges[1:]), np.maximum(edges[:-1], edges[1:])
+    inside = np.clip(times, edges[0], np.nextafter(edges[-1], edges[0]))
+    over = (low <= inside[:, None]) & (inside[:, None] < high)
+    which, among = np.nonzero(over)
+    points = MeshPoints(intervals[among], (inside[which] - left[among]) / lengths[among])
+    result = np.zeros((len(times), values.shape[1]))
+    np.add.at(result, which, np.sign(np.diff(edges)[among])[:, None] * mesh.interpolate(values, points))
     return result
 
 

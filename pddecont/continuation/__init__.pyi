@@ -11,12 +11,14 @@ from .branch import BranchPoint as BranchPoint
 from .branch import BranchState as BranchState
 from .branch import StepSettings as StepSettings
 from .branch import follow_branch as follow_branch
+from .closure import Home as Home
 from .curve_point import CurvePoint as CurvePoint
 from .linear import Matrix as Matrix
 from .linear import ScaledFactors as ScaledFactors
 from .linear import add_row as add_row
 from .linear import equilibrate as equilibrate
 from .linear import factor as factor
+from .linear import row_maxima as row_maxima
 from .linear import scale_matrix as scale_matrix
 from .newton import NewtonSettings as NewtonSettings
 from .newton import Solution as Solution

@@ -20,6 +20,7 @@ from pddecont.continuation.boundary import (
     land,
     refuse_out_of_reach,
 )
+from pddecont.continuation.closure import Home, find_return
 from pddecont.continuation.curve_point import CurvePoint
 from pddecont.continuation.locate import BranchSegment
 from pddecont.continuation.newton import NewtonSettings, Solution
@@ -27,10 +28,12 @@ from pddecont.continuation.system import AdaptiveSystem, E
 from pddecont.continuation.termination import End, Termination
 from pddecont.continuation.test_functions import (
     SpecialPoint,
+    TestFunction,
     TestFunctions,
     TestValues,
     evaluate_tests,
     find_special_points,
+    find_values_at_start,
 )
 from pddecont.errors import ConvergenceError
 from pddecont.reasons import NO_REASON, Reason, make_reason
@@ -41,7 +44,7 @@ AT_START = 1e-4
 # Steps before a boundary where the equations fail become no smaller than this part of the first step: it is come near
 # to, not crept up to.
 NEAR = 0.02
-# Kind of the point at which a branch ends on a boundary.
+# Kind of the point at which a branch ends on a boundary, or back where it began.
 END_POINT = "EP"
 # A step grows where Newton's method needs few iterations and shrinks where it needs many, or the branch bends.
 FEW_ITERATIONS, SOME_ITERATIONS = 3, 5
@@ -66,12 +69,16 @@ class StepSettings:
 
 @dataclass(frozen=True, eq=False)
 class BranchState(Generic[E]):
-    """Where a branch stands: all that is needed to go on from here, or to resume. The point's direction is known."""
+    """Where a branch stands: all that is needed to go on from here, or to resume. The point's direction is known.
+
+    ``is_start`` says whether the branch, or a new signature of it, begins here.
+    """
 
     point: CurvePoint[E]
     arclength: float
     step: float
     n_points: int
+    is_start: bool = True
 
     @property
     def x(self) -> Array:
@@ -86,12 +93,19 @@ class BranchState(Generic[E]):
 
 @dataclass(frozen=True, eq=False)
 class BranchPoint(Generic[E]):
-    """A point of a branch as it is handed out; ``kind`` is empty for an ordinary one, else ``reason`` says more."""
+    """A point of a branch as it is handed out; ``kind`` is empty for an ordinary one, else ``reason`` says more.
+
+    ``error`` is the error of a point that equations of its own have found, which know it better.
+    ``n_unexplained`` counts the changes of whole numbers on the step that ends here which no special point accounts
+    for.
+    """
 
     state: BranchState[E]
     kind: str
     n_iterations: int
     reason: Reason = NO_REASON
+    error: float | None = None
+    n_unexplained: int = 0
 
 
 def follow_branch(
@@ -101,6 +115,7 @@ def follow_branch(
     settings: StepSettings,
     emit: Callable[[BranchPoint[E]], None],
     sign: int,
+    home: Home[E] | None = None,
 ) -> Termination:
     """Follow a branch from ``state`` along its tangent, handing each point to ``emit``; return how it ended.
 
@@ -115,61 +130,96 @@ def follow_branch(
         explain.
     sign
         Sign given to the arclengths of this direction.
+    home
+        Where the branch began; it ends where it comes back. None: it is not looked for.
     """
     before: TestValues | None = None
-    first, n_unexplained = True, 0
+    n_unexplained = 0
     reached_at_start = find_reached(boundaries, state.point, state.tangent)
     if reached_at_start:
         return Termination(*reached_at_start)
     while state.n_points < settings.max_points:
         system = state.point.system.update_reference(state.point.at)
         start = CurvePoint(system, system.at(state.x), None, state.tangent)
-        before = before or evaluate_tests(start, functions)
+        before = find_values_at_start(start, functions, before)
         try:
-            reached, step = _advance(start, state.step, settings, boundaries)
+            reached, step, passed = _find_next(start, state.step, settings, boundaries)
         except OutOfReachError as exc:
             return Termination(exc.end, exc.reason, n_unexplained)
         except ConvergenceError as exc:
             return Termination(End.STEP_TOO_SMALL, make_reason("message", text=str(exc)), n_unexplained)
-        passed = find_passed(boundaries, Approach.BEYOND, start, reached)
-        if passed is not None:
-            boundary, k, fraction = passed
-            guess = (1.0 - fraction) * reached.system.interpolate_from(system, start.x) + fraction * reached.x
-            try:
-                reached = land(boundary, k, reached.system, guess, settings.newton)
-            except ConvergenceError as exc:
-                # A fold next to the boundary: come closer with smaller steps.
-                state = replace(state, step=step / 2)
-                if state.step < settings.min:
-                    return Termination(End.STEP_TOO_SMALL, make_reason("message", text=str(exc)), n_unexplained)
-                continue
         scaling = reached.system.scaling
         chord = reached.x - reached.system.interpolate_from(system, start.x)
         length = scaling.length(chord)
         assert reached.solution is not None
-        direction = tangent_at(reached.solution, scaling, chord)
+        comparable = _find_comparable(reached.system, reached.x - chord)
+        along = np.where(comparable, chord, 0.0)
+        direction = tangent_at(reached.solution, scaling, along)
         reached = replace(reached, direction=direction)
         after = evaluate_tests(reached, functions)
         segment = BranchSegment(start, reached, settings.newton)
-        specials, more = find_special_points(segment, functions, before, after, AT_START if first else 0.0)
+        specials, more = find_special_points(segment, functions, before, after, AT_START if state.is_start else 0.0)
+        closing = find_return(segment, home) if home is not None and state.arclength != 0.0 else None
         n_unexplained += more
         for special in specials:
-            emit(_make_special(special, state, sign * length))
+            if closing is not None and special.fraction > closing + AT_START:
+                break
+            point = _make_special(special, state, sign * length)
+            emit(replace(point, n_unexplained=more) if special.test.end else point)
             if special.test.end:
-                return Termination(special.test.end, make_reason("kind", kind=special.test.kind), n_unexplained)
-        cosine = scaling.dot(direction, chord) / length
+                return _end_at(special.test, n_unexplained)
+        if closing is not None:
+            emit(replace(_make_last(segment, closing, state, sign * length), n_unexplained=more))
+            return Termination(End.CLOSED, NO_REASON, n_unexplained)
+        there = np.where(comparable, direction, 0.0)
+        cosine = scaling.dot(there, along) / (scaling.length(there) * scaling.length(along))
         next_step = _next_step(step, reached.n_iterations, cosine, settings)
-        state = BranchState(reached, state.arclength + sign * length, next_step, state.n_points + 1)
+        state = BranchState(reached, state.arclength + sign * length, next_step, state.n_points + 1, False)
         limit = find_reached(boundaries, reached, direction)
-        emit(BranchPoint(state, END_POINT if limit or passed else "", reached.n_iterations))
+        emit(BranchPoint(state, END_POINT if limit or passed else "", reached.n_iterations, n_unexplained=more))
         if after.violation and not before.violation:
             return Termination(End.INVALID, after.violation, n_unexplained)
         if limit:
             return Termination(*limit, n_unexplained)
         if passed:
             return Termination(passed[0].end, passed[0].reason(reached.at, passed[1]), n_unexplained)
-        before, first = after, False
+        before = after
     return Termination(End.MAX_POINTS, NO_REASON, n_unexplained)
+
+
+def _end_at(test: TestFunction[E], n_unexplained: int) -> Termination:
+    """Return how a branch ends at a special point that ends it: by its kind, or by what is wrong beyond."""
+    reason = test.reason if test.end == End.INVALID else make_reason("kind", kind=test.kind)
+    return Termination(test.end, reason, n_unexplained)
+
+
+def _find_next(
+    start: CurvePoint[E], step: float, settings: StepSettings, boundaries: Sequence[Boundary[E]]
+) -> tuple[CurvePoint[E], float, tuple[Boundary[E], int, float] | None]:
+    """Return the next point, taken back onto a boundary that it passed, the step that reached it, and that boundary."""
+    while True:
+        reached, step = _advance(start, step, settings, boundaries)
+        passed = find_passed(boundaries, Approach.BEYOND, start, reached)
+        if passed is None:
+            return reached, step, None
+        boundary, k, fraction = passed
+        guess = (1.0 - fraction) * reached.system.interpolate_from(start.system, start.x) + fraction * reached.x
+        try:
+            return land(boundary, k, reached.system, guess, settings.newton), step, passed
+        except ConvergenceError:
+            # A fold next to the boundary: come closer with smaller steps.
+            step /= 2
+            if step < settings.min:
+                raise
+
+
+def _make_last(segment: BranchSegment[E], fraction: float, before: BranchState[E], length: float) -> BranchPoint[E]:
+    """Return the point of a closed branch that is its first, on the step of signed ``length`` after ``before``."""
+    found = segment.at(fraction)
+    point = replace(found, direction=found.system.scaling.normalise(found.tangent))
+    n_points = before.n_points + 1
+    state = BranchState(point, before.arclength + fraction * length, before.step, n_points)
+    return BranchPoint(state, END_POINT, found.n_iterations)
 
 
 def _make_special(special: SpecialPoint[E], before: BranchState[E], length: float) -> BranchPoint[E]:
@@ -210,9 +260,13 @@ def _take_step(
 
     def solve(system: AdaptiveSystem[E], guess: Array, carried: list[Array]) -> Solution[E]:
         prediction, base = carried
-        solution = correct(system, prediction, system.scaling.normalise(prediction - base), settings.newton, guess)
+        comparable = np.ones(len(base), dtype=bool)
+        if system is not start.system:
+            comparable = _find_comparable(system, base)
+        direction = np.where(comparable, prediction - base, 0.0)
+        solution = correct(system, prediction, system.scaling.normalise(direction), settings.newton, guess)
         refuse_out_of_reach(boundaries, solution.at)
-        if system.scaling.length(solution.x - prediction) > settings.max_turn * step:
+        if system.scaling.length(np.where(comparable, solution.x - prediction, 0.0)) > settings.max_turn * step:
             raise ConvergenceError("the branch turns too sharply for this step", solution.history)
         if find_passed(boundaries, Approach.UP_TO, start, CurvePoint(system, solution.at)) is not None:
             raise ConvergenceError("the step leads past the end of the branch", solution.history)
@@ -220,6 +274,19 @@ def _take_step(
 
     system, solution = solve_adaptively(start.system, predicted.x, solve, [predicted.x, start.x])
     return CurvePoint(system, solution.at, solution)
+
+
+def _find_comparable(system: AdaptiveSystem[E], x: Array) -> NDArray[np.bool_]:
+    """Return which unknowns at ``x`` tell how far points of this mesh are from there.
+
+    Where the mesh does not hold at ``x``, its breaking points are there in another order, and values at points between
+    two that changed places are those of other parts of the solution.
+    """
+    if system.mesh_is_valid(system.at(x)):
+        return np.ones(len(x), dtype=bool)
+    comparable = np.zeros(len(x), dtype=bool)
+    comparable[system.order_independent_index] = True
+    return comparable
 
 
 def _next_step(step: float, n_iterations: int, cosine: float, settings: StepSettings) -> float:

@@ -141,6 +141,14 @@ class BranchSegment(Generic[E]):
         if abs(float(rest(root))) > AGREE * float(np.max(np.abs(values))):
             return None
         self._keep_interpolated(root, places, TANGENT_STEP * (right - left))
+        # What the values say must hold at the point itself, which is interpolated apart from them.
+        try:
+            holds = abs(test(self.known[root])) <= AGREE * float(np.max(np.abs(values)))
+        except ConvergenceError:
+            holds = False
+        if not holds:
+            del self.known[root]
+            return None
         return root
 
     def _keep_interpolated(self, fraction: float, places: Array, step: float) -> None:

@@ -74,6 +74,11 @@ class AdaptiveSystem(System[E], Protocol[E]):
         """Places of the unknowns that no mesh changes."""
         ...
 
+    @property
+    def order_independent_index(self) -> Ints:
+        """Places of those among them that have no corner where the mesh changes its order."""
+        ...
+
     def mesh_is_valid(self, at: E) -> bool:
         """Return whether the equations on this mesh make sense at a point."""
         ...
@@ -121,6 +126,11 @@ class FixedUnknowns(Generic[E]):
     def mesh_independent_index(self) -> Ints:
         """Places of all unknowns."""
         return np.arange(len(self.scaling.scale))
+
+    @property
+    def order_independent_index(self) -> Ints:
+        """Places of all unknowns."""
+        return self.mesh_independent_index
 
     def mesh_is_valid(self, at: E) -> bool:
         """Return True."""

@@ -18,6 +18,8 @@ class End(StrEnum):
     LIMIT = "limit"
     SPECIAL = "special"
     INVALID = "invalid"
+    SHRINKS = "shrinks"
+    CLOSED = "closed"
 
 
 @dataclass(frozen=True)

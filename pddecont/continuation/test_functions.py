@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Generic
 
 from pddecont.continuation.curve_point import CurvePoint
 from pddecont.continuation.locate import BranchSegment
 from pddecont.continuation.system import E
+from pddecont.continuation.termination import End
 from pddecont.errors import ConvergenceError
 from pddecont.reasons import NO_REASON, Reason
 
 # How often a step is halved to tell changes of counts apart that came together.
 MAX_CUTS = 10
+# How often a step is halved for the point at which its problem ceases to be solved.
+MAX_HALVINGS = 36
 # How far short of a point that ends the branch its counts are taken, as a fraction of the way there.
 SHORT = 1e-6
 # Zeros nearer than so many decimals of a step fall together; the one that ends the branch comes first.
@@ -27,7 +30,8 @@ class TestFunction(Generic[E]):
     ``reason`` says more of the point. Where ``end`` is not empty the branch ends there, with this code.
     ``find_meeting`` finds the point itself between two points with a change of sign, or None: where a branch meets
     another one, no point between the two can be found on the way and no count can be trusted. ``crosses``: branches
-    cross at its zeros, so that the equations there do not say which direction is the branch's.
+    cross at its zeros, so that the equations there do not say which direction is the branch's. ``smooth`` has the same
+    sign and no kinks; the zero is looked for with it where ``value`` does not lead there.
     """
 
     __test__ = False
@@ -37,6 +41,7 @@ class TestFunction(Generic[E]):
     reason: Reason = NO_REASON
     find_meeting: Callable[[CurvePoint[E], CurvePoint[E]], CurvePoint[E] | None] | None = None
     crosses: bool = False
+    smooth: Callable[[CurvePoint[E]], float] | None = None
 
 
 Counts = tuple[int, ...]
@@ -61,12 +66,20 @@ def find_no_violation(_: CurvePoint[E]) -> Reason:
 
 @dataclass(frozen=True)
 class TestFunctions(Generic[E]):
-    """What is evaluated along a branch; ``find_violation`` says why a point is none of the problem's solutions."""
+    """What is evaluated along a branch.
+
+    ``find_violation`` says why a point is none of the problem's solutions. The point at which that begins is a special
+    one of ``violation_kind`` (empty: it is not located), found by ``find_strictly``: the same without room for errors.
+    ``depend_on_reference``: values change, if only by rounding, with the orbit that the system took as its reference.
+    """
 
     __test__ = False
     tests: Sequence[TestFunction[E]] = ()
     counts: CountFunction[E] | None = None
     find_violation: Callable[[CurvePoint[E]], Reason] = find_no_violation
+    violation_kind: str = ""
+    find_strictly: Callable[[CurvePoint[E]], Reason] = find_no_violation
+    depend_on_reference: bool = False
 
 
 @dataclass(frozen=True)
@@ -83,6 +96,18 @@ def evaluate_tests(point: CurvePoint[E], functions: TestFunctions[E]) -> TestVal
     """Return the values of all functions at a point."""
     counts = functions.counts.count(point) if functions.counts else ()
     return TestValues(tuple(test.value(point) for test in functions.tests), counts, functions.find_violation(point))
+
+
+def find_values_at_start(start: CurvePoint[E], functions: TestFunctions[E], before: TestValues | None) -> TestValues:
+    """Return the values of all functions where a step starts, from those ``before`` that the last one ended with.
+
+    They are the same to the last bit for a branch that is resumed there, which has none from before.
+    """
+    if before is None:
+        return evaluate_tests(start, functions)
+    if functions.depend_on_reference:
+        return replace(before, values=tuple(test.value(start) for test in functions.tests))
+    return before
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,8 +140,39 @@ def find_special_points(
         found += [f for f in counted if f is not None]
         # At the start of a branch the special point that it comes from may still show.
         n_unexplained = 0 if from_ else len([f for f in counted if f is None])
-    kept = (f for f in found if f.fraction >= from_)
-    return sorted(kept, key=lambda f: (round(f.fraction, TOGETHER_DECIMALS), not f.test.end, f.fraction)), n_unexplained
+    if _is_violated(functions, before, after) and not any(f.test.end for f in found):
+        last_valid = _find_last_valid(segment, functions, after.violation)
+        found = [*(f for f in found if round(f.fraction - last_valid.fraction, TOGETHER_DECIMALS) <= 0.0), last_valid]
+    kept = (f for f in found if f.fraction >= from_ or f.test.end == End.INVALID)
+    return sorted(kept, key=_find_place), n_unexplained
+
+
+def _find_place(special: SpecialPoint[E]) -> tuple[float, int, float]:
+    """Return what special points on a step are sorted by: beyond the last one that solves the problem is none."""
+    place = 2 if special.test.end == End.INVALID else int(not special.test.end)
+    return round(special.fraction, TOGETHER_DECIMALS), place, special.fraction
+
+
+def _is_violated(functions: TestFunctions[E], before: TestValues, after: TestValues) -> bool:
+    """Return whether the problem ceases to be solved on a step, and its last point is a special one."""
+    return bool(functions.violation_kind and after.violation and not before.violation)
+
+
+def _find_last_valid(segment: BranchSegment[E], functions: TestFunctions[E], violation: Reason) -> SpecialPoint[E]:
+    """Return the last point of a step, to rounding, that solves the problem, and why the next one does not.
+
+    ``violation`` is what is wrong at the step's end; at its beginning nothing is.
+    """
+    low, high = 0.0, 1.0
+    for _ in range(MAX_HALVINGS):
+        middle = 0.5 * (low + high)
+        try:
+            found = functions.find_strictly(segment.at(middle))
+        except ConvergenceError:
+            break
+        low, high, violation = (low, middle, found) if found else (middle, high, violation)
+    test: TestFunction[E] = TestFunction(functions.violation_kind, lambda _: 0.0, End.INVALID, violation)
+    return SpecialPoint(test, segment.at(low), low)
 
 
 def _only_at_start(segment: BranchSegment[E], test: TestFunction[E], f0: float, f1: float, from_: float) -> bool:
@@ -143,6 +199,27 @@ def _locate(
     return [SpecialPoint(test, point, fraction)]
 
 
+def _locate_counted(
+    segment: BranchSegment[E], test: TestFunction[E], low: float, high: float
+) -> list[SpecialPoint[E]] | None:
+    """Return the point for which a count has changed; nothing if it is not found, None if its function has no sign."""
+    f_low, f_high = test.value(segment.at(low)), test.value(segment.at(high))
+    if not f_low * f_high <= 0.0:
+        return None
+    return _locate(segment, test, low, high, f_low, f_high) or _locate_smoothly(segment, test, low, high)
+
+
+def _locate_smoothly(
+    segment: BranchSegment[E], test: TestFunction[E], low: float, high: float
+) -> list[SpecialPoint[E]]:
+    """Return the point that a test function's smooth twin leads to; nothing if there is none."""
+    if test.smooth is None:
+        return []
+    f_low, f_high = test.smooth(segment.at(low)), test.smooth(segment.at(high))
+    smooth = replace(test, value=test.smooth)
+    return _locate(segment, smooth, low, high, f_low, f_high) if f_low * f_high < 0.0 else []
+
+
 def _explain_counts(
     segment: BranchSegment[E],
     counts: CountFunction[E],
@@ -160,20 +237,20 @@ def _explain_counts(
         return []
     tests = counts.explain(before, after)
     if tests is not None:
-        ends = [(test.value(segment.at(low)), test.value(segment.at(high))) for test in tests]
+        located = [_locate_counted(segment, test, low, high) for test in tests]
         # A test function may not exist all along: no real multiplier at one end, say. Then the step is cut too.
-        if all(f_low * f_high <= 0.0 for f_low, f_high in ends):
-            result: list[SpecialPoint[E] | None] = []
-            for test, (f_low, f_high) in zip(tests, ends, strict=True):
-                result += _locate(segment, test, low, high, f_low, f_high) or [None]
-            return result
-    if cuts == 0:
-        return [None]
+        if all(points is not None for points in located):
+            explained: list[SpecialPoint[E] | None] = []
+            for points in located:
+                explained += points or [None]
+            return explained
     middle = 0.5 * (low + high)
     try:
-        between = counts.count(segment.at(middle))
+        between = counts.count(segment.at(middle)) if cuts else None
     except ConvergenceError:
-        return [None]
+        between = None
+    if between is None:
+        return [point for test in tests or () for point in _locate_smoothly(segment, test, low, high)] or [None]
     return [
         *_explain_counts(segment, counts, low, middle, before, between, cuts - 1),
         *_explain_counts(segment, counts, middle, high, between, after, cuts - 1),

@@ -14,3 +14,4 @@ from .interface import DelayOperator as DelayOperator
 from .interface import FullWeights as FullWeights
 from .interface import LineStages as LineStages
 from .interface import LocalWeights as LocalWeights
+from .transfer_factor import find_transfer_factor as find_transfer_factor

@@ -16,6 +16,7 @@ from pddecont.model.document import Document, KeyPath, parse_document, read_text
 from pddecont.model.evaluation import count_terms, evaluate
 from pddecont.model.expression import MAX_SIZE, TIME, ExpressionError, Scope, parse_expression, substitute
 from pddecont.model.periodicity import explain_non_periodic
+from pddecont.model.reachability import find_shadowed, find_unreached
 from pddecont.model.schema import DelayedEvent, ModelFile
 from pddecont.model.system import (
     IDENTITY,
@@ -323,10 +324,11 @@ class _Builder:
         for name in file.resets:
             if name != IDENTITY and name not in {s.reset for s in segments.values()}:
                 self.add_warning(("resets", name), f"reset '{name}' is not used by any segment")
-        reached = {s.to for s in segments.values()} | {str(file.initial.get("mode", next(iter(file.modes))))}
-        for name in file.modes:
-            if name not in reached:
-                self.add_warning(("modes", name), f"no segment leads to mode '{name}'")
+        for name, message in find_shadowed(segments.values()):
+            self.add_error(("segments", name), message, key=True)
+        first = str(file.initial.get("mode", next(iter(file.modes))))
+        for name, message in find_unreached(first, file.modes, segments.values()):
+            self.add_warning(("modes", name), message)
 
     def effect(self, name: str, values: Mapping[str, str | float], drop: Sequence[str]) -> Effect:
         """Return what leaving an effect out changes."""

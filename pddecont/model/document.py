@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import re
 import unicodedata
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -30,6 +31,8 @@ AMBIGUOUS_KEYS = {"yes", "no", "on", "off", "true", "false"}
 # Longer ones are text: what is tried in vain on a million digits takes hours.
 MAX_DIGITS = 400
 MAX_KEY = 200
+# Letters of a text that a message repeats.
+MAX_SHOWN = 40
 
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\Z", re.ASCII)
 
@@ -94,6 +97,8 @@ def parse_document(text: str, path: str, error: type[InputError] = InputError) -
         mark = exc.problem_mark or exc.context_mark
         line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
         what = " ".join(str(part) for part in (exc.context, exc.problem) if part)[:300]
+        if text.splitlines()[line - 1 : line] and text.splitlines()[line - 1][column - 1 : column] == "\t":
+            what = "a tab stands here; YAML is indented and spaced with spaces, write some instead"
         raise error.at(path, line, column, what if what == TOO_MUCH else f"not valid YAML: {what}") from exc
     except yaml.YAMLError as exc:
         raise error.at(path, 1, 1, f"not valid YAML: {' '.join(str(exc).split())[:300]}") from exc
@@ -102,7 +107,7 @@ def parse_document(text: str, path: str, error: type[InputError] = InputError) -
         raise error.at(path, 1, 1, f"not valid YAML: {str(exc)[:100]}") from exc
     if root is None:
         raise error.at(path, 1, 1, "the file is empty; expected a mapping such as 'name: my_model'")
-    builder = _Builder(path)
+    builder = _Builder(path, text)
     data = builder.build(root, ())
     if builder.problems:
         raise error(builder.problems)
@@ -115,6 +120,20 @@ def describe_kind(value: Any) -> str:
     """Return what ``value`` is, in words for a message."""
     names = {dict: "a mapping", list: "a list", str: "text", bool: "true/false", type(None): "nothing"}
     return names.get(type(value), "a number")
+
+
+def _explain_comma(after: str, before: Sequence[Any]) -> str:
+    """Return what is wrong with text ``after`` a comma between braces, where a key with a value must stand.
+
+    ``before`` are the values before it.
+    """
+    shown = f"'{after[:MAX_SHOWN]}' after a comma is no 'key: value'"
+    if before and isinstance(before[-1], int | float) and after.isdigit():
+        return f"{shown}; write a decimal point instead of the comma, {before[-1]}.{after[:MAX_SHOWN]}"
+    return (
+        f"{shown}: between braces a comma ends a value; put a formula that holds one between quotation marks, or write "
+        "the mapping without braces, each key on a line of its own"
+    )
 
 
 def _readable(text: str) -> bool:
@@ -142,8 +161,8 @@ class _Loader(yaml.SafeLoader):
 class _Builder:
     """Walks the node tree once; counts what it visits, so that aliases cannot multiply without bound."""
 
-    def __init__(self, path: str):
-        self.path = path
+    def __init__(self, path: str, text: str):
+        self.path, self.text = path, text
         self.problems: list[Problem] = []
         self.values: dict[KeyPath, Mark] = {}
         self.keys: dict[KeyPath, Mark] = {}
@@ -180,6 +199,9 @@ class _Builder:
                 self.complain(key_node, "a key must be a plain name")
                 continue
             key = key_node.value
+            if node.flow_style and ":" not in self.text[key_node.end_mark.index : value_node.start_mark.index]:
+                self.complain(key_node, _explain_comma(key, list(data.values())))
+                break
             if len(key) > MAX_KEY or not _readable(key):
                 self.complain(key_node, f"a key is a name of at most {MAX_KEY} characters, without control characters")
                 continue

@@ -27,6 +27,7 @@ from pddecont.model.evaluation import (
     measure_depth,
     raise_power,
 )
+from pddecont.model.mistakes import find_derivative, is_infinite, is_moment, suggest_point
 
 MAX_LENGTH = 20_000
 MAX_NODES = 5_000
@@ -109,6 +110,8 @@ def parse_expression(text: str | float | int, scope: Scope) -> sympy.Expr:
         raise ExpressionError("expected an expression, found true/false")
     if isinstance(text, int | float):
         return _number(text)
+    if is_infinite(text) and text not in scope.symbols:
+        raise ExpressionError(f"expected a finite number, found '{text.strip()}'")
     if len(text) > MAX_LENGTH:
         raise ExpressionError(f"the expression has {len(text)} characters; at most {MAX_LENGTH} are read")
     if any(not c.isprintable() and c not in "\n\t" for c in text) and text.isascii():
@@ -117,6 +120,9 @@ def parse_expression(text: str | float | int, scope: Scope) -> sympy.Expr:
     if not text.isascii():
         offset = next(i for i, c in enumerate(text) if not c.isascii())
         raise ExpressionError(f"character '{text[offset]}' is not allowed; write names in plain letters", offset)
+    hint = suggest_point(text)
+    if hint:
+        raise ExpressionError(f"'{text.strip()}' is not a number{hint}")
     tree = _syntax_tree(text)
     return translate_expression(tree, scope)
 
@@ -215,6 +221,9 @@ def _syntax_tree(text: str) -> ast.expr:
             tree = ast.parse(f"({stripped}\n)", mode="eval").body
     except SyntaxError as exc:
         offset = max(0, min((exc.offset or 2) - 2, len(stripped) - 1)) if (exc.lineno or 1) == 1 else len(stripped)
+        derivative = find_derivative(text)
+        if derivative is not None:
+            raise ExpressionError(*derivative) from exc
         reason = exc.msg if exc.msg.isascii() else "invalid syntax"
         raise ExpressionError(f"not an expression: {reason}", offset + shift) from exc
     except (RecursionError, MemoryError, ValueError) as exc:
@@ -238,8 +247,10 @@ def _number(number: float) -> sympy.Expr:
         number = float(number)
     except OverflowError:
         number = math.inf
-    if not math.isfinite(number):
-        raise ExpressionError("the number is too large for double precision")
+    if math.isnan(number):
+        raise ExpressionError("expected a finite number, found 'nan'")
+    if math.isinf(number):
+        raise ExpressionError("the number is infinite, or too large for double precision")
     return sympy.Float(number, 17)
 
 
@@ -356,6 +367,12 @@ class _Translator:
         if name in self.scope.symbols:
             raise ExpressionError(
                 f"'{name}' cannot be called: only a state can be delayed, as in x(t - tau)", node.col_offset
+            )
+        if self.scope.states and len(node.args) == 1 and is_moment(node.args[0]):
+            hint = suggest(name, [*self.scope.states, *FUNCTIONS])
+            raise ExpressionError(
+                f"'{name}' is not a state and has no delayed values{hint} (states: {', '.join(self.scope.states)})",
+                node.col_offset,
             )
         raise ExpressionError(
             f"unknown function '{name}'{self.scope.missing(name) or suggest(name, FUNCTIONS)}", node.col_offset

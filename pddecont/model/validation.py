@@ -10,8 +10,9 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Tag, ValidationErro
 from pydantic_core import PydanticCustomError
 
 from pddecont.errors import Problem, suggest
-from pddecont.model.document import Document, KeyPath, describe_kind
+from pddecont.model.document import MAX_SHOWN, Document, KeyPath, describe_kind
 from pddecont.model.expression import FUNCTIONS, IDENTIFIER, PI_NAME
+from pddecont.model.mistakes import is_infinite, suggest_point
 
 # Findings that are worked out with all that belongs to a message.
 MAX_FOUND = 1000
@@ -87,6 +88,10 @@ def _problem(document: Document, cls: type[BaseModel], base: KeyPath, error: Any
     if kind == "missing":
         return document.problem(path[:-1], f"key '{loc[-1]}' is missing here; add it")
     found = describe_kind(error["input"])
+    if isinstance(error["input"], str) and kind in ("float_type", "int_type"):
+        found = f"text '{error['input'][:MAX_SHOWN]}'{suggest_point(error['input'])}"
+        if is_infinite(error["input"]):
+            return document.problem(path, f"expected a finite number, found '{error['input']}'", key=at_key)
     expected = {
         "string_type": "text",
         "dict_type": "a mapping",

@@ -12,7 +12,8 @@ from pddecont.orbit.extrema import Extremum, Profile, make_profile
 from pddecont.orbit.orbit import Orbit
 from pddecont.orbit.problem import INSTANT
 from pddecont.orbit.signature import WatchedEvent
-from pddecont.reasons import Reason, make_reason
+from pddecont.orbit.verdict import Verifier
+from pddecont.reasons import NO_REASON, Reason, make_reason
 
 # An event function below this part of its largest modulus is zero.
 RELATIVE_ZERO = 1e-9
@@ -41,6 +42,22 @@ def find_event_profile(orbit: Orbit, event: str) -> Profile:
     return orbit.once(("event profile", event), find)
 
 
+def find_violation(orbit: Orbit, referee: Verifier | None, *, strict: bool = False) -> Reason:
+    """Return why an orbit is no motion of the model; no reason for one that is.
+
+    A simulation that does all that the orbit does decides; where it does not, or there is none, so do the crossings of
+    event functions. ``strict`` leaves no room for the orbit's errors.
+    """
+    if referee is not None and referee.verify(orbit, strict=True).verified == 1:
+        return NO_REASON
+    for violation in find_violations(orbit):
+        return violation
+    if referee is None:
+        return NO_REASON
+    verification = referee.verify(orbit, strict=strict)
+    return verification.reason if verification.verified == 0 else NO_REASON
+
+
 def find_violations(orbit: Orbit) -> list[Reason]:
     """Return what makes an orbit inadmissible; an empty list for an admissible orbit."""
     return orbit.once("violations", lambda: list(_find_violations(orbit)))
@@ -63,8 +80,7 @@ def _find_violations(orbit: Orbit) -> Iterator[Reason]:
 def _find_crossings(profile: Profile, s: int, watched: WatchedEvent) -> Iterator[tuple[str, str]]:
     """Yield (code, direction) of each crossing of an event in a segment that should not be there."""
     start, end = profile.ends(s)
-    interior = [e.value for e in profile.extrema if e.segment == s]
-    levels = np.array([start, *interior, end])
+    levels = np.array([start, *profile.inner_levels(s), end])
     largest = float(np.max(np.abs(profile.values)))
     zero = RELATIVE_ZERO * max(largest, np.finfo(float).tiny)
     signs = np.where(np.abs(levels) <= zero, 0, np.sign(levels)).astype(int)

@@ -220,6 +220,6 @@ class Assembly:
         self._add(Entries(e.row, self.columns.moving_columns, self.columns.find_elapsed_weights(e.link)))
         place, free = self.problem.unknowns.free, self.problem.free_index
         if free:
-            delay = self.problem.numeric.event_delay(self.problem.segments[e.link.segment].event)
+            delay = e.link.make_delay(self.problem.signature)
             columns = np.arange(place.start, place.stop)
             self._add(Entries(e.row, columns, lambda at: -delay.derivatives(at.orbit.parameters, free)[0]))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -18,6 +19,8 @@ from pddecont.orbit.smooth_subintervals import find_smooth_subintervals
 Array = NDArray[np.float64]
 # Candidates nearer than this, relative to their interval, are one extremum or lie at a segment's end.
 TOGETHER = 1e-6
+# A function that changes by more than this part of its largest modulus at a breaking point jumps there.
+JUMP = 1e-6
 # How far beside an extremum its slopes are compared, relative to its interval.
 ASIDE = 1e-5
 # A root of the slope whose imaginary part is below this is real.
@@ -86,6 +89,21 @@ class Profile:
             j = other
         basis = make_basis(self.degree)
         return float(basis.lagrange(np.array(at)) @ basis.differentiate @ self.values[j] / self.h[j])
+
+    def inner_levels(self, s: int) -> list[float]:
+        """Return the values inside segment ``s`` between which the function is monotone, in order of time.
+
+        They are its extrema, and where a delayed value jumps the values on both sides.
+        """
+        found = [(e.time, 0.0, e.value) for e in self.extrema if e.segment == s]
+        inside = np.flatnonzero(self.segment == s)
+        largest = float(np.max(np.abs(self.values)))
+        for j, following in pairwise(inside):
+            before, after = float(self.values[j, -1]), float(self.values[following, 0])
+            if abs(after - before) > JUMP * largest:
+                time = float(self.start[following])
+                found += [(time, -0.5, before), (time, 0.5, after)]
+        return [value for _, _, value in sorted(found)]
 
     @cached_property
     def extrema(self) -> list[Extremum]:

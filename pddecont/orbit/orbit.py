@@ -120,6 +120,14 @@ class Orbit:
         """The orbit at the points where equations hold."""
         return self.read(self.mesh.equation_points)
 
+    @cached_property
+    def delayed_values(self) -> Array:
+        """The delayed values at the base points, shape (n_base, n_delayed)."""
+        mesh = self.mesh
+        result = np.empty((mesh.n_base, len(self.numeric.model.delayed)))
+        result[mesh.base_index.ravel()] = self.read(mesh.grid(mesh.basis.base)).xd.T
+        return result
+
     def read(self, points: MeshPoints, *, delays: bool = True) -> Reads:
         """Return what the orbit is at ``points``, delays read by the problem's method.
 

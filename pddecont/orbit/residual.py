@@ -101,7 +101,7 @@ def _end_residuals(orbit: Orbit) -> Array:
     for s, segment in enumerate(problem.segments):
         if s in links:
             elapsed = find_elapsed_weights(problem, links[s]) @ orbit.theta[: orbit.mesh.n_segments]
-            result[s] = elapsed - problem.numeric.event_delay(segment.event).value(orbit.parameters)[0]
+            result[s] = elapsed - links[s].make_delay(problem.signature).value(orbit.parameters)[0]
         elif segment.event:
             result[s] = evaluate_at_ends(problem.numeric.event(segment.event), orbit, np.array([s]))[0, 0]
         elif problem.numeric.model.forced:

@@ -9,12 +9,14 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.codegen import NumericModel
+from pddecont.codegen import NumericModel, ParameterFunction
 from pddecont.delay import DiscontinuitySources, find_discontinuity_sources
 from pddecont.errors import SignatureError
 from pddecont.model import IDENTITY, Segment
 
 Array = NDArray[np.float64]
+# An event so near, in periods, to where a jump of what its function reads comes back is made by the jump.
+AT_JUMP = 1e-9
 
 
 @dataclass(frozen=True)
@@ -31,11 +33,22 @@ class WatchedEvent:
 
 @dataclass(frozen=True)
 class DelayedEventLink:
-    """Segment ``segment`` ends by a delayed event that the end of ``source`` started, ``wraps`` periods before."""
+    """Segment ``segment`` ends at a time that the end of ``source`` set, ``wraps`` periods before.
+
+    It ends by a delayed event that the source started, or where the jump that the source's reset made comes back
+    through ``lag``, the number of a delay, and carries an event function over its zero.
+    """
 
     segment: int
     source: int
     wraps: int
+    lag: int | None = None
+
+    def make_delay(self, signature: Signature) -> ParameterFunction:
+        """Return the time between the two as a function of the parameters."""
+        if self.lag is not None:
+            return signature.numeric.single_delay(self.lag)
+        return signature.numeric.event_delay(signature.segments[self.segment].event)
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,9 +109,9 @@ def is_rotation(a: Sequence[str], b: Sequence[str]) -> bool:
 
 
 def link_delayed_events(signature: Signature, p: Array, durations: Array) -> tuple[DelayedEventLink, ...]:
-    """Return what started the delayed event at the end of each segment that ends by one.
+    """Return what set the time of each segment's end that is a delayed event, or made by a jump that comes back.
 
-    The end of the segment lies at the end of its source plus the event's delay minus whole periods.
+    The end of the segment lies at the end of its source plus the delay minus whole periods.
 
     Raises
     ------
@@ -110,7 +123,10 @@ def link_delayed_events(signature: Signature, p: Array, durations: Array) -> tup
     links = []
     for s, segment in enumerate(segments):
         event = numeric.model.events.get(segment.event)
-        if event is None or event.after is None:
+        if event is None:
+            continue
+        if event.after is None:
+            links += _link_jump(signature, p, s, ends)
             continue
         delay = float(numeric.event_delay(event.name).value(p)[0])
         sources = [a for a, other in enumerate(segments) if other.event == event.after]
@@ -123,3 +139,23 @@ def link_delayed_events(signature: Signature, p: Array, durations: Array) -> tup
         best = min(range(len(sources)), key=lambda i: abs(turns[i] - round(turns[i])))
         links.append(DelayedEventLink(s, sources[best], round(turns[best])))
     return tuple(links)
+
+
+def _link_jump(signature: Signature, p: Array, s: int, ends: Array) -> list[DelayedEventLink]:
+    """Return the link of a segment that ends where a delayed value jumps and carries its event function over zero.
+
+    The function has no zero there, so that an equation cannot ask for one.
+    """
+    model, period = signature.numeric.model, float(ends[-1])
+    function = model.events[signature.segments[s].event].function
+    assert function is not None, "a delayed event has no event function"
+    tau = signature.numeric.delays.value(p)
+    for read, symbol in zip(model.delayed, model.delayed_symbols, strict=True):
+        if symbol not in function.free_symbols or tau[read.delay] <= 0.0:
+            continue
+        for a, other in enumerate(signature.segments):
+            turns = (ends[a] + float(tau[read.delay]) - ends[s]) / period
+            jumps = model.resets[other.reset][read.state] != model.state_symbols[read.state]
+            if jumps and abs(turns - round(turns)) < AT_JUMP:
+                return [DelayedEventLink(s, a, round(turns), read.delay)]
+    return []

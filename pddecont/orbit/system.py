@@ -116,6 +116,12 @@ class PeriodicOrbitSystem:
         starts = unknowns.value_index[self.problem.mesh.first_base].ravel()
         return np.concatenate([starts, np.arange(unknowns.durations.start, unknowns.size)])
 
+    @property
+    def order_independent_index(self) -> Ints:
+        """Places of durations, start and free parameters: a state at an event has a corner where one passes it."""
+        unknowns = self.problem.unknowns
+        return np.arange(unknowns.durations.start, unknowns.size)
+
     def mesh_is_valid(self, at: OrbitEvaluation) -> bool:
         """Return whether the mesh's breaking points are in their order at an orbit."""
         return self.rule is None or mesh_is_valid(at.orbit)

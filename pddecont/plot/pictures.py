@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pddecont.errors import ResultsError
+from pddecont.output import check_replaceable, replace_whole
 from pddecont.plot.registry import VIEWS
 from pddecont.plot.style import MOVING_DPI
 from pddecont.plot.style_sheet import apply_style
@@ -49,8 +50,14 @@ def draw_picture(results: Results, request: ViewRequest) -> Figure:
 
 
 def render_image(results: Results, request: ViewRequest) -> tuple[str, bytes]:
-    """Return a view of a results file as (media type, contents): SVG, or PNG where that would be large."""
-    with apply_style(), io.BytesIO() as stream:
+    """Return a view of a results file as (media type, contents): SVG, or PNG where that would be large.
+
+    Raises
+    ------
+    ResultsError
+        If there is nothing to draw so.
+    """
+    with apply_style(), _explain_errors(results), io.BytesIO() as stream:
         figure = draw_picture(results, request)
         figure.savefig(stream, format="svg", metadata={"Date": None})
         if stream.tell() <= MAX_SVG_BYTES:
@@ -69,15 +76,24 @@ def save_picture(results: Results, request: ViewRequest, path: Path, style: str 
     Raises
     ------
     ResultsError
-        If the suffix is not that of such a picture, the file cannot be written, or there is nothing to draw so.
+        If the suffix is not that of such a picture, ``path`` is a link or holds something else than a picture, the
+        file cannot be written, or there is nothing to draw so.
     """
     is_moving = request.view in VIEWS and VIEWS[request.view].is_moving
     _check_suffix(path, is_moving)
-    with apply_style(style), _explain_errors(results, path):
+    check_replaceable(path, is_picture, "a picture")
+    with replace_whole(path) as part, apply_style(style), _explain_errors(results):
         if is_moving:
-            _save_animation(results, request, path)
+            _save_animation(results, request, part)
         else:
-            draw_picture(results, request).savefig(path)
+            draw_picture(results, request).savefig(part)
+
+
+def is_picture(head: bytes) -> bool:
+    """Whether a file that begins so is a picture of a kind that is written here."""
+    if head.startswith((b"\x89PNG\r\n\x1a\n", b"%PDF-", b"GIF8")) or head[4:8] == b"ftyp":
+        return True
+    return head.lstrip().startswith((b"<?xml", b"<svg", b"<!DOCTYPE svg")) and b"<svg" in head
 
 
 def _save_animation(results: Results, request: ViewRequest, path: Path) -> None:
@@ -86,9 +102,7 @@ def _save_animation(results: Results, request: ViewRequest, path: Path) -> None:
     view, steps = select_view(results, request)
     is_gif = path.suffix.lower() == ".gif"
     if not is_gif and not FFMpegWriter.isAvailable():
-        raise ResultsError(
-            f"{path}: MP4 is written by the program 'ffmpeg', which was not found; install it, or write a .gif"
-        )
+        raise ResultsError("MP4 is written by the program 'ffmpeg', which was not found; install it, or write a .gif")
     animation = view.drawing.draw(steps, request)
     assert isinstance(animation, Animation)
     animation.save(path, (PillowWriter if is_gif else FFMpegWriter)(fps=FRAMES_PER_SECOND), dpi=MOVING_DPI)
@@ -107,13 +121,11 @@ def _check_suffix(path: Path, is_moving: bool) -> None:
 
 
 @contextmanager
-def _explain_errors(results: Results, path: Path) -> Iterator[None]:
-    """Turn what matplotlib and numpy raise for strange numbers, or a file that cannot be written, into ResultsError."""
+def _explain_errors(results: Results) -> Iterator[None]:
+    """Turn what matplotlib and numpy raise for strange numbers into ResultsError."""
     try:
         with np.errstate(all="ignore"):
             yield
-    except OSError as exc:
-        raise ResultsError(f"{path} cannot be written: {exc.strerror}") from exc
     except (ValueError, OverflowError, np.linalg.LinAlgError) as exc:
         # Axes cannot be laid out for numbers that are not finite, or too large to be subtracted.
         reason = " ".join(str(exc).split())[:MAX_REASON]

@@ -30,10 +30,11 @@ NEARER = 0.85
 SAMPLES_PER_WIDTH, MAX_SAMPLES = 8.0, 20_000.0
 
 
-def draw_side_band(axes: Axes, step: Step, x: str, y: str) -> bool:
+def draw_side_band(axes: Axes, step: Step, x: str, y: str, shown: NDArray[np.bool_] | None = None) -> bool:
     """Draw the band on the side that each point's ``side`` points to, and return whether there was any to draw.
 
-    Call it when the limits of the axes are set: directions and widths are those of the picture, not of the parameters.
+    ``shown`` says which rows have a band, shape (n_points,); None: all whose side is known. Call it when the limits of
+    the axes are set: directions and widths are those of the picture, not of the parameters.
     """
     free = list_free_parameters(step)
     if "side" not in step.points or {x, y} != set(free) or len(step) < 2:
@@ -46,7 +47,8 @@ def draw_side_band(axes: Axes, step: Step, x: str, y: str) -> bool:
     normals = _find_normals(curve)
     side = step.points["side"][rows][:, [free.index(x), free.index(y)]] * scale
     special = [bool(step.labels[i]) for i in rows]
-    signs = fill_signs(np.sign(np.nan_to_num(np.sum(normals * side, axis=1))), special)
+    signs = np.sign(np.nan_to_num(np.sum(normals * side, axis=1)))
+    signs = fill_signs(signs if shown is None else np.where(shown[rows], signs, 0.0), special)
     ranges = find_ranges(signs)
     for first, last in ranges:
         edge, directions = curve[first:last], signs[first:last, None] * normals[first:last]

@@ -38,13 +38,16 @@ MARKERS: dict[str, Any] = {
     "PD": "^",
     "TR": "*",
     "VS": "D",
+    "MC": "+",
     "EP": "|",
     "UF": "v",
+    "HB": "H",
     "CP": "P",
     "R1": "1",
     "R2": "2",
     "R3": "3",
     "R4": "4",
+    "HH": (8, 1, 0),
     "FF": "X",
     "FT": ">",
     "PT": "<",
@@ -57,7 +60,7 @@ MARKERS: dict[str, Any] = {
 # Of kinds of special points that are not listed, somebody's own among them.
 OTHER_MARKER = "8"
 # Markers without an inside to fill.
-LINES_ONLY = ("x", "|", "1", "2", "3", "4")
+LINES_ONLY = ("x", "+", "|", "1", "2", "3", "4")
 
 
 def make_palette(n: int) -> list[str]:

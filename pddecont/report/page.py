@@ -24,6 +24,8 @@ from pddecont.tables import describe_endings, find_left_out, summarise_step
 OVERVIEW_KINDS, OVERVIEW_STEPS = ("continue", "sweep"), 2
 # Rows beyond these are left to 'pddecont export'.
 MAX_ROWS = 200
+# What tells a page of this program from others; before it was named they were known by what they forbid.
+MARKS = (b'content="pddecont"', b"content=\"default-src 'none'; img-src data:; style-src 'unsafe-inline'\"")
 # What the page shows of a summary elsewhere.
 ELSEWHERE = ("name", "kind", "termination", "done", "special")
 
@@ -66,6 +68,11 @@ def render_page(results: Results) -> str:
             versions=[{"package": name, "version": version} for name, version in results.versions.items()],
         )
     )
+
+
+def is_page(head: bytes) -> bool:
+    """Whether a file that begins so is such a page, of this version or one before."""
+    return head.startswith(b"<!DOCTYPE html>") and any(mark in head for mark in MARKS)
 
 
 def make_environment() -> Environment:

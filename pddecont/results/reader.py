@@ -169,6 +169,18 @@ def read_results(path: str | Path, only: str | None = None) -> Results:
         ) from exc
 
 
+def is_results_file(path: Path) -> bool:
+    """Whether the file at ``path`` was made by this program, in whichever version."""
+    if not h5py.is_hdf5(path):
+        return False
+    try:
+        with h5py.File(path, "r") as file:
+            return _format_version(file) > 0 and {"model", "run", "steps"} <= set(file)
+    except (OSError, ResultsError, RuntimeError, ValueError, KeyError):
+        # h5py raises these for files that are damaged.
+        return False
+
+
 def _read(path: Path, file: h5py.File, only: str | None) -> Results:
     version = _format_version(file)
     if version > FORMAT_VERSION:

@@ -24,6 +24,8 @@ ORBIT_POINTS = {
     "period": FLOAT,
     "stable": TRUTH,
     "admissible": TRUTH,
+    "verified": TRUTH,
+    "deviation": FLOAT,
     "error_estimate": FLOAT,
     "monitors": Column("f8", ("monitors",)),
     "clearance": FLOAT,
@@ -46,6 +48,7 @@ ORBIT_ROWS = {
     "mesh": FLOAT,
     "signature": REASON,
     "multipliers": Column("f8", (2,)),
+    "residual": FLOAT,
     "delayed": Column("f8", ("delayed",)),
     "reason": REASON,
 }
@@ -102,7 +105,14 @@ def check_within(name: str, values: NDArray[Any], low: int, high: int) -> None:
 
 
 ORBIT = StepFormat("orbit", ORBIT_POINTS, ORBIT_ROWS, (BASE_POINTS,), check=_check_signatures)
-CONTINUE = StepFormat("continue", ORBIT_POINTS, ORBIT_ROWS, (BASE_POINTS,), has_branch=True, check=_check_signatures)
+CONTINUE = StepFormat(
+    "continue",
+    {**ORBIT_POINTS, "unexplained": SMALL},
+    ORBIT_ROWS,
+    (BASE_POINTS,),
+    has_branch=True,
+    check=_check_signatures,
+)
 SIMULATE = StepFormat(
     "simulate",
     {"parameters": PARAMETERS, "t_end": FLOAT, "n_steps": COUNT, "n_events": COUNT},

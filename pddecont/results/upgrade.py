@@ -48,8 +48,18 @@ def upgrade_step(
         ]
         points = {name: values for name, values in points.items() if name != "note"}
         orbits = {**orbits, **_pack([reason.to_json().encode() for reason in reasons])}
+    if "multipliers" in orbits:
+        residuals = np.full(len(orbits["multipliers"]), np.nan)
+        orbits = {**orbits, "residual": residuals, "residual_end": orbits["multipliers_end"]}
     if kind == "precision" and "family" in points:
         points = _upgrade_settings(points)
+    if kind == "continue" and "arclength" in points:
+        # What was not located was counted only where the branch ended.
+        points = {**points, "unexplained": np.zeros(len(points["arclength"]), dtype="i4")}
+    if kind in ("orbit", "continue") and "arclength" in points:
+        # No orbit was simulated from its own past.
+        n = len(points["arclength"])
+        points = {**points, "verified": np.full(n, -1, dtype="i1"), "deviation": np.full(n, np.nan)}
     return points, orbits, endings
 
 

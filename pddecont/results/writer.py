@@ -22,10 +22,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.errors import ResultsError
+from pddecont.output import explain_other
 from pddecont.reasons import Reason
 from pddecont.results.format import FORMAT_VERSION, N_TERMINATIONS, TEXT_BYTES, Column, StepFormat
 from pddecont.results.lock import check_unlocked, part_of
-from pddecont.results.reader import Step, read_results
+from pddecont.results.reader import Step, is_results_file, read_results
 
 # Rows that arrays have room for at first; each time that is used up they get twice as much.
 CAPACITY = 64
@@ -37,13 +38,18 @@ TEXT = Column(f"S{TEXT_BYTES}")
 def create_results(
     path: Path, model_text: str, run_text: str, source: str, versions: str, *, overwrite: bool = False
 ) -> None:
-    """Make a new results file; refuse to touch an existing one unless ``overwrite``."""
+    """Make a new results file.
+
+    An existing one is refused unless ``overwrite``; a file of another kind always is.
+    """
     if path.exists():
         if not overwrite:
             raise ResultsError(
                 f"{path} exists already; give --resume to go on with it, --overwrite to replace it, or another -o"
             )
         check_unlocked(path)
+        if path.stat().st_size and not is_results_file(path):
+            raise explain_other(path, "a results file")
 
     def fill(_: h5py.File | None, new: h5py.File) -> None:
         new.attrs["format_version"] = FORMAT_VERSION
@@ -111,7 +117,11 @@ class StepWriter:
         self.n, self._capacity = kept, capacity
         self.used = dict.fromkeys(step_format.orbits, 0)
         if recorded is not None and kept:
-            self.used = {name: int(recorded.orbits[f"{name}_end"][kept - 1]) for name in step_format.orbits}
+            self.used = {
+                # Files of earlier versions lack some columns.
+                name: int(recorded.orbits[f"{name}_end"][kept - 1]) if f"{name}_end" in recorded.orbits else 0
+                for name in step_format.orbits
+            }
         capacity = max(capacity, kept, *self.used.values())
         self.capacity = dict.fromkeys((*step_format.points, *step_format.orbits), capacity)
         self._descriptor = -1

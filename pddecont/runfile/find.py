@@ -14,6 +14,8 @@ MAX_SHOWN = 100
 def find_file(name: str, base: Path | None = None) -> Path:
     """Return the file that ``name`` means: a path (relative to ``base``), else a shipped model or run.
 
+    A path without a base, given by a person, may be a pipe, as the shell's ``<(...)`` is.
+
     Raises
     ------
     RunError
@@ -21,7 +23,7 @@ def find_file(name: str, base: Path | None = None) -> Path:
     """
     path = Path(name) if base is None else base / name
     try:
-        if path.is_file():
+        if path.is_file() or (base is None and path.is_fifo()):
             return path
         if path.is_dir():
             raise RunError.at(name, 0, 0, "is a folder; expected a YAML file")

@@ -12,7 +12,7 @@ import yaml
 from pddecont.errors import RunError
 from pddecont.model import Document, parse_document
 from pddecont.runfile.find import find_file
-from pddecont.runfile.load import is_run_file, load_document
+from pddecont.runfile.load import find_folder, is_run_file, load_document
 
 SOURCE = "<python>"
 
@@ -30,7 +30,7 @@ def write_run(
         return document
     data = document.data
     if is_run_file(document):
-        folder = Path(document.path).parent
+        folder = find_folder(document)
         merged = {**data, **changes}
         # Text from here has no folder of its own, so that the model is named in full.
         if isinstance(data.get("model"), str):
@@ -41,7 +41,7 @@ def write_run(
     if isinstance(model, Mapping) or _is_text(model):
         return _parse({**data, "run": merged}, SOURCE)
     # A model in a file stays there: what is wrong in it is reported at its own lines.
-    return _parse({"model": str(Path(document.path).resolve()), **merged}, str(Path(document.path).parent / SOURCE))
+    return _parse({"model": str(Path(document.path).resolve()), **merged}, str(find_folder(document) / SOURCE))
 
 
 def _document(model: str | Path | Mapping[str, Any]) -> Document:

@@ -44,3 +44,7 @@ class StepKind(Protocol):
     def list_modes(self, body: Any, /) -> Iterable[str]:
         """Return the modes that motions of a step are put into."""
         ...
+
+    def list_varied(self, body: Any, /) -> Iterable[str]:
+        """Return the parameters that do not have one value throughout a step."""
+        ...

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -14,6 +15,9 @@ from pddecont.runfile.plan import Plan
 from pddecont.runfile.planner import Overrides, RunDocument, make_plan
 from pddecont.runfile.schema import make_run_types
 
+# What every model says, and how it looks in a file that is not even YAML: without them a file is no model.
+MODEL_KEYS = {key: re.compile(rf"""(?m)(?:^|[{{,]\s*)["']?{key}["']?\s*:""") for key in ("states", "modes")}
+
 
 def load_document(path: str) -> Document:
     """Return the YAML document at ``path`` (``-``: standard input; or the name of a shipped model or run)."""
@@ -25,6 +29,12 @@ def load_document(path: str) -> Document:
         return parse_document(text, "<stdin>", RunError)
     found = find_file(path)
     return parse_document(read_text(found, RunError), str(found), RunError)
+
+
+def find_folder(document: Document) -> Path:
+    """Return the folder that paths in a document are relative to; what comes from a pipe has the current one."""
+    path = Path(document.path)
+    return Path() if path.is_fifo() else path.parent
 
 
 def is_run_file(document: Document) -> bool:
@@ -41,7 +51,7 @@ def load_plan(document: Document, kinds: Mapping[str, StepKind], overrides: Over
         With all that is wrong.
     """
     overrides = overrides or Overrides()
-    folder = Path(document.path).parent
+    folder = find_folder(document)
     block_type, file_type = make_run_types(list(kinds.values()))
     prefix: KeyPath = ()
     if is_run_file(document):
@@ -60,14 +70,30 @@ def load_plan(document: Document, kinds: Mapping[str, StepKind], overrides: Over
         run, problems = validate(document, block_type, prefix)
         if run is None:
             raise RunError(problems)
-    return make_plan(RunDocument(document, prefix, run, model, model_document.text, folder), kinds, overrides, warnings)
+    text = RunDocument(document, prefix, run, model, model_document.text, model_document.path, folder)
+    return make_plan(text, kinds, overrides, warnings)
 
 
 def _load_model_document(document: Document, model: str, folder: Path) -> Document:
     try:
-        path = find_file(model, folder)
-        return parse_document(read_text(path, ModelError), str(path), ModelError)
+        return _read_model(find_file(model, folder))
     except PddecontError as exc:
         if isinstance(exc, ModelError) and any(p.line for p in exc.problems):
             raise
         raise RunError([document.problem(("model",), f"the model {exc}")]) from exc
+
+
+def _read_model(path: Path) -> Document:
+    """Return the document of a model; of another file, which a stranger may have named, nothing is repeated."""
+    text = read_text(path, ModelError)
+    try:
+        document = parse_document(text, str(path), ModelError)
+        missing = [key for key in MODEL_KEYS if key not in document.data]
+    except ModelError:
+        missing = [key for key, pattern in MODEL_KEYS.items() if not pattern.search(text)]
+        if not missing:
+            raise
+    if missing:
+        listed = " and ".join(f"'{key}'" for key in missing)
+        raise ModelError.at(str(path), 0, 0, f"is not a model file: it has no {listed} at its top")
+    return document

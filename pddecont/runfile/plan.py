@@ -68,7 +68,8 @@ class PlannedStep(Generic[S]):
 class Plan:
     """A checked run; ``parameters`` are the run's values, ``base`` the folder that its paths are relative to.
 
-    ``shared`` holds, as JSON, what the file says for all steps and their numbers depend on.
+    ``shared`` holds, as JSON, what the file says for all steps and their numbers depend on. ``inputs`` are the paths of
+    the files that were read, by what they are in words.
     """
 
     model: Model
@@ -83,6 +84,7 @@ class Plan:
     run_text: str
     source: str
     base: Path
+    inputs: Mapping[str, str]
 
     def find_step(self, name: str) -> PlannedStep[Any]:
         """Return the step of a name."""

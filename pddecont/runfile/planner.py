@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path as FilePath
 from typing import Any
 
@@ -25,7 +26,7 @@ from pddecont.orbit import Monitor, parse_monitor
 from pddecont.runfile.checker import Checker, Path, explain_fixed
 from pddecont.runfile.durations import find_wrong_durations
 from pddecont.runfile.fields import Delay, Mesh
-from pddecont.runfile.formula import as_number
+from pddecont.runfile.formula import ParameterFormula, as_number
 from pddecont.runfile.holding import Holding
 from pddecont.runfile.kinds import StepKind
 from pddecont.runfile.plan import Plan, PlannedStep
@@ -60,13 +61,14 @@ class Overrides:
 
 @dataclass(frozen=True, eq=False)
 class RunDocument:
-    """A run as it is written: its document, the place of its keys in that, and the model's text."""
+    """A run as it is written: its document, the place of its keys in that, and the model's text and path."""
 
     document: Document
     prefix: KeyPath
     run: RunBlock[StepBlock]
     model: Model
     model_text: str
+    model_path: str
     folder: FilePath
 
 
@@ -108,6 +110,7 @@ def make_plan(
         document.text,
         document.path,
         text.folder,
+        {"model file": text.model_path, "run file": document.path},
     )
 
 
@@ -215,6 +218,8 @@ class _StepPlanner:
     numeric: NumericModel
     values: Mapping[str, float]
     monitors: Mapping[str, Monitor]
+    # Parameters that are sure to hold where each step planned so far ends.
+    known: dict[str, dict[str, float]] = field(default_factory=dict)
 
     def plan_step(self, i: int) -> PlannedStep[Any]:
         """Return a step of the run."""
@@ -238,6 +243,7 @@ class _StepPlanner:
         source, origin = step.source, None
         if source is not None and source.file is None and source.step in above:
             origin = self.kinds[above[source.step].kind]
+        known = self._find_known(step, assignments)
         given = StepInput(
             checker,
             (*path, step.kind),
@@ -251,7 +257,11 @@ class _StepPlanner:
             source,
             "" if origin is None else origin.name,
             None if origin is None else origin.holds,
+            known,
         )
+        varied = set(kind.list_varied(step.body))
+        all_may_vary = not varied and kind.holds in (Holding.BRANCH, Holding.ATTRACTORS)
+        self.known[step.name] = {} if all_may_vary else {k: v for k, v in known.items() if k not in varied}
         return PlannedStep(
             step.name,
             step.kind,
@@ -263,6 +273,22 @@ class _StepPlanner:
             self.run.accuracy is not None and kind.takes_accuracy and step.delay is None and step.mesh is None,
             step.model_dump(mode="json", by_alias=True),
         )
+
+    def _find_known(self, step: StepBlock, assignments: Mapping[str, ParameterFormula]) -> dict[str, float]:
+        """Return the parameters that a step is sure to start with: those of where it starts, then its own."""
+        source = step.source
+        if source is None:
+            known = dict(self.values)
+        else:
+            known = {} if source.file is not None else dict(self.known.get(source.step, {}))
+        for name, formula in assignments.items():
+            before, needed = dict(known), {symbol.name for symbol in formula.expr.free_symbols}
+            known.pop(name, None)
+            if needed <= set(before):
+                # What has no value was noted where it was parsed.
+                with contextlib.suppress(RunError):
+                    known[name] = formula.evaluate(before)
+        return known
 
     def _check_own_durations(self, path: Path, step: StepBlock, values: Mapping[str, float]) -> None:
         """Check delays and the forcing period, as far as they do not depend on where the step starts."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
 import numpy as np
@@ -41,6 +41,8 @@ class StepInput(Generic[F]):
         Where the step starts.
     source_kind, source_holds
         The kind of the step above that is meant, by name, and what it leaves, if it is one of this run.
+    known
+        Parameters by name that the step is sure to start with, whatever is computed above it.
     """
 
     checker: Checker
@@ -55,6 +57,7 @@ class StepInput(Generic[F]):
     source: Source | None = None
     source_kind: str = ""
     source_holds: Holding | None = None
+    known: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def model(self) -> Model:

@@ -51,6 +51,8 @@ class MotionFailure:
         The event that it comes to a halt at, if it is one, and the mode that it is in.
     detail
         Which part of the vector field has no value, and why.
+    is_stiff
+        Whether the method for stiff models was used.
     """
 
     reason: FailureReason
@@ -58,6 +60,7 @@ class MotionFailure:
     event: str | None = None
     mode: str | None = None
     detail: str = ""
+    is_stiff: bool = False
 
     def is_like(self, other: MotionFailure) -> bool:
         """Return whether two motions fail in one way: for one reason, at one event."""
@@ -89,8 +92,13 @@ def describe_failure(failure: MotionFailure) -> str:
         case FailureReason.STEP_TOO_SMALL:
             return (
                 f"no step is small enough near t = {t:.10g} in mode '{mode}': the solution grows without bound there, "
-                "or the vector field has a singularity or a jump that no event marks; a stiff model wants 'method: "
-                "stiff'"
+                "or the vector field has a singularity or a jump that no event marks; "
+                + (
+                    "'method: stiff' is used already: where the solution is smooth, 'rtol' and 'atol' ask for more "
+                    "than rounding leaves"
+                    if failure.is_stiff
+                    else "a stiff model wants 'method: stiff'"
+                )
             )
         case FailureReason.SECTION_LEFT:
             return f"the motion no longer returns to the section after t = {t:.6g}"
@@ -109,10 +117,13 @@ def failure_to_reason(failure: MotionFailure) -> Reason:
     """Return a failure as results files keep it."""
     values: dict[str, Scalar] = {} if math.isnan(failure.time) else {"time": failure.time}
     texts = {"event": failure.event, "mode": failure.mode, "detail": failure.detail}
+    if failure.is_stiff:
+        values["stiff"] = True
     return Reason(failure.reason.value, {**values, **{name: text for name, text in texts.items() if text}})
 
 
 def failure_from_reason(reason: Reason) -> MotionFailure:
     """Return the failure that :func:`failure_to_reason` wrote; raise ValueError if it is none."""
     values = {name: str(reason.values[name]) for name in ("event", "mode", "detail") if name in reason.values}
-    return MotionFailure(FailureReason(reason.code), float(reason.values.get("time", math.nan)), **values)
+    time, is_stiff = float(reason.values.get("time", math.nan)), bool(reason.values.get("stiff", False))
+    return MotionFailure(FailureReason(reason.code), time, **values, is_stiff=is_stiff)

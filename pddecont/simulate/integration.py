@@ -97,7 +97,7 @@ class _Recorder:
     """Collects what logs hold before they are emptied."""
 
     def __init__(self, simulator: Simulator, keep_from: float):
-        self.model, self.keep_from = simulator.numeric.model, keep_from
+        self.model, self.method, self.keep_from = simulator.numeric.model, simulator.method, keep_from
         self.steps: list[tuple[NDArray[Any], ...]] = []
         self.events: list[tuple[NDArray[Any], ...]] = []
 
@@ -120,4 +120,5 @@ class _Recorder:
         t, segment, before, after, event_arc = (np.concatenate(a) for a in zip(*self.events, strict=True))
         modes, segments = list(self.model.modes), list(self.model.segments)
         events = Events(t, tuple(segments[s] for s in segment), before, after, event_arc)
-        return Trajectory(time, length, end, arc, tuple(modes[m] for m in mode), value, coefficients, events, n_steps)
+        names, rtol, atol = tuple(modes[m] for m in mode), self.method.rtol, self.method.atol
+        return Trajectory(time, length, end, arc, names, value, coefficients, events, n_steps, rtol, atol)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -195,4 +195,5 @@ class Simulator:
     def diagnose(self, state: IntegratorState, status: Status, p: Array) -> MotionFailure:
         """Return why an integration at parameters ``p`` came to a halt."""
         read_last = np.array(self.work.xd[: len(self.numeric.model.delayed)])
-        return diagnose_halt(self.numeric, state, status, p, read_last)
+        failure = diagnose_halt(self.numeric, state, status, p, read_last)
+        return replace(failure, is_stiff=self.method.stiff)

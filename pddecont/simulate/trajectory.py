@@ -54,6 +54,8 @@ class Trajectory:
         The events.
     n_steps
         How many steps were made, those that were not kept too.
+    rtol, atol
+        The errors allowed in a step, relative and absolute.
 
     References
     ----------
@@ -69,6 +71,8 @@ class Trajectory:
     coefficients: Array
     events: Events
     n_steps: int
+    rtol: float = 0.0
+    atol: float = 0.0
 
     @property
     def t0(self) -> float:

@@ -1,3 +1,4 @@
+from .multipliers import OUTSIDE as OUTSIDE
 from .multipliers import TRIVIAL_ERROR as TRIVIAL_ERROR
 from .multipliers import MultiplierCache as MultiplierCache
 from .multipliers import Multipliers as Multipliers

@@ -6,7 +6,7 @@ start, and the state after the reset at its end.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from pddecont.delay import DelayOperator, LocalWeights
 from pddecont.orbit import DelayedEventLink, Entries, Orbit, OrbitProblem, Reads, Rows
 from pddecont.stability.lagged_times import LaggedMesh, find_deepest_lag
+from pddecont.stability.moving_edges import Edge
 from pddecont.stability.period_line import PeriodLine
 
 Array = NDArray[np.float64]
@@ -23,16 +24,23 @@ Ints = NDArray[np.intp]
 class LaggedColumns:
     """Columns of ``n_lags`` periods; every read goes to the period that it reaches back to.
 
-    ``lines`` holds the delay lines by number of the delay: their history is kept by the lines' own states.
+    ``lines`` holds the delay lines by number of the delay: their history is kept by the lines' own states. Mesh edges
+    in ``still`` do not move with the durations.
     """
 
-    def __init__(self, problem: OrbitProblem, operators: Sequence[DelayOperator], lines: Mapping[int, PeriodLine]):
+    def __init__(
+        self,
+        problem: OrbitProblem,
+        operators: Sequence[DelayOperator],
+        lines: Mapping[int, PeriodLine],
+        still: Collection[Edge] = (),
+    ):
         mesh, unknowns = problem.mesh, problem.unknowns
         wraps = [int(np.max(op.weights.wraps)) for op in operators if isinstance(op.weights, LocalWeights)]
         linked = [link.wraps for link in problem.links]
-        self.n_lags = 2 + max([*wraps, *linked], default=0) + find_deepest_lag(mesh)
+        self.n_lags = 2 + max([*wraps, *linked], default=0) + find_deepest_lag(mesh, still)
         self.problem, self.unknowns, self.lines = problem, unknowns, lines
-        self.lags = LaggedMesh(mesh, self.n_lags)
+        self.lags = LaggedMesh(mesh, self.n_lags, still)
         self.n_columns = unknowns.size + unknowns.n_states
         self.shape = (self.n_columns, self.n_columns * self.n_lags)
         durations = np.arange(unknowns.durations.start, unknowns.durations.stop)

@@ -11,6 +11,7 @@ an array of shape (..., n_lags, S): coefficients of the durations of periods k, 
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -18,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.collocation import Mesh, MeshPoints
+from pddecont.stability.moving_edges import Edge
 
 Array = NDArray[np.float64]
 
@@ -31,30 +33,36 @@ def spread_over_lags(coefficients: Array, n_lags: int) -> Array:
     return result
 
 
-def find_deepest_lag(mesh: Mesh) -> int:
-    """Return how many periods back the events lie whose breaking points the mesh follows."""
+def find_deepest_lag(mesh: Mesh, still: Collection[Edge] = ()) -> int:
+    """Return how many periods back the events lie whose breaking points the mesh follows, those ``still`` left out."""
     S = mesh.n_segments
-    edges = (edge for piece in mesh.pieces for edge in (piece.start, piece.end))
+    edges = (edge for piece in mesh.pieces for edge in (piece.start, piece.end) if tuple(edge.tolist()) not in still)
     return max(0, *(-round(float(np.min(edge[:S]))) for edge in edges))
 
 
 @dataclass(frozen=True, eq=False)
 class LaggedMesh:
-    """A mesh whose edges know which period's durations move them."""
+    """A mesh whose edges know which period's durations move them; those in ``still`` stand still."""
 
     mesh: Mesh
     n_lags: int
+    still: Collection[Edge] = ()
 
     @cached_property
     def _edges(self) -> tuple[Array, Array]:
-        mesh, S = self.mesh, self.mesh.n_segments
         starts, lengths = [], []
-        for piece in mesh.pieces:
-            a, b = spread_over_lags(piece.start[:S], self.n_lags), spread_over_lags(piece.end[:S], self.n_lags)
+        for piece in self.mesh.pieces:
+            a, b = (self._spread(edge) for edge in (piece.start, piece.end))
             cuts = piece.cuts[:, None, None]
             starts.append(a + cuts[:-1] * (b - a))
             lengths.append(np.diff(cuts, axis=0) * (b - a))
         return np.concatenate(starts), np.concatenate(lengths)
+
+    def _spread(self, edge: Array) -> Array:
+        S = self.mesh.n_segments
+        if tuple(edge.tolist()) in self.still:
+            return np.zeros((self.n_lags, S))
+        return spread_over_lags(edge[:S], self.n_lags)
 
     @property
     def start(self) -> Array:

@@ -22,8 +22,10 @@ from numpy.typing import NDArray
 from pddecont.continuation import Matrix, ScaledFactors, equilibrate
 from pddecont.delay import FullWeights, LocalWeights
 from pddecont.errors import ConvergenceError
-from pddecont.orbit import Assembly, Linearisation, Orbit, OrbitProblem
+from pddecont.orbit import Assembly, Linearisation, Orbit, OrbitProblem, measure_orbit
+from pddecont.stability.characteristic import Characteristic, MapCharacteristic, PeriodCharacteristic
 from pddecont.stability.lagged_columns import LaggedColumns
+from pddecont.stability.moving_edges import find_still_edges
 from pddecont.stability.period_line import PeriodLine, make_period_line
 
 Array = NDArray[np.float64]
@@ -48,7 +50,8 @@ class MonodromyOperator:
     """The linear map from a history to the history one period later.
 
     ``present`` holds the factors of A_0, ``past`` the columns of A_1, A_2, ... that are not zero, ``kept[w - 1]`` which
-    unknowns of period k - w the history keeps, ``assembly`` where all entries stand.
+    unknowns of period k - w the history keeps, ``assembly`` where all entries stand. ``sizes`` (n_columns,) are typical
+    sizes of a period's unknowns; ``entries`` holds A_0 + z A_1 + ... in unknowns so scaled (without delay lines).
     """
 
     problem: OrbitProblem
@@ -57,6 +60,8 @@ class MonodromyOperator:
     kept: tuple[Ints, ...]
     couplings: tuple[Coupling, ...]
     assembly: Assembly
+    sizes: Array
+    entries: PeriodCharacteristic
 
     @cached_property
     def size(self) -> int:
@@ -92,6 +97,26 @@ class MonodromyOperator:
         lines = [y.reshape(*c.line.shape, -1) for y, c in zip(pieces[n:], self.couplings, strict=True)]
         return pieces[:n], lines
 
+    @cached_property
+    def history_sizes(self) -> Array:
+        """Typical sizes of a history's components, shape (size,)."""
+        states = self.sizes[: self.problem.unknowns.n_states]
+        lines = [np.broadcast_to(states[list(c.line.states)], c.line.shape).ravel() for c in self.couplings]
+        return np.concatenate([*(self.sizes[places] for places in self.kept), *lines])
+
+    def apply_scaled(self, history: Array) -> Array:
+        """Return one history (size,) in units of its sizes a period later."""
+        return self.apply(history * self.history_sizes) / self.history_sizes
+
+    def to_scaled_matrix(self) -> Array:
+        """Return the map as a matrix, shape (size, size), of histories in units of their sizes."""
+        return self.step(np.diag(self.history_sizes))[1] / self.history_sizes[:, None]
+
+    @cached_property
+    def characteristic(self) -> Characteristic:
+        """The matrix whose determinant is zero at the inverse multipliers."""
+        return MapCharacteristic(self.to_scaled_matrix()) if self.couplings else self.entries
+
     def apply(self, history: Array) -> Array:
         """Return one history (size,) a period later."""
         return np.asarray(self.step(np.reshape(history, (-1, 1)))[1][:, 0])
@@ -124,12 +149,17 @@ def linearise_period(orbit: Orbit, assembly: Assembly | None = None) -> Monodrom
     ]
     reads = replace(reads, operators=operators)
     if assembly is None or lines or not assembly.serves(orbit.problem, operators):
-        assembly = Assembly(orbit.problem, operators, LaggedColumns(orbit.problem, operators, lines))
+        assembly = Assembly(
+            orbit.problem, operators, LaggedColumns(orbit.problem, operators, lines, find_still_edges(orbit))
+        )
     columns = assembly.columns
     assert isinstance(columns, LaggedColumns)
     at, n = assembly.linearise(orbit, reads), columns.n_columns
     places = (assembly.entry_rows, assembly.entry_columns)
     wide = sp.coo_matrix((assembly.evaluate(at), places), shape=columns.shape).tocsc()
+    # A delayed value that nothing depends on just now makes no history.
+    wide.eliminate_zeros()
+    sizes = _measure_columns(orbit)
     present = wide[:, :n]
     if lines:
         present = present.toarray()
@@ -142,7 +172,25 @@ def linearise_period(orbit: Orbit, assembly: Assembly | None = None) -> Monodrom
     couplings = tuple(
         Coupling(line, tuple(_read_by(assembly, at, n, q) for q in line.numbers)) for line in lines.values()
     )
-    return MonodromyOperator(orbit.problem, equilibrate(present).factor(), past, kept, couplings, assembly)
+    factors = equilibrate(present, sizes).factor()
+    return MonodromyOperator(
+        orbit.problem, factors, past, kept, couplings, assembly, sizes, _characteristic_of(wide, sizes)
+    )
+
+
+def _measure_columns(orbit: Orbit) -> Array:
+    """Return the typical size of each unknown of a period, so that units do not matter."""
+    unknowns, size = orbit.problem.unknowns, measure_orbit(orbit)
+    result = np.full(unknowns.size + unknowns.n_states, size.period)
+    result[unknowns.values] = np.tile(size.states, orbit.mesh.n_base)
+    result[unknowns.size :] = size.states
+    return result
+
+
+def _characteristic_of(wide: Matrix, sizes: Array) -> PeriodCharacteristic:
+    entries, n = wide.tocoo(), len(sizes)
+    powers, columns = np.divmod(entries.col.astype(np.intp), n)
+    return PeriodCharacteristic(n, entries.row.astype(np.intp), columns, powers, entries.data * sizes[columns])
 
 
 def _read_by(assembly: Assembly, at: Linearisation, n_rows: int, q: int) -> Matrix:

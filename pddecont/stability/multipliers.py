@@ -1,33 +1,52 @@
-"""The leading Floquet multipliers of a periodic orbit.
+"""The leading Floquet multipliers of a periodic orbit, each corrected, all of them counted.
 
-They are the eigenvalues of the map from one history to the next (``stability.monodromy``): all of them for a small
-history, the largest by Arnoldi's method for a large one. An autonomous orbit without events has the multiplier 1 of its
-own flow; it is told from the others as the nearest to 1, and its distance to 1 measures the error. An orbit with events
-starts at one, which takes the flow's direction out.
+Eigenvalues of the map from one history to the next (``stability.candidates``) are first guesses. Each is corrected on
+the characteristic matrix (``stability.refinement``), which drops what is none, and the argument principle counts those
+outside a circle (``stability.counting``): what the list lacks is looked for and added, until list and count agree.
+
+An autonomous orbit without events has the multiplier 1 of its own flow; it is told from the others as the nearest to 1,
+and its distance to 1 measures the error. An orbit with events starts at one, which takes the flow's direction out.
 
 References: Lust, Int. J. Bif. Chaos 11 (2001); Szalai, Stepan, Hogan, SIAM J. Sci. Comput. 28 (2006).
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
 
 import numpy as np
-import scipy.linalg
-import scipy.sparse.linalg
 from numpy.typing import NDArray
 
 from pddecont.collocation import refine_evenly
+from pddecont.errors import ConvergenceError
 from pddecont.orbit import Assembly, Orbit, transfer_orbit
+from pddecont.stability.candidates import find_candidates, is_deep, is_mapped_whole
+from pddecont.stability.characteristic import Characteristic, MapCharacteristic
+from pddecont.stability.counting import Counter
 from pddecont.stability.monodromy import MonodromyOperator, linearise_period
+from pddecont.stability.refinement import SAME, Refined, find_vector, refine
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 # Multipliers below this modulus are left out where nobody says how many are wanted, and all beyond so many.
 SMALL = 1e-3
 AT_MOST = 12
-# Histories up to this size are mapped whole; those with delay lines, whose own multipliers crowd, up to the second.
-DENSE, DENSE_LINES = 160, 1200
+# So many more are looked for, so that those that are kept end where there is a gap.
+MORE = 4
+# Multipliers are counted outside a circle that is no larger than this: those near the unit circle count.
+NEAR_UNIT = 0.95
+# Moduli whose ratio is larger have a gap between them in which a circle finds room; else it lies so far below them all.
+WIDE, BELOW = 1.0005, 0.7
+# With a long history circles shrink by so much that its earliest part does by this factor, at most by half.
+SHRINK = 0.1
+# Rounds of counting, finding what is missing, and counting again.
+MAX_ROUNDS = 32
+# A first guess as near as this to a multiplier, relative to its size, came from a method that knows how often it is
+# there.
+ACCURATE = 1e-4
+# A multiplier outside the unit circle has a modulus above this: rounding may put one of a neutral orbit on either side.
+OUTSIDE = 1.0 + 1e-12
 # A multiplier this near to a known one comes out of a defective matrix together with it.
 NEAR_KNOWN = 0.02
 # A trivial multiplier farther from 1 than this says that the mesh is too coarse.
@@ -43,94 +62,222 @@ class Multipliers:
     """Multipliers in order of falling modulus.
 
     ``values`` holds all of them; ``nontrivial`` leaves out the trivial one of an autonomous orbit, whose distance to 1
-    is ``trivial_error`` (NaN where there is none). ``spurious`` is the largest modulus of those that belong to the mesh
-    and not to the orbit (long delay lines have some): they are left out, with all that are no larger.
+    is ``trivial_error`` (NaN where there is none). ``residuals`` are those of ``values`` in the linearised equations.
+    ``spurious`` is the largest modulus of those that belong to the mesh and not to the orbit (long delay lines have
+    some): they are left out, with all that are no larger. ``counted``: the argument principle confirms that none
+    outside the unit circle is missing.
     """
 
     values: Complex
     nontrivial: Complex
     trivial_error: float = float("nan")
     spurious: float = 0.0
+    residuals: Array = field(default_factory=lambda: np.zeros(0))
+    counted: bool = True
 
     @property
     def unreliable(self) -> bool:
-        """Whether the multipliers say nothing of stability."""
+        """Whether the orbit's multipliers are lost among those of the mesh, and say nothing of stability."""
         return self.spurious > UNRELIABLE
+
+    @property
+    def says_stability(self) -> bool:
+        """Whether the multipliers tell if the orbit is stable: they are the orbit's own, and none is missing."""
+        return self.counted and not self.unreliable
 
     @property
     def n_unstable(self) -> int:
         """Number of multipliers outside the unit circle, the trivial one left out."""
-        return int(np.sum(np.abs(self.nontrivial) > 1.0))
+        return int(np.sum(np.abs(self.nontrivial) > OUTSIDE))
 
     @property
     def stable(self) -> bool:
         """Whether all but the trivial one lie inside the unit circle."""
         return self.n_unstable == 0
 
+    def leading(self, n: int | None) -> Multipliers:
+        """Return the ``n`` leading ones (None: those beyond ``SMALL``, at most ``AT_MOST``).
+
+        A conjugate pair is not torn apart, and none outside the unit circle is left out.
+        """
+        kept = self.values[: AT_MOST if n is None else n]
+        size = len(kept) if n is not None else max(1, int(np.sum(np.abs(kept) >= SMALL)))
+        size = min(len(self.values), max(size, int(np.sum(np.abs(self.values) > OUTSIDE))))
+        if 0 < size < len(self.values) and self.values[size - 1].imag > 0.0:
+            size += self.values[size] == np.conj(self.values[size - 1])
+        kept = self.values[:size]
+        nontrivial = kept if np.isnan(self.trivial_error) else remove_known(kept, 1.0)
+        return replace(self, values=kept, nontrivial=nontrivial, residuals=self.residuals[:size])
+
 
 def find_multipliers(orbit: Orbit, n: int | None = None) -> Multipliers:
     """Return the ``n`` leading multipliers of an orbit (None: those beyond ``SMALL``, at most ``AT_MOST``)."""
-    return multipliers_of_map(linearise_period(orbit), orbit, n)
+    return multipliers_of_map(linearise_period(orbit), orbit, n).leading(n)
 
 
 def multipliers_of_map(monodromy: MonodromyOperator, orbit: Orbit, n: int | None) -> Multipliers:
-    """Return the same from the orbit's linearised map."""
-    wanted = AT_MOST if n is None else n
-    values, spurious = _find_leading(monodromy, wanted), 0.0
+    """Return all that were found on the way to the ``n`` leading ones, from the orbit's linearised map."""
+    wanted, spurious = max(AT_MOST, n or 0), 0.0
     if monodromy.couplings:
-        # The stages of a long line are far shorter than mesh intervals, and collocation lets their own motions ring on.
-        # Such multipliers belong to the mesh: on another one they are elsewhere.
-        fixed = orbit.with_free(())
-        other = _find_leading(linearise_period(transfer_orbit(fixed, refine_evenly(orbit.mesh))), 2 * wanted)
-        near = [np.min(np.abs(other - v), initial=np.inf) < STAYS * max(1.0, abs(v)) for v in values]
-        stays = np.array(near, dtype=bool)
-        spurious = float(np.max(np.abs(values[~stays]), initial=0.0))
-        values = values[stays & (np.abs(values) > spurious)]
-    values = _sort(values)
-    kept = values[:wanted]
-    if n is None:
-        kept = kept[: max(1, int(np.sum(np.abs(kept) >= SMALL)))]
-    cuts_pair = len(kept) and len(values) > len(kept) and abs(kept[-1].imag) > 0.0
-    if cuts_pair and values[len(kept)] == np.conj(kept[-1]):
-        kept = values[: len(kept) + 1]
+        found, spurious, counted = _find_of_lines(monodromy, orbit, wanted)
+    else:
+        found, counted = _find_leading(monodromy, wanted, SMALL if n is None else 0.0)
+    values = np.array([m.value for m in found], dtype=complex)
+    residuals = np.array([m.residual for m in found], dtype=float)
+    order = _order(values)
+    values, residuals = values[order], residuals[order]
     if not orbit.signature.needs_phase_reference:
-        return Multipliers(kept, kept, spurious=spurious)
-    error = float(np.min(np.abs(kept - 1.0))) if len(kept) else float("nan")
-    return Multipliers(kept, remove_known(kept, 1.0), error, spurious)
+        return Multipliers(values, values, spurious=spurious, residuals=residuals, counted=counted)
+    error = float(np.min(np.abs(values - 1.0))) if len(values) else float("nan")
+    return Multipliers(values, remove_known(values, 1.0), error, spurious, residuals, counted)
 
 
-def _find_leading(monodromy: MonodromyOperator, n: int) -> Complex:
-    """Return at least ``n`` leading eigenvalues of a map."""
-    size = monodromy.size
-    if not size:
-        return np.zeros(0, dtype=complex)
-    if size <= max(DENSE_LINES if monodromy.couplings else DENSE, n + 2):
-        values = scipy.linalg.eigvals(monodromy.to_matrix())
-        return np.asarray(values[np.argsort(-np.abs(values), kind="stable")][: 2 * n + 2])
-    # Arnoldi's method wants room for several times as many vectors as values.
-    n_vectors = min(size - 1, max(3 * n, 40))
-    operator, start = _as_operator(monodromy), _start(size)
+def _find_leading(monodromy: MonodromyOperator, wanted: int, least: float) -> tuple[list[Refined], bool]:
+    """Return at least the ``wanted`` leading multipliers, and whether the count confirms those beyond ``SMALL``.
+
+    First guesses of a modulus below ``least`` are left out.
+    """
+    if not monodromy.size:
+        return [], True
+    candidates = find_candidates(monodromy, wanted + MORE)
+    characteristic = monodromy.characteristic
+    known = _add(characteristic, [], _upper_half(candidates[np.abs(candidates) >= least][: wanted + MORE]))
+    known, counted = complete(characteristic, known, wanted, deep=is_deep(monodromy))
+    if counted and not known:
+        # The orbit forgets all within a period: what is left of a multiplier 0 is rounding.
+        known = [
+            Refined(v, abs(v), np.zeros(0, dtype=complex), True) for v in candidates[:1].tolist() if abs(v) < SMALL
+        ]
+    return known, counted
+
+
+def _find_of_lines(monodromy: MonodromyOperator, orbit: Orbit, wanted: int) -> tuple[list[Refined], float, bool]:
+    """Return the leading multipliers of an orbit with delay lines, the largest spurious one, and whether all are there.
+
+    The stages of a long line are far shorter than mesh intervals, and collocation lets their own motions ring on. Such
+    multipliers belong to the mesh: on another one they are elsewhere. A map that is not too large has all its
+    eigenvalues computed, so that there is nothing to count; of a larger one those outside a circle are counted.
+    """
+    values = find_candidates(monodromy, wanted)
+    finer = transfer_orbit(orbit.with_free(()), refine_evenly(orbit.mesh))
+    other = find_candidates(linearise_period(finer), 2 * wanted)
+    near = [np.min(np.abs(other - v), initial=np.inf) < STAYS * max(1.0, abs(v)) for v in values]
+    stays = np.array(near, dtype=bool)
+    spurious = float(np.max(np.abs(values[~stays]), initial=0.0))
+    values = values[stays & (np.abs(values) > spurious)][: wanted + 1]
+    if spurious > UNRELIABLE:
+        return [Refined(v, float("nan"), np.zeros(0, dtype=complex), True) for v in values.tolist()], spurious, True
+    if not len(values):
+        return [], spurious, True
+    found = _add(monodromy.characteristic, [], _upper_half(values))
+    if is_mapped_whole(monodromy, wanted):
+        return found, spurious, True
+    radius = min(NEAR_UNIT, max(SMALL, BELOW * abs(values[-1])))
+    return found, spurious, _count(Counter(monodromy.characteristic), found, radius) == 0
+
+
+def complete(
+    characteristic: Characteristic, known: list[Refined], wanted: int, *, deep: bool
+) -> tuple[list[Refined], bool]:
+    """Return a list of multipliers with those that a count shows to be missing, and whether the count agrees at last.
+
+    The circle lies in the gap after the ``wanted`` leading ones. With too few of them it is as small as ``SMALL``, but
+    made smaller step by step where nothing is known yet (``deep``). Where counts fail on a small circle they are asked
+    for on a larger one, and what lies between the two is left out.
+    """
+    counter, confirmed = Counter(characteristic), float("inf")
+    shrink = max(0.5, SHRINK ** (1.0 / max(1, characteristic.depth)))
+    radius = NEAR_UNIT / shrink
+    for _ in range(MAX_ROUNDS):
+        aim = _choose_radius(np.array([abs(m.value) for m in known]), wanted)
+        radius = max(aim, shrink * radius) if deep else aim
+        missing = _count(counter, known, radius)
+        if missing == 0:
+            confirmed = radius
+            if radius == aim:
+                return known, True
+            continue
+        found = len(known)
+        if missing is not None and missing > 0:
+            known = _add(characteristic, known, _find_missing(counter, known, radius))
+        elif missing is not None:
+            known = _drop_repeated(known)
+        if len(known) == found:
+            break
+    if np.isinf(confirmed) and _count(counter, known, NEAR_UNIT) == 0:
+        confirmed = NEAR_UNIT
+    return [m for m in known if abs(m.value) > confirmed] if np.isfinite(confirmed) else known, np.isfinite(confirmed)
+
+
+def _choose_radius(moduli: Array, wanted: int) -> float:
+    """Return the radius of a circle in the widest gap soon after the leading multipliers."""
+    if len(moduli) < wanted:
+        return SMALL
+    ends = np.sort(moduli)[::-1][wanted - 1 : wanted + 2 * MORE]
+    if ends[0] < WIDE * ends[-1]:
+        ends = np.append(ends, BELOW * ends[-1])
+    gap = int(np.argmax(ends[:-1] / ends[1:]))
+    return float(np.clip(np.sqrt(ends[gap] * ends[gap + 1]), SMALL, NEAR_UNIT))
+
+
+def _list_values(known: Iterable[Refined]) -> Complex:
+    return np.array([m.value for m in known], dtype=complex)
+
+
+def _count(counter: Counter, known: list[Refined], radius: float) -> int | None:
     try:
-        values = scipy.sparse.linalg.eigs(operator, k=n, ncv=n_vectors, v0=start, tol=0.0, return_eigenvectors=False)
-    except scipy.sparse.linalg.ArpackNoConvergence as exc:
-        values = exc.eigenvalues
-    return np.asarray(values)
+        return counter.count_missing(_list_values(known), radius)
+    except ConvergenceError:
+        return None
 
 
-def _as_operator(monodromy: MonodromyOperator) -> scipy.sparse.linalg.LinearOperator:
-    size = monodromy.size
-    return scipy.sparse.linalg.LinearOperator((size, size), matvec=monodromy.apply, dtype=float)
+def _find_missing(counter: Counter, known: list[Refined], radius: float) -> Complex:
+    try:
+        return counter.find_missing(_list_values(known), radius)
+    except ConvergenceError:
+        return np.zeros(0, dtype=complex)
 
 
-def _start(size: int) -> Array:
-    """Return the vector that Arnoldi's method starts from: any, but the same each time."""
-    return np.random.default_rng(1).standard_normal(size)
+def _upper_half(values: Complex) -> Complex:
+    return values[values.imag >= 0.0]
 
 
-def _sort(values: Complex) -> Complex:
-    """Return values by falling modulus; of a conjugate pair the upper one first."""
-    values = values[np.lexsort((-values.imag, -values.real))]
-    return np.asarray(values[np.argsort(-np.round(np.abs(values), 12), kind="stable")])
+def _add(characteristic: Characteristic, known: list[Refined], candidates: Complex) -> list[Refined]:
+    """Return ``known`` with the multipliers near ``candidates`` (upper half plane) that are not among them yet."""
+    result = list(known)
+    for value in candidates.tolist():
+        found = refine(characteristic, value)
+        # A guess from afar may lead to one that is listed; one that lay there from the start is another one like it.
+        came_from_afar = found is None or abs(found.value - value) > ACCURATE * abs(value)
+        if found is None or (came_from_afar and any(_are_same(found, other) for other in result)):
+            continue
+        result.append(found)
+        if found.value.imag != 0.0:
+            result.append(replace(found, value=found.value.conjugate()))
+    return result
+
+
+def _drop_repeated(known: list[Refined]) -> list[Refined]:
+    """Return a list without one that is in it twice, and its conjugate."""
+    for i, m in enumerate(known):
+        if any(_are_same(m, other) for other in known[:i]):
+            gone = next(
+                k
+                for k, other in enumerate(known)
+                if other.value == m.value.conjugate() and (k != i or not m.value.imag)
+            )
+            return [other for k, other in enumerate(known) if k not in (i, gone)]
+    return known
+
+
+def _are_same(a: Refined, b: Refined) -> bool:
+    return abs(a.value - b.value) < SAME * abs(a.value)
+
+
+def _order(values: Complex) -> NDArray[np.intp]:
+    """Return the order by falling modulus; of a conjugate pair the upper one comes first."""
+    first = np.lexsort((-values.imag, -values.real))
+    return np.asarray(first[np.argsort(-np.round(np.abs(values[first]), 12), kind="stable")])
 
 
 def remove_known(values: Complex, known: float) -> Complex:
@@ -147,7 +294,7 @@ def remove_known(values: Complex, known: float) -> Complex:
         j = int(np.argmin(np.abs(rest - known)))
         if abs(rest[j] - known) < NEAR_KNOWN:
             rest[j] = (values[i] + rest[j]).real - known
-    return _sort(rest)
+    return np.asarray(rest[_order(rest)])
 
 
 def find_eigenvector(orbit: Orbit, multiplier: float) -> Array:
@@ -156,18 +303,20 @@ def find_eigenvector(orbit: Orbit, multiplier: float) -> Array:
     The largest entry is 1.
     """
     monodromy = linearise_period(orbit)
-    if monodromy.size <= 4 * DENSE:
-        values, vectors = scipy.linalg.eig(monodromy.to_matrix())
+    vector = find_vector(monodromy.characteristic, multiplier)
+    if isinstance(monodromy.characteristic, MapCharacteristic):
+        change = monodromy.step((vector * monodromy.history_sizes)[:, None])[0][:, 0]
     else:
-        start = _start(monodromy.size)
-        values, vectors = scipy.sparse.linalg.eigs(_as_operator(monodromy), k=AT_MOST, v0=start, tol=0.0)
-    history = vectors[:, np.argmin(np.abs(values - multiplier))].real
-    change = monodromy.step(history[:, None])[0][: monodromy.problem.unknowns.size, 0]
+        change = vector * monodromy.sizes
+    change = change[: monodromy.problem.unknowns.size]
     return np.asarray(change / change[np.argmax(np.abs(change))])
 
 
 class MultiplierCache:
-    """Multipliers of orbits, found once for each; the places of a map's entries are kept from one orbit to the next."""
+    """Multipliers of orbits, found once for each; the places of a map's entries are kept from one orbit to the next.
+
+    As many are found whatever the number ``n`` of those that are shown, down to ``AT_MOST``.
+    """
 
     def __init__(self, n: int | None = None):
         self.n = n
@@ -179,6 +328,7 @@ class MultiplierCache:
         def find() -> Multipliers:
             monodromy = linearise_period(orbit, self._assembly)
             self._assembly = monodromy.assembly
-            return multipliers_of_map(monodromy, orbit, self.n)
+            found = multipliers_of_map(monodromy, orbit, self.n)
+            return found.leading(None if self.n is None else max(self.n, AT_MOST))
 
         return orbit.once(("multipliers", self.n), find)

@@ -13,10 +13,12 @@ from pddecont.model import Formula, Identifier, Strict
 from pddecont.orbit import Monitor
 from pddecont.results import CONTINUE
 from pddecont.runfile import From, Holding, StepInput, check_new_names, resolve_monitors
-from pddecont.steps.fields import Range, StabilityChoice
+from pddecont.steps.fields import Range, StabilityChoice, Verify
 from pddecont.steps.kind import StepKind
 from pddecont.steps.orbit import MultiplierSettings, resolve_multipliers, resolve_signature
 
+# By how much of its range a start may lie outside it: rounding.
+EDGE = 1e-9
 WAYS = {"both": (-1, 1), "down": (-1,), "up": (1,)}
 
 
@@ -46,6 +48,7 @@ class Continue(Strict):
     max_points: int = Field(500, ge=1, le=1_000_000, description="most points in each direction")
     direction: Literal["both", "up", "down"] = Field("both", description="which way the parameter goes at first")
     stability: StabilityChoice = False
+    verify: Verify = None
     signature_change: Literal["follow", "stop"] = Field(
         "follow", description="what to do where an orbit grazes or a segment vanishes"
     )
@@ -86,6 +89,10 @@ class ContinueSettings:
         Labels of the special points that are looked for (None: all).
     user_functions
         Monitors whose zeros are located.
+    multipliers
+        Whether Floquet multipliers are computed, and how many.
+    verifies
+        Whether each orbit is simulated from its own past.
     """
 
     free: tuple[str, ...]
@@ -101,6 +108,7 @@ class ContinueSettings:
     detect: tuple[str, ...] | None
     user_functions: tuple[Monitor, ...]
     multipliers: MultiplierSettings
+    verifies: bool
 
 
 def resolve_continue(given: StepInput[Continue]) -> ContinueSettings:
@@ -133,6 +141,7 @@ def resolve_continue(given: StepInput[Continue]) -> ContinueSettings:
         None if body.detect is None else tuple(body.detect),
         tuple(functions.values()),
         resolve_multipliers(body.stability),
+        body.verify is not False,
     )
 
 
@@ -178,7 +187,15 @@ def _resolve_ranges(given: StepInput[Continue]) -> dict[str, tuple[float, float]
         if not low < high:
             given.add_error(here, f"the range is empty: {low:g} is not below {high:g}")
         ranges[name] = (low, high)
+        start = given.known.get(name)
+        if low < high and start is not None and not in_range(start, low, high):
+            given.add_error(here, f"the step starts at {name} = {start:g}, outside this range; widen the range")
     return ranges
+
+
+def in_range(value: float, low: float, high: float) -> bool:
+    """Whether a parameter's value lies in its range, to rounding."""
+    return low - EDGE * (high - low) <= value <= high + EDGE * (high - low)
 
 
 def list_continue_names(body: Continue) -> Iterator[Any]:
@@ -196,4 +213,5 @@ CONTINUE_STEP = StepKind(
     holds=Holding.BRANCH,
     takes_accuracy=True,
     list_names=list_continue_names,
+    list_varied=lambda body: body.free,
 )

@@ -60,3 +60,6 @@ StabilityChoice = Annotated[
         )
     ),
 ]
+Verify = Annotated[
+    bool | None, Field(description="simulate each orbit for one period from its own past, and compare (default: true)")
+]

@@ -12,7 +12,7 @@ from pddecont.errors import SignatureError
 from pddecont.model import Identifier, Strict, check_signature
 from pddecont.results import ORBIT
 from pddecont.runfile import From, Holding, Path, StepInput
-from pddecont.steps.fields import Stability, StabilityChoice
+from pddecont.steps.fields import Stability, StabilityChoice, Verify
 from pddecont.steps.kind import StepKind
 
 
@@ -22,6 +22,7 @@ class Orbit(Strict):
     from_: From = Field(alias="from", description="a simulate step, an attractor of a sweep or basin, or an orbit")
     signature: list[Identifier] | None = Field(None, description="segments that the orbit must have")
     stability: StabilityChoice = False
+    verify: Verify = None
 
 
 @dataclass(frozen=True)
@@ -34,16 +35,20 @@ class MultiplierSettings:
 
 @dataclass(frozen=True, eq=False)
 class OrbitSettings:
-    """What an orbit step does; ``signature`` is what the orbit must have (None: any)."""
+    """What an orbit step does.
+
+    ``signature`` is what the orbit must have (None: any); ``verifies`` whether it is simulated from its own past.
+    """
 
     signature: tuple[str, ...] | None
     multipliers: MultiplierSettings
+    verifies: bool
 
 
 def resolve_orbit(given: StepInput[Orbit]) -> OrbitSettings:
     """Return what an orbit step does; note what is wrong with it."""
     signature = resolve_signature(given, ("signature",), given.body.signature)
-    return OrbitSettings(signature, resolve_multipliers(given.body.stability))
+    return OrbitSettings(signature, resolve_multipliers(given.body.stability), given.body.verify is not False)
 
 
 def resolve_signature(given: StepInput[Any], path: Path, signature: Sequence[str] | None) -> tuple[str, ...] | None:

@@ -104,7 +104,7 @@ def resolve_simulate(given: StepInput[Simulate]) -> SimulateSettings:
     method = resolve_method(given, body)
     schedule = _resolve_schedule(given, t_end)
     since = given.evaluate(("record", "from"), body.record.from_)
-    if not 0 <= since < t_end:
+    if not 0 <= since < t_end and t_end > 0:
         given.add_error(("record", "from"), f"the time {since:g} does not lie between 0 and t_end, {t_end:g}")
     signals = _resolve_signals(given)
     every = None if body.record.every is None else resolve_time(given, ("record", "every"), body.record.every)
@@ -123,7 +123,7 @@ def _resolve_schedule(given: StepInput[Simulate], t_end: float) -> tuple[tuple[f
     times = {text: given.evaluate(("at", text), as_number(text)) for text in given.body.at}
     for text, time in sorted(times.items(), key=lambda pair: pair[1]):
         here = ("at", text)
-        if not 0 < time < t_end:
+        if not 0 < time < t_end and t_end > 0:
             given.add_error(here, f"the time {time:g} does not lie between 0 and t_end, {t_end:g}", key=True)
         for name, value in given.body.at[text].items():
             if given.check_settable((*here, name), name):
@@ -161,6 +161,12 @@ def list_simulate_modes(body: Simulate) -> Iterator[str]:
     yield from [] if body.initial.mode is None else [body.initial.mode]
 
 
+def list_simulate_varied(body: Simulate) -> Iterator[str]:
+    """Return the parameters that change along the motion."""
+    for changes in body.at.values():
+        yield from changes
+
+
 SIMULATE_STEP = StepKind(
     name="simulate",
     fields=Simulate,
@@ -171,4 +177,5 @@ SIMULATE_STEP = StepKind(
     integrates=True,
     list_names=list_simulate_names,
     list_modes=list_simulate_modes,
+    list_varied=list_simulate_varied,
 )

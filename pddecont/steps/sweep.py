@@ -162,4 +162,5 @@ SWEEP_STEP = StepKind(
     integrates=True,
     list_names=list_sweep_names,
     list_modes=list_sweep_modes,
+    list_varied=lambda body: body.over,
 )

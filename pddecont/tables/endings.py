@@ -32,15 +32,18 @@ BRANCH_ENDS = {
     "impossible": ("can go no further with this signature", ""),
     "limit": ("reached a limit of the model", ""),
     "special": ("stopped at a special point where the signature of the orbit changes", ""),
-    "invalid": (
-        "the orbit stops being a motion of the model without a special point that was located",
-        "take smaller steps ('step: {max}'), or start anew from a simulation beyond",
-    ),
+    "invalid": ("the orbit of this signature stops being a motion of the model", "start anew from a simulation beyond"),
+    "closed": ("the branch is closed: it is back at its first point", ""),
+    "shrinks": ("the orbits shrink to an equilibrium", ""),
     "resonance": ("the curve ends where its pair of multipliers meets on the real axis", ""),
 }
 UNRELIABLE = (
     "the multipliers are lost among those of this delay line's own stages, which are far shorter than mesh intervals: "
     "use more intervals, a lower 'n' or order, or the direct method"
+)
+UNCOUNTED = (
+    "the count of multipliers outside the unit circle does not confirm those that were found, and whether the orbit is "
+    "stable is not known: use a finer mesh, or parameters a little apart"
 )
 # Values of an ending that are not those of its detail.
 _OWN = ("direction", "unexplained", "detail", "next_signature")
@@ -144,7 +147,9 @@ def _describe_orbit(step: Step, ending: Reason) -> str:
             )
     if v.get("detail"):
         detail = Reason(str(v["detail"]), v)
-        text += f"; not admissible: {describe_reason(detail)}"
+        text += f"; WARNING: no motion of the model, not admissible: {describe_reason(detail)}"
+    elif v.get("not_verified"):
+        text += f"; WARNING: not verified by a simulation ({str(v['not_verified']).replace('_', ' ')})"
     return text
 
 
@@ -152,7 +157,7 @@ def _describe_stability(step: Step, values: Mapping[str, Any]) -> str:
     """Return stability in words, with a warning where the trivial multiplier is far from 1."""
     n_unstable, error = int(step.points["n_unstable"][0]), float(step.points["trivial_error"][0])
     if n_unstable < 0:
-        return f"WARNING: {UNRELIABLE}"
+        return f"WARNING: {UNCOUNTED if values.get('uncounted') else UNRELIABLE}"
     leading = [(values[f"re{k}"], values[f"im{k}"]) for k in (1, 2) if f"re{k}" in values]
     shown = ", ".join(f"{re:.6g}" if im == 0.0 else f"{re:.6g} {im:+.6g}i" for re, im in leading)
     stable = f"unstable ({n_unstable} multipliers outside the unit circle)" if n_unstable else "stable"
@@ -194,6 +199,12 @@ def _describe_precision(step: Step, ending: Reason) -> str:
     return f"{len(step) - 1} settings against {describe_reference(step)}"
 
 
+def count_doubtful(step: Step) -> int:
+    """Return at how many points multipliers were computed that do not tell whether the orbit is stable."""
+    ends = step.orbits.get("multipliers_end", np.zeros(0))
+    return int(np.sum((np.diff(ends, prepend=0) > 0) & (step.points["stable"] < 0))) if len(ends) else 0
+
+
 def describe_done(step: Step) -> str:
     """Return what a step that is done came to, in one line."""
     texts = describe_endings(step)
@@ -208,6 +219,12 @@ def _summarise_branch(step: Step, texts: Sequence[str]) -> str:
     errors = step.points["trivial_error"]
     poor = bool(np.any(errors > TRIVIAL_ERROR))
     doubt = f"; WARNING: the trivial multiplier is off by up to {np.nanmax(errors):.1e}: refine 'mesh'" if poor else ""
+    wrong = int(np.sum(step.points["verified"] == 0)) if "verified" in step.points else 0
+    if wrong:
+        doubt += f"; WARNING: {wrong} of its orbits are no motions of the model: see the column 'verified'"
+    unknown = count_doubtful(step)
+    if unknown:
+        doubt += f"; WARNING: at {unknown} of the points {UNCOUNTED}"
     special = ", ".join(sorted(label for label in step.labels if label)) or "none"
     return f"{len(step)} points; special: {special}; {'; '.join(texts)}{doubt}"
 

@@ -23,6 +23,8 @@ def list_points(step: Step) -> list[Row]:
         row |= {name: float(v) for name, v in zip(step.meta["parameters"], p["parameters"][i], strict=True)}
         row |= {"period": float(p["period"][i]), "stable": _truth(p["stable"][i])}
         row |= {"admissible": _truth(p["admissible"][i])}
+        if "verified" in p:
+            row |= {"verified": _truth(p["verified"][i]), "deviation": float(p["deviation"][i])}
         row |= {name: float(v) for name, v in zip(step.meta["monitors"], p["monitors"][i], strict=True)}
         row |= {"error_estimate": float(p["error_estimate"][i]), "n_unstable": _count(step, int(i))}
         row |= {"note": describe_reason(step.reason(int(i))), "n_unknowns": int(p["n_unknowns"][i])}
@@ -56,7 +58,8 @@ def list_multipliers(step: Step, row: int | None = None) -> list[Row]:
     rows = []
     for i in step.order if row is None else [row]:
         values = {name: float(step.points["parameters"][i, k]) for name, k in free}
-        for number, value in enumerate(read_multipliers(step, int(i)), 1):
+        found = zip(read_multipliers(step, int(i)), read_residuals(step, int(i)), strict=True)
+        for number, (value, residual) in enumerate(found, 1):
             rows.append(
                 {
                     "index": int(i),
@@ -65,6 +68,7 @@ def list_multipliers(step: Step, row: int | None = None) -> list[Row]:
                     "number": number,
                     "multiplier": complex(value),
                     "modulus": float(abs(value)),
+                    "residual": float(residual),
                 }
             )
     return rows
@@ -81,6 +85,13 @@ def read_multipliers(step: Step, i: int) -> NDArray[np.complex128]:
         return np.empty(0, dtype=complex)
     pairs = step.orbit(i)["multipliers"]
     return np.asarray(pairs[:, 0] + 1j * pairs[:, 1])
+
+
+def read_residuals(step: Step, i: int) -> NDArray[np.float64]:
+    """Return the residuals of the multipliers of point ``i``; NaN in files of versions that kept none."""
+    n = len(read_multipliers(step, i))
+    residuals = step.orbit(i)["residual"] if "residual" in step.orbits else np.zeros(0)
+    return np.asarray(residuals) if len(residuals) == n else np.full(n, np.nan)
 
 
 def find_signature(step: Step, row: int) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 
 from pddecont.results import Results, Step
 from pddecont.tables.attractors import name_motion
-from pddecont.tables.endings import TRIVIAL_ERROR, describe_endings
+from pddecont.tables.endings import TRIVIAL_ERROR, UNCOUNTED, count_doubtful, describe_endings
 from pddecont.tables.orbits import find_signature
 from pddecont.tables.precision import describe_cheapest
 from pddecont.tables.words import name_kind
@@ -66,7 +66,18 @@ def summarise_step(step: Step) -> dict[str, Any]:
         result["error_estimate"] = float(step.points["error_estimate"].max())
         result["n_unknowns"] = int(step.points["n_unknowns"].max())
     signatures = list(dict.fromkeys(s for s in (find_signature(step, int(i)) for i in step.order) if s))
-    return result | ({"signatures": signatures} if signatures else {}) | count_stable(step)
+    return result | ({"signatures": signatures} if signatures else {}) | count_verified(step) | count_stable(step)
+
+
+def count_verified(step: Step) -> dict[str, Any]:
+    """Return how many orbits their simulations confirmed, and how far these ended away; empty where none was asked."""
+    verified = step.points.get("verified", np.empty(0))
+    if not np.any(verified >= 0):
+        return {}
+    counts = {name: int(np.sum(verified == value)) for name, value in (("yes", 1), ("no", 0), ("not done", -1))}
+    deviation = step.points["deviation"]
+    known = deviation[np.isfinite(deviation)]
+    return {"verified": counts, **({"deviation": float(known.max())} if len(known) else {})}
 
 
 def count_stable(step: Step) -> dict[str, Any]:
@@ -83,6 +94,8 @@ def count_stable(step: Step) -> dict[str, Any]:
         "unknown": int(np.sum(stable < 0)),
     }
     result: dict[str, Any] = {"stability": counts}
+    if count_doubtful(step):
+        result["warning"] = f"at {count_doubtful(step)} of the points {UNCOUNTED}"
     errors = step.points.get("trivial_error", np.empty(0))
     if np.any(np.isfinite(errors)):
         worst = int(np.nanargmax(errors))

@@ -20,11 +20,13 @@ OLD_KIND_NAMES = {
     "BP": "branch point",
     "VS": "vanishing segment",
     "UF": "user function",
+    "HB": "Hopf",
     "CP": "cusp",
     "R1": "resonance 1:1",
     "R2": "resonance 1:2",
     "R3": "resonance 1:3",
     "R4": "resonance 1:4",
+    "HH": "Hopf-Hopf",
     "FF": "fold-flip",
     "FT": "fold-torus",
     "PT": "flip-torus",
@@ -45,12 +47,30 @@ _WORDS: dict[str, Callable[[Values], str]] = {
     "vanishing": lambda v: f"{v['segment']} vanishes",
     "halves_equal": lambda v: "halves become equal",
     "grazing": lambda v: "grazing",
+    "hopf_point": lambda v: f"Hopf point{_name_where(v)}",
+    "hopf_beyond_range": lambda v: f"their Hopf point lies just beyond the range{_name_where(v)}",
+    "hopf_not_located": lambda v: f"no Hopf point was located there: {v['why']}",
     "kind": lambda v: str(v["kind"]),
     "range": lambda v: f"{v['parameter']} = {v['value']:.8g}",
     "segment_vanishes": lambda v: f"segment {v['number']} ({v['segment']}) vanishes",
     "negative_delay": lambda v: f"delay '{v['delay']}' becomes negative beyond {_name_places(v)}",
     "no_duration": lambda v: f"segment {v['number']} ({v['segment']}) has duration {v['duration']:.3g}",
     "crossed_backwards": lambda v: f"{_name_crossing(v)} is crossed {v['crossed']} at its end, not {v['listed']}",
+    "drifts": lambda v: f"{_name_segment(v)}: the simulation from the orbit's own past ends elsewhere",
+    "missing": lambda v: f"{_name_segment(v)}: its event '{v['event']}' does not happen",
+    "happens": lambda v: (
+        f"{_name_segment(v)}: event '{v['event']}' happens there, at {v['time']:.8g} after the orbit's start "
+        f"('{v['instead']}')"
+    ),
+    "slides": lambda v: (
+        f"{_name_segment(v)}: beyond event '{v['event']}' the flow leads straight back: both fields point at its "
+        "surface, and the motion slides along it"
+    ),
+    "halts": lambda v: (
+        f"{_name_segment(v)}: the motion comes to a halt ({v['why']}{_name_part(' at event', v['event'])}"
+        f"{_name_part(' in mode', v['mode'])})"
+    ),
+    "too_many_steps": lambda v: "its simulation takes too many steps",
     "also_crossed": lambda v: f"{_name_crossing(v)} is also crossed {v['crossed']} inside",
 }
 
@@ -102,6 +122,19 @@ def name_kind(step: Step, kind: str) -> str:
 def _name_places(values: Values) -> str:
     places = {name.removeprefix("at "): value for name, value in values.items() if name.startswith("at ")}
     return ", ".join(f"{name} = {value:.8g}" for name, value in places.items())
+
+
+def _name_segment(values: Values) -> str:
+    return f"segment {values['number']} ({values['segment']})"
+
+
+def _name_part(what: str, name: Scalar) -> str:
+    return f"{what} '{name}'" if name else ""
+
+
+def _name_where(values: Values) -> str:
+    places = _name_places(values)
+    return f", {places}" if places else ""
 
 
 def _name_crossing(values: Values) -> str:

@@ -65,6 +65,20 @@ FREE = {
     "forcing": {"period": "2*pi/omega"},
     "modes": {"m": {"x'": "v", "v'": "F*cos(omega*t) - c*v - x"}},
 }
+# Orbits r^2 = m round the origin, free and begun by an event that does nothing.
+NORMAL_FORM = {
+    "name": "normal_form",
+    "states": ["x", "y"],
+    "parameters": {"m": 0.25},
+    "modes": {"m": {"x'": "m*x - y - x*(x**2 + y**2)", "y'": "x + m*y - y*(x**2 + y**2)"}},
+    "initial": {"x": 0.5, "y": 0},
+}
+SECTION = {
+    **NORMAL_FORM,
+    "events": {"top": "y"},
+    "segments": {"turn": {"mode": "m", "event": "top", "direction": "rising", "to": "m"}},
+    "initial": {"mode": "m", "x": 0.5, "y": 0.1},
+}
 # Between two walls at a distance of b and a, driven: soft walls push back, hard ones return 0.8 of the speed.
 SOFT_WALLS = {
     "name": "soft_walls",

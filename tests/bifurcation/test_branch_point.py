@@ -220,11 +220,44 @@ def test_another_mesh_than_that_of_the_step_that_found_it_is_refused(free_orbit)
 def test_the_test_function_is_the_distance_to_one_and_counts_those_beyond(real, pairs):
     pairs = [v for v in pairs if v.imag]
     m = make_multipliers([*real, *pairs, *np.conj(pairs)])
-    value = branch_point.test_function(m)
+    value = branch_point.measure_distance(m)
     assert abs(value) == min(abs(v - 1.0) for v in real)
     if value:
         assert np.sign(value) == (-1.0) ** sum(v > 1.0 for v in real)
 
 
 def test_without_a_real_multiplier_there_is_no_test_function():
-    assert math.isnan(branch_point.test_function(make_multipliers([1j, -1j])))
+    assert math.isnan(branch_point.measure_distance(make_multipliers([1j, -1j])))
+
+
+def test_a_branch_point_just_after_a_meeting_of_multipliers_is_found(tmp_path):
+    """Two coupled oscillators, neutral by a difference: a pair meets on the real axis just before one passes +1.
+
+    A third multiplier is nearer to +1 than they are until then. Steps of 0.008 find k = 0.481996 without meeting that.
+    """
+    linear = "-0.1*(x2 - x4) - (x1 - x3) - x1 + (x1 - x3)**3"
+    model = {
+        "name": "after_a_meeting",
+        "states": ["x1", "x2", "x3", "x4"],
+        "parameters": {"k": 0.48, "tau": 0.1, "d": 0.001},
+        "modes": {
+            "m": {
+                "x1'": "x2",
+                "x2'": f"{linear} + k*(x2(t - tau + d) - x2(t - tau - d))/(2*d)",
+                "x3'": "x4",
+                "x4'": "-0.1*(x4 - x2) - (x3 - x1) + (x3 - x1)**3",
+            }
+        },
+        "initial": {"x1": 0.1, "x4": -0.1},
+    }
+    limits = {"k": [0.47, 0.5]}
+    step = {"from": "o", "free": ["k"], "range": limits, "direction": "up", "step": {"max": 0.02}, "stability": True}
+    steps = [
+        {"name": "t", "simulate": {"t_end": 600}},
+        {"name": "o", "orbit": {"from": "t"}},
+        {"name": "b", "continue": {**step, "max_points": 8}},
+    ]
+    branch = run({**model, "run": {"steps": steps}}, tmp_path / "a.h5").step("b")
+    assert labels(branch) == ["BP1"]
+    assert parameter(branch, "k", "BP1") == pytest.approx(0.481996, abs=1e-6)
+    assert not any("WARNING: 1 change" in text for text in describe_endings(branch))

@@ -222,14 +222,14 @@ def test_a_branch_that_stays_apart_from_the_single_orbit_meets_none(hop_orbit):
 @settings(max_examples=50, deadline=None, derandomize=True)
 @given(st.lists(st.floats(-3.0, 3.0), min_size=1, max_size=5))
 def test_the_test_function_is_the_distance_to_minus_one_and_counts_those_beyond(real):
-    value = period_doubling.test_function(make_multipliers([*real, 1j, -1j]))
+    value = period_doubling.measure_distance(make_multipliers([*real, 1j, -1j]))
     assert abs(value) == min(abs(v + 1.0) for v in real)
     if value:
         assert np.sign(value) == (-1.0) ** sum(v < -1.0 for v in real)
 
 
 def test_without_a_real_multiplier_there_is_no_test_function():
-    assert math.isnan(period_doubling.test_function(make_multipliers([1j, -1j])))
+    assert math.isnan(period_doubling.measure_distance(make_multipliers([1j, -1j])))
 
 
 def test_the_defining_function_stays_smooth_where_multipliers_meet_near_minus_one():

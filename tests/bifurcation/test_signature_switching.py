@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from pddecont.bifurcation import SpecialPointKind, forget_kind, register_kind, switch_signature
+from pddecont.bifurcation import SpecialPointKind, forget_kind, register_kind, signature_switching, switch_signature
 from pddecont.bifurcation.extended_system import ExtendedEvaluation
 from pddecont.continuation import BranchPoint, BranchState, End, Termination
 from pddecont.tables import describe_endings, describe_reason
@@ -89,8 +89,9 @@ def test_a_curve_does_not_change_its_signature():
     assert ended("GR", End.SPECIAL, at) == (None, [])
 
 
-def test_a_kind_may_go_on_in_its_own_way():
+def test_a_kind_may_go_on_in_its_own_way(monkeypatch):
     """What it returns takes the place of the last ordinary point, at the arclength of the special one."""
+    monkeypatch.setattr(signature_switching, "find_objection", lambda point, orbit, settings: "")
     asked = []
 
     def go_on(last, before, settings):
@@ -99,8 +100,9 @@ def test_a_kind_may_go_on_in_its_own_way():
 
     register_kind(SpecialPointKind("XX", "a new one", go_on=go_on))
     try:
-        before = BranchState(SimpleNamespace(at=None), 1.0, 0.1, 7)
-        last = BranchPoint(BranchState(SimpleNamespace(at=None), 1.5, 0.1, 7), "XX", 3)
+        at = SimpleNamespace(orbit=None)
+        before = BranchState(SimpleNamespace(at=at), 1.0, 0.1, 7)
+        last = BranchPoint(BranchState(SimpleNamespace(at=at), 1.5, 0.1, 7), "XX", 3)
         found = switch_signature(Termination(End.SPECIAL), last, before, None, None, 1)
     finally:
         forget_kind("XX")

@@ -95,7 +95,7 @@ AT = SimpleNamespace(orbit=None)
 )
 def test_the_test_function_is_the_distance_to_the_circle_and_counts_pairs_outside(polar, real):
     upper = [r * np.exp(1j * angle) for r, angle in polar]
-    value = torus.test_function(make_multipliers([*real, *upper, *np.conj(upper)]))
+    value = torus.measure_distance(make_multipliers([*real, *upper, *np.conj(upper)]))
     sizes = np.abs(upper)
     assert abs(value) == np.min(np.abs(sizes - 1.0))
     if value:
@@ -103,7 +103,7 @@ def test_the_test_function_is_the_distance_to_the_circle_and_counts_pairs_outsid
 
 
 def test_without_a_pair_there_is_no_test_function():
-    assert math.isnan(torus.test_function(make_multipliers([2.0, -0.5])))
+    assert math.isnan(torus.measure_distance(make_multipliers([2.0, -0.5])))
 
 
 @settings(max_examples=50, deadline=None, derandomize=True)

@@ -1,13 +1,14 @@
 """From one mesh to another and back."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pddecont.collocation import Mesh, raise_degree, resample, transfer
+from pddecont.collocation import Mesh, Piece, raise_degree, resample, transfer
 from tests.collocation.meshes import make_pieces, meshes
 
 
@@ -79,3 +80,30 @@ def test_a_mesh_of_another_degree_keeps_its_base_points_apart():
     other = replace(mesh, degree=5)
     values = np.where(np.arange(mesh.n_base) < 4, 1.0, 5.0)[:, None]
     assert resample(mesh, values, other)[:, 0] == pytest.approx([1.0] * 6 + [5.0] * 11)
+
+
+def test_where_breaking_points_pass_one_another_their_jumps_change_places():
+    """A curve with a kink at a = tau_1 and one at b = tau_2, a mesh made for a < b, and b a little before a.
+
+    Every piece goes on as its own polynomial; between b and a the curve is what has the kink at b already.
+    """
+    edges = np.array([[0, 0, 0], [0, 1, 0], [0, 0, 1], [1, 0, 0]], dtype=float)
+    pieces = tuple(Piece(0, a, b, np.array([0.0, 1.0])) for a, b in pairwise(edges))
+    mesh, swapped = Mesh(3, 1, pieces), np.array([2.0, 1.0, 0.9])
+    one, other = swapped[1:]
+
+    def curve(t, before):
+        """Return 1 + t - t^2 with kinks at the places that lie ``before`` t."""
+        return (
+            1 + t - t**2 + (0.7 * (t - one) if one in before else 0.0) - (0.4 * (t - other) if other in before else 0)
+        )
+
+    values = np.empty((mesh.n_base, 1))
+    times = mesh.base_times(swapped)
+    for interval, before in enumerate([[], [one], [one, other]]):
+        rows = mesh.base_index[interval]
+        values[rows, 0] = curve(times[rows], before)
+    fine = Mesh(3, 1, (Piece(0, edges[0], edges[3], np.linspace(0, 1, 41)),))
+    t = fine.base_times(swapped)
+    expected = [curve(time, [place for place in (one, other) if place < time]) for time in t]
+    assert transfer(mesh, swapped, values, fine, swapped)[:, 0] == pytest.approx(expected, abs=1e-12)

@@ -180,3 +180,20 @@ def test_a_zero_that_the_branch_starts_on_is_not_located_whatever_its_sign_by_ro
     found, _ = Step(TestFunctions([TestFunction("GR", value)])).find(from_=1e-4)
     assert found == []
     assert len(values) == n_evaluations
+
+
+def test_where_a_function_has_no_values_the_smooth_one_is_followed():
+    """The count changes at 0.4, where its function ends; its smooth one does not."""
+
+    def nearest(point):
+        x = point.x[0]
+        return math.nan if x < 0.4 else 0.4 - x
+
+    def make(smooth):
+        tests = [TestFunction("N", nearest, smooth=smooth)]
+        return TestFunctions(counts=CountFunction(lambda p: (int(p.x[0] > 0.4),), lambda a, b: tests))
+
+    specials, n_unexplained = Step(make(lambda p: 0.16 - p.x[0] ** 2)).find()
+    assert [s.test.kind for s in specials] == ["N"]
+    assert specials[0].fraction == pytest.approx(0.4, abs=1e-12)
+    assert n_unexplained == 0

@@ -37,7 +37,7 @@ def belt(K, V=0.5, F_stick=1.0, F_slip=0.7, falling=0.1, tau=1.5):
         },
         {
             "stick": [(lambda t, z, past: pull(z, past) - F_stick, 1, same, "slip", "tear")],
-            "slip": [(lambda t, z, past: z[1] - V, 1, lambda z: [z[0], V], "stick", "catch")],
+            "slip": [(lambda t, z, past: z[1] - V, 1, lambda t, z, past: [z[0], V], "stick", "catch")],
         },
         (tau,),
         lambda t: [0.0, V],
@@ -225,7 +225,7 @@ def test_endemic():
             1.0,
         ]
 
-    def pulse(z):
+    def pulse(t, z, past):
         return [(1 - p) * z[0], z[1], z[2], 0.0]
 
     motion = Motion(
@@ -312,7 +312,7 @@ def test_suitcase():
     def upright(t, z, past):
         return z[0] if t > 1e-3 else 1.0
 
-    def hit(z):
+    def hit(t, z, past):
         return [z[0], r * z[1]]
 
     motion = Motion(
@@ -381,7 +381,7 @@ def test_chain():
         return slope
 
     def bounce(i):
-        def reset(z):
+        def reset(t, z, past):
             z = z.copy()
             z[2 * i + 1] *= -r
             return z

@@ -10,8 +10,10 @@ from pddecont.delay import Chain, Direct, find_breaking_points
 from pddecont.orbit import Orbit, adapt_mesh, make_mesh, mesh_is_valid, transfer_orbit, transfer_to
 from pddecont.orbit.error import estimate_interval_errors
 from pddecont.orbit.remesh import find_density, find_pieces, mesh_meets_tolerance
+from pddecont.tables import describe_endings
 from tests.known_orbits import hard_wall, mackey_glass
 from tests.orbit.exact import circle
+from tests.runs import monitor, parameter, run
 
 RULE = MeshRule(6, intervals=20)
 
@@ -100,3 +102,34 @@ def test_the_density_cuts_for_its_tolerance():
     cuts = adapt_mesh(orbit, MeshRule(10, tol=1e-8)).mesh.pieces[0].cuts
     assert cuts == pytest.approx(fine.cut(0.0, orbit.period))
     assert len(cuts) != len(equal_cuts([3])[0])
+
+
+@pytest.mark.parametrize(("degree", "tol"), [(3, 1e-5), (6, 1e-8), (9, 1e-11)])
+def test_multiples_of_a_delay_that_meet_whole_periods_are_passed(tmp_path, degree, tol):
+    """y' = 1 - y + k x(t - tau) of a spiking x: y is the same motion for every tau, only later.
+
+    5 tau = 2 T, 4 tau = 2 T, 5 tau = 3 T and tau = T are passed on the way. The mean of x is I - (I - d) / (2 log 2).
+    """
+    model = {
+        "name": "commensurate",
+        "states": ["x", "y"],
+        "parameters": {"I": 1.5, "tau": 0.3, "d": 0.5, "k": 0.1},
+        "modes": {"go": {"x'": "I - x", "y'": "1 - y + k*x(t - tau)"}},
+        "events": {"spike": "x - 1"},
+        "resets": {"fire": {"x": "d"}},
+        "segments": {"rest": {"mode": "go", "event": "spike", "direction": "rising", "reset": "fire", "to": "go"}},
+        "initial": {"mode": "go", "x": 0.7},
+    }
+    branch = {"from": "o", "free": ["tau"], "range": {"tau": [0.26, 0.72]}}
+    steps = [
+        {"name": "t", "simulate": {"t_end": 30}},
+        {"name": "o", "orbit": {"from": "t"}},
+        {"name": "b", "continue": branch},
+    ]
+    block = {"mesh": {"degree": degree, "tol": tol}, "monitors": {"top": "max(y)", "mean": "mean(y)"}, "steps": steps}
+    step = run({**model, "run": block}, tmp_path / "a.h5").step("b")
+    assert [label for label in step.labels if label] == ["EP1", "EP2"]
+    assert all("reached the end of the range" in text for text in describe_endings(step))
+    assert np.all(np.diff(parameter(step, "tau")) > 0.0)
+    assert monitor(step, "mean") == pytest.approx(np.full(len(step), 1.15 - 0.05 / np.log(2)), abs=max(1e-8, 3 * tol))
+    assert np.ptp(monitor(step, "top")) < max(1e-8, 3 * tol)

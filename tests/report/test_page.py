@@ -190,3 +190,13 @@ def test_the_command_writes_the_page(tmp_path, monkeypatch):
     assert call("report", "none.h5")[0] == 1
     code, _, err = call("report", "old.h5", "-o", "no/folder.html")
     assert code == 1 and "cannot be written" in err
+
+
+def test_numbers_too_large_to_draw_leave_a_word_in_place_of_the_picture(tmp_path):
+    path = tmp_path / "large.h5"
+    create_results(path, "model", "run", "run.yaml", "{}")
+    rows = [row | {"monitors": [(-1) ** k * 1e308]} for k, row in enumerate(synthetic.gain())]
+    synthetic.add(path, "in_gain", rows)
+    text = render_page(read_results(path))
+    assert "cannot be drawn so" in text
+    assert "1e+308" in text

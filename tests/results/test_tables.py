@@ -77,7 +77,7 @@ def test_files_without_the_new_columns_give_the_same_table(old):
 def test_multipliers_one_row_each(every):
     rows = make_table(every.step("in_gain"), "multipliers")
     assert len(rows) == 33 * 3
-    assert list(rows[0]) == ["index", "label", "K", "number", "multiplier", "modulus"]
+    assert list(rows[0]) == ["index", "label", "K", "number", "multiplier", "modulus", "residual"]
     for k, row in enumerate(rows):
         expected = gain()[k // 3]["multipliers"][k % 3]
         assert row["multiplier"] == expected
@@ -108,7 +108,7 @@ def test_export_of_complex_numbers(every):
     assert "re" not in data[0]
     text = command("export", every.path, "--step", "in_gain", "--table", "multipliers", "--label", "LP1")
     rows = list(csv.DictReader(io.StringIO(text)))
-    assert list(rows[0]) == ["index", "label", "K", "number", "re", "im", "modulus"]
+    assert list(rows[0]) == ["index", "label", "K", "number", "re", "im", "modulus", "residual"]
     assert [complex(float(r["re"]), float(r["im"])) for r in rows] == list(gain()[8]["multipliers"])
 
 

@@ -96,7 +96,14 @@ def test_an_existing_file_is_never_overwritten_unasked(tmp_path):
     path.write_text("precious")
     with pytest.raises(ResultsError, match="exists already"):
         new(path)
+    with pytest.raises(ResultsError, match="is not a results file"):
+        new(path, overwrite=True)
     assert path.read_text() == "precious"
+    path.unlink()
+    create_results(path, "an older model", "run text", "run.yaml", "{}")
+    with pytest.raises(ResultsError, match="exists already"):
+        new(path)
+    assert read_results(path).model_text == "an older model"
     new(path, overwrite=True)
     assert read_results(path).model_text == "model text"
 

@@ -4,8 +4,17 @@ import pickle
 
 import pytest
 
+from pddecont.errors import ConvergenceError
 from pddecont.reasons import reason_from_json
-from pddecont.simulate import FailureReason, MotionFailure, describe_failure, failure_from_reason, failure_to_reason
+from pddecont.simulate import (
+    FailureReason,
+    Method,
+    MotionFailure,
+    describe_failure,
+    failure_from_reason,
+    failure_to_reason,
+)
+from tests.simulate.motions import trajectory_of
 
 SENTENCES = {
     FailureReason.ACCUMULATION: "events of 'hit' accumulate at t = 1.23456789012 (Zeno): the motion comes to rest "
@@ -38,6 +47,22 @@ def test_each_reason_has_its_sentence(reason):
 def test_files_are_read_back_to_the_same_failure(reason):
     failure = MotionFailure(reason, 1.234567890123, "hit", "fly", "log(x) takes the logarithm of zero")
     assert failure_from_reason(reason_from_json(failure_to_reason(failure).to_json())) == failure
+
+
+def test_a_run_that_is_stiff_already_is_not_told_to_be():
+    failure = MotionFailure(FailureReason.STEP_TOO_SMALL, 1.0, None, "fly", is_stiff=True)
+    assert "a stiff model wants" not in describe_failure(failure)
+    assert "'method: stiff' is used already" in describe_failure(failure)
+    assert failure_from_reason(reason_from_json(failure_to_reason(failure).to_json())) == failure
+
+
+def test_the_method_of_a_motion_is_known_where_it_fails():
+    """x' = x^2 from 1 is infinite at t = 1."""
+    text = "name: b\nstates: [x]\nmodes: {m: {x': x**2}}\ninitial: {x: 1}\n"
+    for is_stiff in (True, False):
+        with pytest.raises(ConvergenceError) as error:
+            trajectory_of(text, 2.0, Method(stiff=is_stiff))
+        assert ("a stiff model wants" in str(error.value)) is not is_stiff
 
 
 def test_what_a_failure_has_not_is_not_written():

@@ -17,6 +17,7 @@ BRANCH = {
     "range": {"K": [0.11, 0.13]},
     "max_points": 3,
     "stability": True,
+    "verify": False,
 }
 SECOND = {"model": MODEL, "steps": [{"name": "c", "continue": BRANCH}]}
 CALL = """

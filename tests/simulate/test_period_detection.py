@@ -42,6 +42,7 @@ def damped(force, c=0.2, wall=None, t_end=400):
     [
         (damped(FREE), REST),  # at x = 1
         (damped(TO_ZERO), REST),  # at zero, in ever smaller oscillations of one shape
+        (damped(TO_ZERO, c=1, t_end=200), REST),  # at zero, to the errors of its steps
         (damped(TO_ZERO, c=3), REST),  # at zero, without an oscillation
         (damped(TO_ZERO, wall=WALL), REST),  # after the last impact
         (damped(TO_ZERO, wall=WALL, t_end=5), "too few events to see a period in them; raise 't_end'"),
@@ -138,3 +139,72 @@ def test_a_mode_that_no_segment_leads_to_is_refused():
 def test_a_trajectory_of_less_than_two_periods_is_too_short():
     with pytest.raises(SignatureError, match="shorter than two forcing periods"):
         cycle_of("duffing", 8.0)
+
+
+# A held input that is the same at every sample, to rounding: the disturbance has the period of the sampling.
+SAMPLED = {
+    "name": "hold",
+    "states": ["x", "v", "u"],
+    "parameters": {"P": 3, "D": 2.5, "T": 0.2, "tau": 0.05},
+    "forcing": {"period": "T"},
+    "modes": {"m": {"x'": "v", "v'": "x + u + 0.1*cos(2*pi*t/T)", "u'": 0}},
+    "events": {"sample": "sin(2*pi*t/T)"},
+    "resets": {"hold": {"u": "-P*x(t - tau) - D*v(t - tau)"}},
+    "segments": {"held": {"mode": "m", "event": "sample", "direction": "rising", "reset": "hold", "to": "m"}},
+    "initial": {"x": 0.1},
+    "run": {"steps": [{"name": "t", "simulate": {"t_end": "400*T"}}, {"name": "o", "orbit": {"from": "t"}}]},
+}
+
+
+@pytest.mark.parametrize("change", [{}, {"T": 0.1}, {"D": 2.0}])
+def test_a_state_that_rounding_alone_moves_has_settled(tmp_path, change):
+    model = {**SAMPLED, "parameters": {**SAMPLED["parameters"], **change}}
+    results = run(model, tmp_path / "a.h5")
+    assert results.step("o").points["period"][0] == pytest.approx(change.get("T", 0.2), rel=1e-12)
+
+
+def test_a_clock_that_no_event_resets_is_named(tmp_path):
+    """Mode ``idle`` ends where x passes 2, which it never does: its clock s grows."""
+    model = {
+        "name": "clock",
+        "states": ["x", "s"],
+        "parameters": {"T": 1},
+        "modes": {"idle": {"x'": "1 - x", "s'": 1}, "feed": {"x'": "-x", "s'": 1}},
+        "events": {"compare": "x - 2", "tick": "s - T"},
+        "resets": {"restart": {"s": 0}},
+        "segments": {
+            "closed": {"mode": "idle", "event": "compare", "direction": "rising", "to": "feed"},
+            "open": {"mode": "feed", "event": "tick", "direction": "rising", "reset": "restart", "to": "idle"},
+        },
+        "initial": {"mode": "idle"},
+        "run": {"steps": [{"name": "t", "simulate": {"t_end": 200}}, {"name": "o", "orbit": {"from": "t"}}]},
+    }
+    with pytest.raises(SignatureError, match=r"state 's' goes on from .* 'idle' too, has a segment that resets it"):
+        run(model, tmp_path / "a.h5")
+
+
+def test_a_motion_that_dies_away_slowly_decays_to_rest(tmp_path):
+    """x'' + 0.06 x' + x = 0: in the 40 time units of a stretch the swings shrink by exp(-1.2) = 0.30."""
+    with pytest.raises(SignatureError, match=r"decays to rest: .* by a factor of 0\.3 in each time 40"):
+        run(damped(TO_ZERO, c=0.06), tmp_path / "a.h5")
+
+
+def test_four_recorded_periods_are_enough_wherever_the_events_lie():
+    """A dry friction oscillator that sticks for most of its period; at omega = 0.5 x goes up to 1.280000."""
+    text = (
+        "name: f\nstates: [x, v]\nparameters: {omega: 0.5, F: 0.4, K: 0.1, tau: 0.6}\n"
+        "definitions: {pull: cos(omega*t) - x + K*(x(t - tau) - x)}\nforcing: {period: 2*pi/omega}\n"
+        "modes: {right: {x': v, v': pull - F}, left: {x': v, v': pull + F}, stuck: {x': 0, v': 0}}\n"
+        "events: {stop: v, push_right: pull - F, push_left: pull + F}\nresets: {still: {v: 0}}\nsegments:\n"
+        "  right: {mode: right, event: stop, direction: falling, reset: still, to: stuck}\n"
+        "  left: {mode: left, event: stop, direction: rising, reset: still, to: stuck}\n"
+        "  to_right: {mode: stuck, event: push_right, direction: rising, to: right}\n"
+        "  to_left: {mode: stuck, event: push_left, direction: falling, to: left}\ninitial: {mode: stuck}\n"
+    )
+    numeric = numeric_from(text)
+    period = 4 * np.pi
+    trajectory = simulate(numeric, numeric.parameter_values, Direct(), 60 * period, keep_from=56 * period)
+    cycle = detect_period(numeric, numeric.parameter_values, trajectory)
+    assert set(cycle.signature) == {"left", "to_right", "right", "to_left"}
+    assert cycle.n_periods == 1
+    assert np.max(trajectory.sample()[1][:, 0]) == pytest.approx(1.28, abs=5e-7)

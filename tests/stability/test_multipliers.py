@@ -14,13 +14,20 @@ from pddecont.errors import ConvergenceError
 from pddecont.orbit import Orbit, OrbitProblem, Signature, adapt_mesh, make_eventless, solve_orbit
 from pddecont.results import read_results
 from pddecont.stability import MultiplierCache, find_eigenvector, find_multipliers
-from pddecont.stability import multipliers as module
+from pddecont.stability import candidates as module
+from pddecont.stability import multipliers as module_of_multipliers
 from pddecont.stability.monodromy import linearise_period
-from pddecont.tables import describe_endings, summarise_step
+from pddecont.tables import describe_endings, make_table, summarise_step
 from tests.conftest import numeric_from
 from tests.known_orbits import hard_wall, impact_oscillator
 from tests.orbits import measure_decay, segment_pieces, settle_to_orbit
 from tests.runs import change, run
+from tests.stability.long_delays import (
+    damped_wall,
+    find_lambert_multipliers,
+    find_saltation_multipliers,
+    linear_feedback,
+)
 
 # Orbits computed apart from this program: piecewise linear flows by matrix exponentials, shooting in the contact times.
 CHAIN_IMPACT = (0.358308645167, 0.167173792274)  # fig. 4.7, N = 15, M = 2, K = 0.12
@@ -331,3 +338,100 @@ def test_a_branch_does_not_start_where_its_multipliers_are_lost(tmp_path):
     step = read_results(tmp_path / "a.h5").step("p")
     assert step.points["stable"][0] == -1
     assert "WARNING" in describe_endings(step)[0]
+
+
+@pytest.mark.parametrize("n", [5.3, 7.3, 50.3])
+def test_a_delay_that_nothing_depends_on_leaves_the_multipliers_alone(n):
+    orbit = damped_wall(n)
+    for number in (2, 5, 12):
+        found = find_multipliers(orbit, number)
+        assert found.counted
+        assert found.nontrivial[:2] == pytest.approx(find_saltation_multipliers(orbit), abs=1e-7)
+        # The second entry of the history is rounding: no pseudo-eigenvalue of the long shift is left.
+        assert np.max(np.abs(found.values[2:]), initial=0.0) < 1e-6
+
+
+@pytest.mark.parametrize(("n", "K"), [(5.3, 0.1), (20.3, 0.5), (50.3, 0.9), (49.8, -0.8)])
+def test_delays_of_many_periods_against_the_lambert_function(n, K):
+    orbit = linear_feedback(n, K)
+    exact = np.array(find_lambert_multipliers(n, K, 12))
+    for number in (6, 12) if n < 40 else (12,):
+        found = find_multipliers(orbit, number)
+        assert found.counted and np.max(found.residuals) < 1e-11
+        assert found.values[:number] == pytest.approx(exact[:number], abs=1e-8)
+
+
+def test_the_leading_ones_are_the_same_however_many_are_asked_for():
+    orbit = damped_wall(7.3, 0.05)
+    most = find_multipliers(orbit, 30)
+    assert most.counted
+    for n in (2, 8, 12):
+        found = find_multipliers(orbit, n)
+        assert found.values == pytest.approx(most.values[: len(found.values)], abs=1e-10)
+        assert MultiplierCache(n).find(orbit).n_unstable == most.n_unstable
+
+
+UNITS_MODEL = {
+    "name": "units",
+    "states": ["x", "v"],
+    "forcing": {"period": "2*pi/om"},
+    "modes": {"m": {"x'": "v", "v'": "F*cos(om*t) - c*v - w0*x + K*x(t - tau) + q*v(t - tau2)"}},
+    "events": {"h": "x - wall"},
+    "resets": {"b": {"v": "-r*v + g*v(t - tau2)"}},
+    "segments": {"s": {"mode": "m", "event": "h", "direction": "rising", "reset": "b", "to": "m"}},
+}
+
+
+def in_units(length, time):
+    """Return the orbit of an oscillator at a wall with two delays, one of 1.5 periods, in other units."""
+    parameters = {
+        "om": 2.4784 / time,
+        "c": 0.1219 / time,
+        "w0": 1 / time**2,
+        "F": length / time**2,
+        "wall": -0.092 * length,
+        "r": 0.8035,
+        "K": 0.0523 / time**2,
+        "q": -0.1652 / time,
+        "tau": 3.8086 * time,
+        "tau2": 0.8647 * time,
+        "g": -0.04956,
+    }
+    initial = {"x": -0.142 * length, "v": -0.1 * length / time}
+    model = {**UNITS_MODEL, "parameters": parameters, "initial": {"mode": "m", **initial}}
+    return settle_to_orbit(model, t_end=380.276709198248 * time, mesh={"degree": 8, "tol": 1e-9}, atol=1e-11 * length)
+
+
+def test_units_change_no_multiplier():
+    """The values are those of a linearisation apart from this program, with saltation matrices."""
+    exact = [0.36760208 + 0.79027076j, -0.06485787, 0.0321132 + 0.0199483j, -0.0157082 + 0.0127926j]
+    plain = find_multipliers(in_units(1.0, 1.0))
+    assert plain.values[[0, 2, 3, 5]] == pytest.approx(exact, abs=1e-6)
+    for length, time in ((1e-6, 1.0), (1e6, 1.0), (1e-6, 1e6), (1.0, 1e-6)):
+        found = find_multipliers(in_units(length, time))
+        assert found.counted and found.values[:9] == pytest.approx(plain.values[:9], abs=1e-8)
+
+
+def test_what_a_list_lacks_is_found_by_counting(monkeypatch):
+    orbit = impact_oscillator()
+    whole = find_multipliers(orbit)
+    for kept in ([], [0], [1]):
+        monkeypatch.setattr(module_of_multipliers, "find_candidates", lambda *_, kept=kept: whole.values[kept])
+        found = find_multipliers(orbit)
+        assert found.counted and found.values == pytest.approx(whole.values, abs=1e-12)
+
+
+def test_what_no_count_confirms_says_nothing_of_stability(monkeypatch, tmp_path):
+    monkeypatch.setattr(module_of_multipliers.Counter, "count_missing", lambda *_: None)
+    steps = [{"name": "t", "simulate": {"t_end": 120}}, {"name": "o", "orbit": {"from": "t", "stability": True}}]
+    step = run({"model": "wall_oscillator", "steps": steps}, tmp_path / "a.h5").step("o")
+    assert step.points["stable"][0] == -1 and step.points["n_unstable"][0] == -1
+    assert "WARNING: the count of multipliers" in describe_endings(step)[0]
+    assert "count of multipliers" in summarise_step(step).get("warning", describe_endings(step)[0])
+
+
+def test_residuals_stand_beside_the_multipliers(tmp_path):
+    steps = [{"name": "t", "simulate": {"t_end": 120}}, {"name": "o", "orbit": {"from": "t", "stability": True}}]
+    step = run({"model": "wall_oscillator", "steps": steps}, tmp_path / "a.h5").step("o")
+    rows = make_table(step, "multipliers")
+    assert len(rows) == 2 and all(0 <= row["residual"] < 1e-12 for row in rows)

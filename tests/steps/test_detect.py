@@ -53,7 +53,7 @@ def calls(monkeypatch):
         (vanishing.MeetingFunction, "evaluate"),
         (period_doubling, "compare_halves"),
         (MultiplierCache, "find"),
-        (branch_tests, "find_violations"),
+        (branch_tests, "find_violation"),
         (Monitor, "evaluate"),
     ):
         key = f"{where.__name__.rpartition('.')[2]}.{name}"
@@ -67,7 +67,7 @@ def test_all_is_looked_for_unless_said_otherwise(tmp_path, calls):
     assert set(calls) >= {
         "grazing._gaps",
         "vanishing.find_smallest_crossing_rate",
-        "branch_tests.find_violations",
+        "branch_tests.find_violation",
         "Monitor.evaluate",
         "period_doubling.compare_halves",
     }
@@ -124,7 +124,7 @@ def test_folds_alone_need_no_multipliers_though_points_may_have_them(tmp_path, c
     [
         (["TR"], "'TR' is seen from multipliers; add 'stability: true'"),
         (["GG"], "'GG' is not found with one free parameter"),
-        (["GT", "LR"], r"'LR' is not found with one free parameter \(there are: LP, BP, PD, TR, GR, VS, UF\)"),
+        (["GT", "LR"], r"'LR' is not found with one free parameter \(there are: LP, BP, PD, TR, GR, VS, MC, UF, HB\)"),
     ],
 )
 def test_kinds_that_cannot_be_found_are_refused(detect, message):

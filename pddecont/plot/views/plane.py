@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+import numpy as np
+from numpy.typing import NDArray
+
 from pddecont.errors import ResultsError
 from pddecont.plot.axis_labels import format_axis_label
 from pddecont.plot.branch_colours import make_style_handles
@@ -29,7 +32,8 @@ if TYPE_CHECKING:
 
 # What the shaded side of a curve keeps, by the kind of point that the curve follows.
 SIGNATURE_KEPT = "signature kept"
-SIDES = {"GR": SIGNATURE_KEPT, "VS": SIGNATURE_KEPT, "LP": "orbits exist", "PD": "stable", "TR": "stable"}
+STABLE, FEWER_UNSTABLE = "stable", "fewer unstable multipliers"
+SIDES = {"GR": SIGNATURE_KEPT, "VS": SIGNATURE_KEPT, "LP": "orbits exist", "PD": STABLE, "TR": STABLE}
 OTHER_SIDE = "orbit kept"
 # The kind of curves along which a user function is zero: which one tells them apart.
 USER_FUNCTION = "UF"
@@ -76,11 +80,23 @@ def draw_plane(axes: Axes, steps: Sequence[Step], x: str, y: str) -> tuple[list[
     axes.autoscale_view()
     axes.set_xlim(axes.get_xlim())
     axes.set_ylim(axes.get_ylim())
-    shaded = [step for step in steps if draw_side_band(axes, step, x, y)]
+    shaded = [step for step in steps if draw_side_band(axes, step, x, y, find_stable_side(step))]
     axes.set_xlabel(format_axis_label(steps, x))
     axes.set_ylabel(format_axis_label(steps, y))
     handles = [*make_curve_handles(steps), *make_style_handles(steps)]
     return labels, [*handles, *_make_point_handles(steps), *_make_side_handles(shaded)]
+
+
+def find_stable_side(step: Step) -> NDArray[np.bool_] | None:
+    """Return the points of a curve beside which orbits are stable on one side, shape (n_points,).
+
+    These have no multiplier outside the unit circle beside the one, or the pair, that is on it. None where the side is
+    no matter of stability, or multipliers were not computed.
+    """
+    if SIDES.get(read_curve_kind(step)) != STABLE or "stable" not in step.points:
+        return None
+    stable = step.points["stable"]
+    return np.asarray(stable == 1) if np.any(stable >= 0) else None
 
 
 def make_curve_handles(steps: Sequence[Step]) -> list[Artist]:
@@ -126,6 +142,8 @@ def _make_side_handles(steps: Sequence[Step]) -> list[Artist]:
 
 def _describe_side(kind: str, steps: Sequence[Step]) -> str:
     words = SIDES.get(kind, OTHER_SIDE)
+    if words == STABLE and any(find_stable_side(step) is None for step in steps):
+        return FEWER_UNSTABLE
     families = {part.family for step in steps for part in split_branch(step)}
     if words != SIGNATURE_KEPT or len(families) != 1:
         return words

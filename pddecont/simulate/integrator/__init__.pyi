@@ -11,6 +11,7 @@ from .buffers import make_workspace as make_workspace
 from .classification import classify_cells as classify_cells
 from .machine_code_folder import find_machine_code as find_machine_code
 from .poincare import follow_to_period as follow_to_period
+from .restart import begin_inside_arc as begin_inside_arc
 from .state import CONSTANT as CONSTANT
 from .state import FIRST as FIRST
 from .state import LAST_EVENT as LAST_EVENT

@@ -22,17 +22,18 @@ AHEAD = 1e-6
 
 
 @internal
-def is_sliding(c, event, crossing, old, new, t):
+def is_sliding(c, event, crossing, old, new, t, resolution):
     """Return whether the new mode's flow leads straight back through an event while the old one's still leads to it.
 
-    Both vector fields then point at the surface (Filippov's criterion), and no motion leaves it.
+    Both vector fields then point at the surface (Filippov's criterion), and no motion leaves it. ``resolution`` is how
+    far from zero the event function may have been, to rounding, when it was met.
     """
     if crossing == 0 or old == new:
         return False
     if not _ends_segment(c, event, -crossing, new):
         return False
     there, size = evaluate_event_slope(c, event, new, t, c.y)
-    if there * crossing >= 0.0 or abs(evaluate_event(c, event, t, c.y)) > size:
+    if there * crossing >= 0.0 or abs(evaluate_event(c, event, t, c.y)) > max(size, resolution):
         return False
     here, _ = evaluate_event_slope(c, event, old, t, c.y)
     return here * crossing > 0.0

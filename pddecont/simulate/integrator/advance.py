@@ -13,10 +13,9 @@ from pddecont.simulate.integrator.breaking import (
 from pddecont.simulate.integrator.buffers import N_COEFFICIENTS, make_log
 from pddecont.simulate.integrator.calls import entry, inlined, internal, offset
 from pddecont.simulate.integrator.core import make_core
-from pddecont.simulate.integrator.event_functions import evaluate_event_slope
 from pddecont.simulate.integrator.event_handling import enter_sticking_mode, find_start_crossing, handle_events
 from pddecont.simulate.integrator.event_location import find_first_crossing
-from pddecont.simulate.integrator.event_sides import note_sides, update_side
+from pddecont.simulate.integrator.event_sides import update_side
 from pddecont.simulate.integrator.history import interpolate_state, past_has_capacity, record_step, time_tolerance
 from pddecont.simulate.integrator.state import (
     ARC,
@@ -115,14 +114,14 @@ def advance(c, t_stop, most_steps):
         if c.count[ARC] == 0 and c.count[FRESH] == 1 and t == c.clock[T_START]:
             hit, direction = find_start_crossing(c)
             if hit >= 0:
-                status = _handle_due_events(c, hit, direction)
+                status = handle_events(c, hit, direction)
                 if (status == Status.ZENO or status == Status.SLIDING) and enter_sticking_mode(c, t_stop):
                     continue
                 if status != Status.REACHED:
                     return status
                 continue
         if c.count[N_PENDING] > 0 and c.pending_time[0] <= t + time_tolerance(t):
-            status = _handle_due_events(c, -1, 0)
+            status = handle_events(c, -1, 0)
             if (status == Status.ZENO or status == Status.SLIDING) and enter_sticking_mode(c, t_stop):
                 continue
             if status != Status.REACHED:
@@ -159,15 +158,17 @@ def _finish_step(c, t, h, stop):
         event = c.segment_event[segment]
         if c.segment_mode[segment] != mode or c.after[event] >= 0:
             continue
-        direction, side = c.segment_direction[segment], c.side[segment]
-        s, c.found_side[segment] = find_first_crossing(c, event, direction, t, h, side)
+        s, c.found_side[segment] = find_first_crossing(
+            c, event, c.segment_direction[segment], t, h, c.side[segment], c.residue[segment]
+        )
         # Of events at one moment the one declared first comes first.
         if s >= 0.0 and s < earliest - same:
             hit, earliest = segment, s
     marked = False
     if c.section >= 0:
-        direction, side = c.section_direction, c.side[n_segments]
-        s, c.found_side[n_segments] = find_first_crossing(c, c.section, direction, t, h, side)
+        s, c.found_side[n_segments] = find_first_crossing(
+            c, c.section, c.section_direction, t, h, c.side[n_segments], 0.0
+        )
         if s >= 0.0 and s < earliest:
             marked, hit, earliest = True, -1, s
     if c.count[UNRESOLVED] == 1:
@@ -191,22 +192,18 @@ def _finish_step(c, t, h, stop):
         c.y[i] = c.trial[c.dimension + i]
     c.count[READY] = int(whole)
     c.clock[T] = end
-    for segment in range(n_segments):
+    # At the very start of a step a function that is on another side than it was has jumped, which is an event.
+    moved = end > t + time_tolerance(t)
+    for segment in range(n_segments if moved else 0):
         event = c.segment_event[segment]
         if c.segment_mode[segment] == mode and c.after[event] < 0 and segment != hit:
             update_side(c, segment, event, end, whole)
-    if c.section >= 0:
+    if c.section >= 0 and moved:
         update_side(c, n_segments, c.section, end, whole)
     if marked:
         c.side[n_segments] = 0
         return Status.SECTION
-    if hit < 0:
-        return Status.REACHED
-    direction = c.segment_direction[hit]
-    if direction == 0:
-        slope, _ = evaluate_event_slope(c, c.segment_event[hit], mode, end, c.y)
-        direction = -c.side[hit] if c.side[hit] != 0 else (1 if slope > 0.0 else -1)
-    return _handle_due_events(c, hit, direction)
+    return handle_events(c, hit, c.found_side[hit]) if hit >= 0 else Status.REACHED
 
 
 @inlined
@@ -225,16 +222,3 @@ def _log_step(c, t, h, end):
         for k in range(N_COEFFICIENTS):
             c.log_coefficients[(row * N_COEFFICIENTS + k) * n + i] = c.extension[k * c.dimension + i]
     c.log_n[0] = row + 1
-
-
-@internal
-def _handle_due_events(c, hit, direction):
-    """Handle all events that are due now and note the sides on which the new arc begins; return a status.
-
-    The sides are those of the delayed values before this moment: one that jumps now carries its event function over
-    zero, and that counts as a crossing.
-    """
-    status = handle_events(c, hit, direction)
-    if c.count[FRESH] == 1:
-        note_sides(c, c.clock[T])
-    return status

@@ -123,6 +123,7 @@ class Workspace(NamedTuple):
     gradient: Array
     after_reset: Array
     crossing: Integers
+    passed: Integers
     found_side: Integers
     bernstein: Array
     stack: Array
@@ -142,6 +143,7 @@ def make_workspace(system: System) -> Workspace:
         np.zeros(n * (n + m + 1)),
         np.zeros(n + m + 2),
         np.zeros(n + 1),
+        np.zeros(len(system.after) + 1, np.int64),
         np.zeros(len(system.after) + 1, np.int64),
         np.zeros(len(system.segment_mode) + 1, np.int64),
         np.zeros(640),

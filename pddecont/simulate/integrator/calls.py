@@ -11,12 +11,18 @@ from llvmlite import ir
 from numba import njit, types
 from numba.extending import intrinsic, register_jitable
 
-from pddecont.codegen import DOUBLE_POINTER
+from pddecont.codegen import DOUBLE_POINTER, compile_when_called
+from pddecont.simulate.integrator.machine_code_folder import find_machine_code
+
 
 # For what Python calls: it is kept on disk with all that it calls in turn. It returns numbers or tuples of them only.
 # To make an array or a named tuple for Python, machine code runs Python on its way back, and does not notice an
 # exception that a signal handler raises there.
-entry = njit(cache=True, nogil=True)
+def entry(function):
+    """Compile a function that Python calls when it is first called, or read it from disk."""
+    return compile_when_called(function, find_machine_code())
+
+
 # For what only machine code calls.
 internal = njit(nogil=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
 # For what only machine code calls, in one place.

@@ -21,10 +21,10 @@ Core = namedtuple(
     segment_direction segment_reset segment_to after reads chain_order chain_n section section_direction
     stop_event stiff p tau event_delay max_step rtol atol longest stick clock count y constant mask past_time
     past_length past_end past_arc past_shift past_value past_coefficients cursor reading pending_time
-    pending_event pending_shift breaking_time breaking_level accumulation segment_counts side next_step log_steps
-    log_events log_n log_time log_length log_end log_mode log_arc log_value log_coefficients event_time
+    pending_event pending_shift breaking_time breaking_level accumulation segment_counts side residue next_step
+    log_steps log_events log_n log_time log_length log_end log_mode log_arc log_value log_coefficients event_time
     event_segment event_arc event_before event_after stages extension trial slope xd xd_slope jacobian gradient
-    after_reset crossing found_side bernstein stack
+    after_reset crossing passed found_side bernstein stack
 """,
 )
 
@@ -96,6 +96,7 @@ def make_core(system, values, state, log, work):
         pointer(state.accumulation),
         pointer(state.segment_counts),
         pointer(state.side),
+        pointer(state.residue),
         pointer(state.next_step),
         len(log.time),
         len(log.event_time),
@@ -122,6 +123,7 @@ def make_core(system, values, state, log, work):
         pointer(work.gradient),
         pointer(work.after_reset),
         pointer(work.crossing),
+        pointer(work.passed),
         pointer(work.found_side),
         pointer(work.bernstein),
         pointer(work.stack),

@@ -47,3 +47,24 @@ def evaluate_event_slope(c, event, mode, t, y):
             moving += abs(gradient[n + i] * c.xd_slope[i])
             size += abs(gradient[n + i] * c.xd[i])
     return slope, ROUNDING * size + TIME_ROUNDING * time_tolerance(t) * moving
+
+
+@internal
+def find_flow_side(c, event, mode, t, y):
+    """Return the side of an event's surface that the flow of ``mode`` moves to at once; 0 if its slope is rounding."""
+    slope, _ = evaluate_event_slope(c, event, mode, t, y)
+    if abs(slope) <= slope_rounding(c, event):
+        return 0
+    return 1 if slope > 0.0 else -1
+
+
+@internal
+def slope_rounding(c, event):
+    """Return how much of the slope that :func:`evaluate_event_slope` found last may be rounding in its terms."""
+    moving = abs(c.gradient[c.n + c.n_pairs])
+    for i in range(c.n):
+        moving += abs(c.gradient[i] * c.slope[i])
+    if c.reads[event] == 1:
+        for i in range(c.n_pairs):
+            moving += abs(c.gradient[c.n + i] * c.xd_slope[i])
+    return ROUNDING * moving

@@ -6,6 +6,7 @@ from pddecont.simulate.integrator.accumulation import detect_accumulation, estim
 from pddecont.simulate.integrator.breaking import add_breaking_points, add_pending, queues_have_capacity, remove_pending
 from pddecont.simulate.integrator.calls import call, internal
 from pddecont.simulate.integrator.event_functions import evaluate_event, evaluate_event_slope
+from pddecont.simulate.integrator.event_sides import carry_sides
 from pddecont.simulate.integrator.history import read_delayed, time_tolerance
 from pddecont.simulate.integrator.state import ARC, FRESH, LAST_EVENT, MODE, N_PENDING, READY, SHIFT, ZENO_TIME, T
 from pddecont.simulate.integrator.status import Status
@@ -76,10 +77,13 @@ def find_start_crossing(c):
 
 @internal
 def _mark_crossings(c, t, hit, direction):
-    """Write to ``c.crossing`` in which direction each event function crosses its zero at this moment (0: none)."""
+    """Write to ``c.crossing`` in which direction each event function crosses its zero at this moment (0: none).
+
+    Twice the direction says that it has jumped over its zero with a delayed value.
+    """
     mode = c.count[MODE]
     for event in range(c.n_events):
-        c.crossing[event] = 0
+        c.crossing[event], c.passed[event] = 0, 0
     for segment in range(c.n_segments):
         event = c.segment_event[segment]
         if c.segment_mode[segment] != mode or c.after[event] >= 0 or c.crossing[event] != 0:
@@ -91,7 +95,10 @@ def _mark_crossings(c, t, hit, direction):
         if side == 0 or c.count[FRESH] == 1:
             continue
         slope, size = evaluate_event_slope(c, event, mode, t, c.y)
-        if slope * side < 0.0 and abs(evaluate_event(c, event, t, c.y)) <= size:
+        value = evaluate_event(c, event, t, c.y)
+        if value * side < -size:
+            c.crossing[event] = -2 * side
+        elif slope * side < 0.0 and abs(value) <= size:
             c.crossing[event] = -side
 
 
@@ -115,8 +122,13 @@ def _find_next_segment(c, t, forced):
         elif c.crossing[event] != 0 and c.segment_direction[segment] * c.crossing[event] >= 0:
             if event == forced:
                 return segment, -1
-            _, size = evaluate_event_slope(c, event, mode, t, c.y)
-            if abs(evaluate_event(c, event, t, c.y)) <= size:
+            # An event before it at this moment may have moved the function off its zero, or turned the motion round.
+            slope, size = evaluate_event_slope(c, event, mode, t, c.y)
+            value = evaluate_event(c, event, t, c.y)
+            if abs(c.crossing[event]) == 2:
+                if value * c.crossing[event] > 2.0 * size:
+                    return segment, -1
+            elif slope * c.crossing[event] > 0.0 and abs(value) <= size:
                 return segment, -1
             c.crossing[event] = 0
     return -1, -1
@@ -170,7 +182,8 @@ def _apply_event(c, segment, pending):
     for other in range(c.n_events):
         if c.after[other] == event:
             add_pending(c, t + c.event_delay[other], other, shift)
-    if is_sliding(c, event, crossing, mode, target, t):
+    carry_sides(c, event if crossing != 0 else -1, resolution, mode, t)
+    if is_sliding(c, event, crossing, mode, target, t, resolution):
         c.clock[ZENO_TIME] = t
         return Status.SLIDING
     if is_at_rest(c, event, crossing, target, t, resolution):

@@ -17,7 +17,7 @@ from enum import IntEnum
 import numpy as np
 
 from pddecont.simulate.integrator.calls import internal, offset
-from pddecont.simulate.integrator.event_functions import evaluate_event, evaluate_event_slope
+from pddecont.simulate.integrator.event_functions import evaluate_event, evaluate_event_slope, slope_rounding
 from pddecont.simulate.integrator.history import interpolate_state, time_tolerance
 from pddecont.simulate.integrator.state import MODE, UNRESOLVED
 
@@ -40,12 +40,20 @@ FAR = 4.0
 MAX_HALVINGS = 6
 # A zero is known to rounding after so many halvings of an interval (2^-40 of a step), and is located from there.
 MAX_SPLITS = 40
-# A function that was zero where a step begins has jumped if it is larger there than this part of its values later on.
-JUMPED = 1e-9
 # Evaluations for one zero: by regula falsi, which needs about ten, then by halving until rounding ends it.
 MAX_SECANTS, MAX_EVALUATIONS = 60, 200
-# Just after an event the sign of the function is looked for as near as 2^-60 of an interval.
+# Just after an event the sign of the function is looked for as near as 2^-60 of an interval, and a zero of the
+# polynomial is halved as often.
 NEAREST = 60
+# What rounding in the values at the nodes makes of the coefficients where they are divided by the distance from a zero,
+# in parts of what may be zero to rounding: the sum of a row of TO_BERNSTEIN is 184 at most, dividing takes a factor of
+# 8, and what may be zero to rounding is some 50 roundings.
+MAGNIFIED = 30.0
+# Where a step ends a function may be on its zero if it is smaller than this part of what it was; it goes through if its
+# slope carries it this many times as far as it may be from zero by rounding before its curvature turns it round.
+END, SURE = 1e-3, 8.0
+# Where between two zeros of a polynomial the function is looked at, to see whether it is beyond rounding there.
+INSIDE = np.array([1.0, 0.5, 0.75, 0.25, 0.875, 0.125])
 # A zero is located to this part of the tolerance of times.
 PART_OF_TOLERANCE = 64.0
 # Rows of Workspace.bernstein have ten numbers: the coefficients, the values at the nodes, a stack of polynomials, and
@@ -63,6 +71,7 @@ class Fit(IntEnum):
     RESOLVED = 1
     CLOSE = 2  # not resolved, but nearly
     UNLIKE = 3
+    ZERO = 4  # it is zero to rounding all over it
 
 
 def _bernstein(x):
@@ -72,6 +81,8 @@ def _bernstein(x):
 
 
 TO_BERNSTEIN = np.ascontiguousarray(np.linalg.inv(_bernstein(NODES)))
+# The second derivative at 1 of the polynomial through values at the nodes.
+CURVATURE_AT_END = DEGREE * (DEGREE - 1) * (TO_BERNSTEIN[-1] - 2.0 * TO_BERNSTEIN[-2] + TO_BERNSTEIN[-3])
 AT_CHECKS = np.ascontiguousarray(_bernstein(CHECKS))
 
 
@@ -84,11 +95,13 @@ def _evaluate_in_step(c, event, t, h, s):
 
 
 @internal
-def find_first_crossing(c, event, direction, t, h, side):
+def find_first_crossing(c, event, direction, t, h, side, residue):
     """Return where in a step an event function first crosses its zero in a direction, and its sign at the end.
 
-    The place is in [0, 1], or -1 if there is none; direction 0 is any. ``side`` is the sign that the function had when
-    the step began; 0 says that the step begins on its zero, which is then no crossing.
+    The place is in [0, 1], or -1 if there is none; direction 0 is any. A function has crossed when it is on the other
+    side by more than rounding: until then its sign is what it was. ``side`` is the sign that it had when the step
+    began; 0 says that only the flow can tell it, by the first derivative that is not zero. ``residue`` is how far from
+    zero the function may be at the start, beyond rounding, and still be on its zero.
     """
     stack = c.stack
     top = 0
@@ -97,14 +110,17 @@ def find_first_crossing(c, event, direction, t, h, side):
     while top >= 0:
         a, b, depth = stack[4 * top], stack[4 * top + 1], stack[4 * top + 2]
         top -= 1
-        on_surface = a == 0.0 and before == 0 and not _has_jumped(c, event, t, h)
-        fit = _interpolate(c, event, t, h, a, b, on_surface)
+        fit, on_surface, rounding = _interpolate(c, event, t, h, a, b, residue)
+        if fit == Fit.ZERO:
+            continue
         if fit == Fit.FAR_FROM_ZERO:
             after = 1 if c.bernstein[ROW] > 0.0 else -1
             if before * after < 0 and direction * after >= 0:
                 return a, after
             before = after
             continue
+        if before == 0 and on_surface and c.bernstein[0] != 0.0:
+            before = 1 if c.bernstein[0] > 0.0 else -1
         if fit == Fit.UNLIKE and depth >= MAX_HALVINGS:
             c.count[UNRESOLVED] = 1
         if (fit == Fit.CLOSE or fit == Fit.UNLIKE) and depth < MAX_HALVINGS:
@@ -113,25 +129,22 @@ def find_first_crossing(c, event, direction, t, h, side):
             _push(stack, top + 2, a, middle, depth + 1.0)
             top += 2
             continue
-        found, before = _find_crossing(c, event, direction, t, h, a, b, before, on_surface)
+        found, before = _find_crossing(c, event, direction, t, h, a, b, before, on_surface, rounding)
         if found >= 0.0:
             return found, before
+        if b == 1.0 and before != 0 and direction * before <= 0:
+            found = _find_crossing_at_end(c, event, before, t, h, b - a)
+            if found >= 0.0:
+                return found, -before
     return -1.0, before
 
 
 @internal
-def _has_jumped(c, event, t, h):
-    """Return whether an event function that was zero is not zero any more, as a delayed value jumps."""
-    first = abs(_evaluate_in_step(c, event, t, h, 0.0))
-    later = first + abs(_evaluate_in_step(c, event, t, h, 0.5)) + abs(_evaluate_in_step(c, event, t, h, 1.0))
-    return first > JUMPED * later
-
-
-@internal
-def _interpolate(c, event, t, h, a, b, on_surface):
+def _interpolate(c, event, t, h, a, b, residue):
     """Write the Bernstein coefficients of an event function on [a, b] to ``c.bernstein``; return how well they fit.
 
-    Where it begins on its zero the coefficients are those of the function divided by the distance from it, one fewer.
+    Where a step begins on the zero of the function, the coefficients are those of the function divided by the distance
+    from it, one fewer. Returned are also whether it does, and how far from zero it is zero to rounding there.
     """
     coefficients, nodes = c.bernstein, offset(c.bernstein, ROW)
     low, high = math.inf, -math.inf
@@ -139,8 +152,17 @@ def _interpolate(c, event, t, h, a, b, on_surface):
         nodes[i] = _evaluate_in_step(c, event, t, h, a + (b - a) * NODES[i])
         low, high = min(low, nodes[i]), max(high, nodes[i])
     largest = max(abs(low), abs(high))
-    if not on_surface and abs(low + high) > FAR * (high - low):
-        return Fit.FAR_FROM_ZERO
+    if abs(low + high) > FAR * (high - low) and (a > 0.0 or residue == 0.0 or abs(nodes[0]) > residue):
+        return Fit.FAR_FROM_ZERO, False, 0.0
+    on_surface, rounding, slope = False, 0.0, 0.0
+    if a == 0.0:
+        slope, rounding = evaluate_event_slope(c, event, c.count[MODE], t, c.y)
+        rounding = max(rounding, residue)
+        if abs(slope) <= slope_rounding(c, event):
+            slope = 0.0
+        on_surface = abs(nodes[0]) <= rounding
+        if largest <= rounding:
+            return Fit.ZERO, on_surface, rounding
     if on_surface:
         nodes[0] = 0.0
     for i in range(DEGREE + 1):
@@ -169,16 +191,18 @@ def _interpolate(c, event, t, h, a, b, on_surface):
             coefficients[i] = coefficients[i + 1] * DEGREE / (i + 1)
         # The slope at the zero itself is known without the rounding of the polynomial: a motion may leave tangentially
         # or hop by little.
-        slope, _ = evaluate_event_slope(c, event, c.count[MODE], t, c.y)
         coefficients[0] = slope * h * (b - a)
     if worst <= max(RESOLVED, RESOLVED_ERRORS * c.rtol) * largest or worst < NO_ZERO * nearest:
-        return Fit.RESOLVED
-    return Fit.UNLIKE if worst > UNLIKE * largest else Fit.CLOSE
+        return Fit.RESOLVED, on_surface, rounding
+    return Fit.UNLIKE if worst > UNLIKE * largest else Fit.CLOSE, on_surface, rounding
 
 
 @internal
-def _find_crossing(c, event, direction, t, h, a, b, before, on_surface):
-    """Return the first crossing within [a, b] of the polynomial in ``c.bernstein`` (-1: none) and the sign after it."""
+def _find_crossing(c, event, direction, t, h, a, b, before, on_surface, rounding):
+    """Return the first crossing within [a, b] of the polynomial in ``c.bernstein`` (-1: none) and the sign after it.
+
+    ``before`` is the sign at ``a``, 0 where the first coefficient beyond ``rounding`` tells it.
+    """
     degree = DEGREE - 1 if on_surface else DEGREE
     bounds = offset(c.stack, 4 * SECOND_STACK)
     spare_left, spare_right = offset(c.bernstein, SPARE_LEFT * ROW), offset(c.bernstein, SPARE_RIGHT * ROW)
@@ -192,7 +216,7 @@ def _find_crossing(c, event, direction, t, h, a, b, before, on_surface):
         changes, sign = 0, before
         for i in range(degree + 1):
             here = 1 if row[i] > 0.0 else -1 if row[i] < 0.0 else 0
-            if here != 0:
+            if here != 0 and (before != 0 or abs(row[i]) > MAGNIFIED * rounding):
                 if sign != 0 and here != sign:
                     changes += 1
                 sign = here
@@ -204,9 +228,12 @@ def _find_crossing(c, event, direction, t, h, a, b, before, on_surface):
             before = sign
         elif changes == 1 or splits >= MAX_SPLITS or top > MAX_WAITING:
             after = 1 if last > 0.0 else -1 if last < 0.0 else before
-            if after != before and (direction == 0 or direction == after):
-                return _locate(c, event, t, h, a + (b - a) * left, a + (b - a) * right, before), after
-            before = after
+            # A polynomial, or rounding, may show what the function does not do.
+            beyond = _find_beyond_rounding(c, event, after, t, h, a, b, left, right) if after != before else -1.0
+            if beyond >= 0.0:
+                if direction == 0 or direction == after:
+                    return _locate(c, event, t, h, a, b, left, beyond, before, degree, rounding), after
+                before = after
         else:
             # De Casteljau at the middle; the left part goes on top of the stack, to come first.
             for level in range(degree + 1):
@@ -228,29 +255,94 @@ def _push(stack, place, left, right, depth):
 
 
 @internal
-def _locate(c, event, t, h, left, right, before):
-    """Return where an event function leaves the sign ``before`` in [left, right].
+def _find_beyond_rounding(c, event, side, t, h, a, b, low, high):
+    """Return where in the part [low, high] of [a, b] an event function is on a side of its zero by more than rounding.
+
+    It is looked for at the end first, then inside, as the function may be on its zero there again; -1 if nowhere.
+    """
+    y = offset(c.trial, 2 * c.dimension)
+    for i in range(len(INSIDE)):
+        place = low + (high - low) * INSIDE[i]
+        s = a + (b - a) * place
+        value = _evaluate_in_step(c, event, t, h, s)
+        if value * side <= 0.0:
+            continue
+        interpolate_state(c, s, y, c.dimension)
+        _, size = evaluate_event_slope(c, event, c.count[MODE], t + s * h, y)
+        if value * side > size:
+            return place
+    return -1.0
+
+
+@internal
+def _find_crossing_at_end(c, event, before, t, h, width):
+    """Return where an event function, zero to rounding at the end of a step, leaves side ``before``; -1 if it does not.
+
+    It does if it is past its zero, or as near to it as zeros are located, and if its slope carries it farther than
+    rounding before its curvature may turn it round: that of the polynomial through its values at the nodes in the last
+    part of the step, ``width`` wide.
+    """
+    nodes = offset(c.bernstein, ROW)
+    if abs(nodes[DEGREE]) > END * abs(nodes[0]):
+        return -1.0
+    value = _evaluate_in_step(c, event, t, h, 1.0)
+    y = offset(c.trial, 2 * c.dimension)
+    interpolate_state(c, 1.0, y, c.dimension)
+    slope, size = evaluate_event_slope(c, event, c.count[MODE], t + h, y)
+    curvature = 0.0
+    for i in range(DEGREE + 1):
+        curvature += CURVATURE_AT_END[i] * nodes[i]
+    curvature /= (h * width) ** 2
+    near = abs(slope) * time_tolerance(t + h) / PART_OF_TOLERANCE
+    if value * before > near or value * before < -size or slope * before >= 0.0:
+        return -1.0
+    if slope * slope <= SURE * abs(curvature) * size:
+        return -1.0
+    return min(1.0, 1.0 - value / (slope * h))
+
+
+@internal
+def _find_zero_of_polynomial(c, left, right, before, degree):
+    """Return where the polynomial in ``c.bernstein`` leaves the sign ``before`` in [left, right], by halving."""
+    values = offset(c.bernstein, SPARE_LEFT * ROW)
+    for _ in range(NEAREST):
+        middle = 0.5 * (left + right)
+        for i in range(degree + 1):
+            values[i] = c.bernstein[i]
+        for level in range(degree):
+            for i in range(degree - level):
+                values[i] = (1.0 - middle) * values[i] + middle * values[i + 1]
+        if values[0] * before > 0.0:
+            left = middle
+        else:
+            right = middle
+    return right
+
+
+@internal
+def _locate(c, event, t, h, a, b, low, high, before, degree, rounding):
+    """Return where an event function leaves the sign ``before`` in the part [low, high] of [a, b].
 
     It is found by the Illinois form of regula falsi, then by halving.
     """
+    left, right = a + (b - a) * low, a + (b - a) * high
     f_right = _evaluate_in_step(c, event, t, h, right)
     if f_right == 0.0:
         return right
     f_left = _evaluate_in_step(c, event, t, h, left)
-    # Just after an event the function is zero to rounding at the left end: look for a time at which it has its sign.
-    if f_left * before <= 0.0:
+    # Just after an event the function is zero to rounding at the left end, and its sign there means nothing: look for a
+    # time at which it is on its side. Where there is none the polynomial, whose slope is known, says where it returns.
+    if f_left * before <= (rounding if left == 0.0 else 0.0):
         width = right - left
         f_left = 0.0
         for k in range(1, NEAREST + 1):
             trial = left + width * 2.0**-k
             value = _evaluate_in_step(c, event, t, h, trial)
-            if value * before > 0.0:
+            if value * before > (rounding if left == 0.0 else 0.0):
                 left, f_left = trial, value
                 break
         if f_left == 0.0:
-            return left
-    if f_right * before > 0.0:
-        return right
+            return a + (b - a) * _find_zero_of_polynomial(c, low, high, before, degree)
     smallest = time_tolerance(t) / abs(h) / PART_OF_TOLERANCE
     kept = 0
     for k in range(MAX_EVALUATIONS):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pddecont.simulate.integrator.calls import inlined, internal
-from pddecont.simulate.integrator.event_functions import evaluate_event, evaluate_event_slope
+from pddecont.simulate.integrator.event_functions import evaluate_event, evaluate_event_slope, find_flow_side
 from pddecont.simulate.integrator.state import FRESH, MODE
 
 
@@ -12,12 +12,60 @@ def note_sides(c, t):
     """Note on which side of each event's surface an arc begins; 0 on the surface itself."""
     mode = c.count[MODE]
     c.count[FRESH] = 0
+    for place in range(c.n_segments + 1):
+        c.residue[place] = 0.0
     for segment in range(c.n_segments):
         event = c.segment_event[segment]
         if c.segment_mode[segment] == mode and c.after[event] < 0:
             c.side[segment] = _find_side(c, event, mode, t)
     if c.section >= 0:
         c.side[c.n_segments] = _find_side(c, c.section, mode, t)
+
+
+@internal
+def carry_sides(c, handled, resolution, before, t):
+    """Note on which side of each event's surface the motion is after an event that ended mode ``before``.
+
+    A function that the reset left, or put, off its zero has the sign that it has there. On its zero, event ``handled``
+    (-1: none) has the sign of the side that the flow moves to, whatever rounding made of its value; if its slope says
+    nothing the next step decides (0). The others stay on the side where they were: what carries them over their surface
+    at this very moment is a crossing yet to come. ``resolution`` is how far from zero, to rounding, ``handled`` was.
+    """
+    mode = c.count[MODE]
+    c.count[FRESH] = 0
+    if handled >= 0:
+        # Another event at this moment may lead to a mode that looks for this one again.
+        c.passed[handled] = find_flow_side(c, handled, mode, t, c.y)
+    for segment in range(c.n_segments):
+        event = c.segment_event[segment]
+        if c.segment_mode[segment] != mode or c.after[event] >= 0:
+            continue
+        side = _find_known_side(c, event, before)
+        if side == 0:
+            side = c.passed[event]
+        _, size = evaluate_event_slope(c, event, mode, t, c.y)
+        value = evaluate_event(c, event, t, c.y)
+        c.residue[segment] = 0.0
+        if abs(value) > (max(size, resolution) if event == handled else size):
+            c.side[segment] = 1 if value > 0.0 else -1
+        elif event == handled:
+            c.side[segment] = c.passed[event]
+            c.residue[segment] = abs(value)
+        else:
+            c.side[segment] = side
+    if c.section >= 0:
+        side = _find_side(c, c.section, mode, t)
+        if side != 0:
+            c.side[c.n_segments] = side
+
+
+@internal
+def _find_known_side(c, event, mode):
+    """Return the side of an event's surface that the motion was on in ``mode``; 0 if it was not looked for there."""
+    for segment in range(c.n_segments):
+        if c.segment_mode[segment] == mode and c.segment_event[segment] == event:
+            return c.side[segment]
+    return 0
 
 
 @inlined
@@ -29,11 +77,14 @@ def update_side(c, place, event, t, whole):
     """
     if whole:
         c.side[place] = c.found_side[place]
+        if c.residue[place] > 0.0 and abs(evaluate_event(c, event, t, c.y)) > c.residue[place]:
+            c.residue[place] = 0.0
         return
     _, size = evaluate_event_slope(c, event, c.count[MODE], t, c.y)
     value = evaluate_event(c, event, t, c.y)
-    if abs(value) > size:
+    if abs(value) > max(size, c.residue[place]):
         c.side[place] = 1 if value > 0.0 else -1
+        c.residue[place] = 0.0
 
 
 @internal

@@ -45,6 +45,8 @@ class IntegratorState(NamedTuple):
         How often each segment has ended (n_segments,).
     side
         The sign of each segment's event function, and last the section's (n_segments + 1,); 0: it has just been zero.
+    residue
+        How far from zero its last event left each of these functions: so far they count as zero (n_segments + 1,).
     next_step
         The length that the next step may have in each mode (n_modes,); 0: none was made there.
     """
@@ -70,6 +72,7 @@ class IntegratorState(NamedTuple):
     accumulation: Array
     segment_counts: Integers
     side: Integers
+    residue: Array
     next_step: Array
 
 
@@ -135,6 +138,7 @@ def make_state(system: System, values: ParameterValues) -> IntegratorState:
         accumulation,
         np.zeros(len(system.segment_mode), np.int64),
         np.zeros(len(system.segment_mode) + 1, np.int64),
+        np.zeros(len(system.segment_mode) + 1),
         np.zeros(system.n_modes),
     )
 
@@ -182,5 +186,6 @@ def enlarge(state: IntegratorState) -> IntegratorState:
         state.accumulation,
         state.segment_counts,
         state.side,
+        state.residue,
         state.next_step,
     )

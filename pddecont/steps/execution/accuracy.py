@@ -1,7 +1,9 @@
 """The method, degree and mesh that meet an error on an orbit at the least cost (``--accuracy``).
 
 Candidates are solved and compared with a much finer solution, so the error that counts is the orbit's own and not the
-equation's defect. The cost of a candidate is counted, not timed: the same input chooses the same everywhere.
+equation's defect. The cost of a candidate is counted, not timed: the same input chooses the same everywhere. The
+cheapest is then solved for exactly as its step will do it, on meshes that may be others: what that orbit's own estimate
+and the finer solution say must be within the accuracy too, or the mesh is tightened.
 """
 
 from __future__ import annotations
@@ -15,7 +17,7 @@ import numpy as np
 from pddecont.collocation import MeshRule, transfer
 from pddecont.delay import Chebyshev, Direct
 from pddecont.errors import ConvergenceError, ResultsError
-from pddecont.orbit import Orbit, adapt_mesh, measure_states, solve_orbit
+from pddecont.orbit import Orbit, adapt_mesh, estimate_error, measure_states, solve_orbit
 from pddecont.runfile import Delay, Holding, Mesh, PlannedStep
 from pddecont.steps.context import Context
 from pddecont.steps.execution.orbit import make_guess
@@ -25,6 +27,8 @@ DEGREES = (4, 6, 8, 10, 12)
 # How much finer the solution is that candidates are measured against, and by how much a mesh that misses is tightened.
 FINER, TIGHTER = 1e-2, 0.1
 MAX_TIGHTER = 5
+# Meshes that are tried for the step's own orbit to meet the accuracy, and the part of it that the next one aims at.
+MAX_CONFIRMED, AIM = 4, 0.8
 LEAST = 1e-12
 # Methods in the order in which they are tried.
 METHODS = (
@@ -42,6 +46,11 @@ class Choice:
     error: float
     n_unknowns: int
     n_intervals: int
+
+    @property
+    def cost(self) -> int:
+        """Unknowns times the length of a row's block: what filling and factoring the Jacobian costs."""
+        return self.n_unknowns * (self.mesh.degree + 1)
 
     @property
     def text(self) -> str:
@@ -97,13 +106,19 @@ def find_cheapest_choice(context: Context, step: PlannedStep[Any], accuracy: flo
     failure: ConvergenceError | None = None
     for delay, method in METHODS:
         try:
-            problem = replace(guess.problem, delay=method)
-            choice = _find_cheapest(Orbit(problem, guess.x), delay, accuracy)
+            candidates, fine = _find_candidates(Orbit(replace(guess.problem, delay=method), guess.x), delay, accuracy)
         except ConvergenceError as exc:
             failure = failure or exc
             continue
-        if choice is not None:
-            return choice
+        best: Choice | None = None
+        for candidate in candidates:
+            if best is not None and candidate.cost >= best.cost:
+                break
+            choice = _confirm(context, step, candidate, fine, accuracy)
+            if choice is not None and (best is None or choice.cost < best.cost):
+                best = choice
+        if best is not None:
+            return best
     if failure is not None:
         raise ConvergenceError(
             f"step '{step.name}': no periodic orbit near the guess at an accuracy of {accuracy:g}: {failure}. What "
@@ -115,7 +130,8 @@ def find_cheapest_choice(context: Context, step: PlannedStep[Any], accuracy: flo
     )
 
 
-def _find_cheapest(guess: Orbit, delay: Delay, accuracy: float) -> Choice | None:
+def _find_candidates(guess: Orbit, delay: Delay, accuracy: float) -> tuple[list[Choice], Orbit]:
+    """Return choices that seem to meet the accuracy, the cheapest first, and the finer orbit they are measured by."""
     first = _solve(guess, MeshRule(6, None, accuracy))
     fine = _solve(first, MeshRule(DEGREES[-1], None, max(FINER * accuracy, LEAST)))
     found = []
@@ -128,12 +144,42 @@ def _find_cheapest(guess: Orbit, delay: Delay, accuracy: float) -> Choice | None
                 break
             error = measure_distance(other, fine)
             if error <= accuracy:
-                mesh = Mesh.model_validate({"degree": degree, "tol": tol})
-                found.append(Choice(delay, mesh, error, len(other.x), other.mesh.n_intervals))
+                found.append(_make_choice(other, delay, tol, error))
                 break
             tol *= TIGHTER
-    # Unknowns times the length of a row's block: what filling and factoring the Jacobian costs.
-    return min(found, key=lambda c: c.n_unknowns * (c.mesh.degree + 1), default=None)
+    return sorted(found, key=lambda choice: choice.cost), fine
+
+
+def _confirm(
+    context: Context, step: PlannedStep[Any], candidate: Choice, fine: Orbit, accuracy: float
+) -> Choice | None:
+    """Return the choice, its mesh tightened where need be, with which the step itself meets the accuracy, or None."""
+    tol = candidate.mesh.tol
+    assert tol is not None, "a choice has a mesh tolerance"
+    for _ in range(MAX_CONFIRMED):
+        chosen = step.with_choice(candidate.delay, _make_mesh(candidate.mesh.degree, tol))
+        try:
+            orbit = solve_orbit(make_guess(context, chosen), chosen.rule).at.orbit
+        except ConvergenceError:
+            return None
+        error = estimate_error(orbit)
+        if not orbit.signature.needs_phase_reference:
+            # Two orbits whose phase is free are not the same at the same times.
+            error = max(error, measure_distance(orbit, fine))
+        if error <= accuracy:
+            return _make_choice(orbit, candidate.delay, tol, error)
+        if tol <= LEAST:
+            return None
+        tol = max(AIM * tol * accuracy / error, LEAST)
+    return None
+
+
+def _make_choice(orbit: Orbit, delay: Delay, tol: float, error: float) -> Choice:
+    return Choice(delay, _make_mesh(orbit.mesh.degree, tol), error, len(orbit.x), orbit.mesh.n_intervals)
+
+
+def _make_mesh(degree: int, tol: float) -> Mesh:
+    return Mesh.model_validate({"degree": degree, "tol": tol})
 
 
 def _solve(guess: Orbit, rule: MeshRule) -> Orbit:

@@ -16,11 +16,9 @@ from pddecont.orbit import is_rotation
 from pddecont.reasons import Reason
 from pddecont.runfile import PlannedStep
 from pddecont.steps.context import Context
-from pddecont.steps.continuation import ContinueSettings
+from pddecont.steps.continuation import ContinueSettings, in_range
 from pddecont.steps.execution.recorded_orbits import find_orbit, find_point
 
-# By how much of its range a start may lie outside it: rounding.
-EDGE = 1e-9
 ADVICE = "the mesh and delay of the step that found the point, a finer mesh there, the other free parameter first"
 ORBIT_ADVICE = "the mesh and delay of the step it comes from, a point farther from a fold or a grazing"
 
@@ -80,6 +78,6 @@ def _check_range(
     context: Context, step: PlannedStep[ContinueSettings], settings: BranchSettings, start: BranchStart
 ) -> None:
     for name, (low, high), value in zip(settings.free, settings.ranges, start.point.at.orbit.free, strict=True):
-        if not low - EDGE * (high - low) <= value <= high + EDGE * (high - low):
+        if not in_range(value, low, high):
             outside = f"starts at {name} = {value:g}, outside its range [{low:g}, {high:g}]; widen the range"
             raise RunError.at(context.plan.source, 0, 0, f"step '{step.name}' {outside}")

@@ -13,6 +13,7 @@ from pddecont.bifurcation import (
     BranchStart,
     ExtendedEvaluation,
     define_special_point,
+    end_at_equilibrium,
     extend_system,
     find_good_side,
     find_kind,
@@ -25,12 +26,23 @@ from pddecont.continuation import (
     BranchState,
     CurvePoint,
     End,
+    Home,
     StepSettings,
     Termination,
     follow_branch,
 )
 from pddecont.errors import ConvergenceError
-from pddecont.orbit import DelayBoundary, DurationBoundary, PeriodicOrbitSystem, RangeBoundary, orbit_from_rows
+from pddecont.orbit import (
+    DelayBoundary,
+    DurationBoundary,
+    Orbit,
+    PeriodicOrbitSystem,
+    RangeBoundary,
+    bound_amplitude,
+    estimate_error,
+    list_images,
+    orbit_from_rows,
+)
 from pddecont.reasons import Reason, Scalar
 from pddecont.results import CONTINUE, Step, StepWriter
 from pddecont.runfile import PlannedStep
@@ -39,13 +51,17 @@ from pddecont.steps.context import Context
 from pddecont.steps.continuation import ContinueSettings
 from pddecont.steps.execution.branch_start import start_step
 from pddecont.steps.execution.ending import report_done
-from pddecont.steps.execution.orbit_rows import make_multiplier_cache, make_orbit_meta, orbit_to_row
+from pddecont.steps.execution.orbit_rows import make_multiplier_cache, make_orbit_meta, make_referee, orbit_to_row
 from pddecont.tables import UNRELIABLE
 
 # Signatures that one direction goes through at most.
 MAX_SIGNATURES = 100
 # The kind of special point at which a signature ends without a test function: a segment vanishes.
 VANISHING = "VS"
+# How far ahead of its first point a branch sets out, in scaled unknowns, to be known again by its direction.
+AHEAD = 1e-3
+# How a direction ended that need not be followed.
+ALL_ROUND = Termination(End.CLOSED)
 
 
 @dataclass(eq=False)
@@ -56,6 +72,7 @@ class _Branch:
     step: PlannedStep[ContinueSettings]
     settings: BranchSettings
     writer: StepWriter
+    first: BranchState[Any]
     last: BranchPoint[Any] | None = field(default=None)
     ordinary: BranchState[Any] | None = field(default=None)
 
@@ -80,10 +97,13 @@ class _Branch:
             step=state.step,
             tangent=state.tangent,
             side=side,
+            referee=self.settings.referee,
             ranges=self.settings.widths,
             multipliers=multipliers,
+            error=point.error,
+            n_shown=self.step.settings.multipliers.number,
         )
-        self.writer.append(points, rows, point.reason)
+        self.writer.append({**points, "unexplained": point.n_unexplained}, rows, point.reason)
         self.last = point
         if point.kind in ("", END_POINT):
             self.ordinary = state
@@ -91,15 +111,21 @@ class _Branch:
         shown = ", ".join(f"{name} = {value:.8g}" for name, value in values)
         self.context.reporter.progress(f"{self.writer.n} points, {shown}{f' {point.kind}' if point.kind else ''}")
 
-    def follow(self, state: BranchState[Any], way: int) -> Reason:
-        """Follow one direction through all its signatures; return how it ended."""
+    def follow(self, state: BranchState[Any], way: int, n_unexplained: int) -> Reason:
+        """Follow one direction through all its signatures; return how it ended.
+
+        ``n_unexplained`` counts the changes so far that no special point accounts for.
+        """
         steps, next_signature = self.step.settings, ""
         step_settings = StepSettings(steps.step_initial, steps.step_min, steps.step_max, steps.max_points)
-        boundaries = (RangeBoundary(self.settings.ranges), DelayBoundary(), DurationBoundary())
+        amplitude = bound_amplitude(self.first.point.at.orbit)
+        boundaries = (RangeBoundary(self.settings.ranges), DelayBoundary(), DurationBoundary(), amplitude)
+        home = _make_home(_turn(self.first, way), self.settings.widths)
         for _ in range(MAX_SIGNATURES):
             self.last, self.ordinary = BranchPoint(state, "", 0), state
             functions = make_tests(state.point.at, self.settings)
-            end = follow_branch(state, boundaries, functions, step_settings, self.record, way)
+            end = follow_branch(state, boundaries, functions, step_settings, self.record, way, home)
+            n_unexplained += end.n_unexplained
             if not self._may_switch(end):
                 break
             try:
@@ -110,17 +136,19 @@ class _Branch:
             if following is None:
                 break
             # A signature may be short-lived: begin it as a branch is begun.
-            state = replace(following, step=min(following.step, steps.step_initial))
-        return _make_ending(end, way, next_signature)
+            state = replace(following, step=min(following.step, steps.step_initial), is_start=True)
+        if end.end == End.SHRINKS and self.ordinary is not None:
+            end = end_at_equilibrium(end, self.ordinary, self.settings, self.record, way)
+        return _make_ending(replace(end, n_unexplained=n_unexplained), way, next_signature)
 
     def _may_switch(self, end: Termination) -> bool:
         """Return whether a branch that ended so may go on with another signature."""
-        if end.end not in (End.SPECIAL, End.IMPOSSIBLE) or not self.step.settings.follows_signatures:
+        if end.end not in (End.SPECIAL, End.IMPOSSIBLE, End.INVALID) or not self.step.settings.follows_signatures:
             return False
         return end.end != End.IMPOSSIBLE or self.settings.wants(VANISHING)
 
 
-def _make_ending(end: Termination, way: int, next_signature: str) -> Reason:
+def _make_ending(end: Termination, way: int, next_signature: str = "") -> Reason:
     values: dict[str, Scalar] = {"direction": way, "unexplained": end.n_unexplained}
     if end.detail:
         values |= {"detail": end.detail.code, **end.detail.values}
@@ -131,19 +159,28 @@ def run_continue(context: Context, step: PlannedStep[ContinueSettings], recorded
     """Follow the branch in each direction asked for, from the start or from where ``recorded`` stopped."""
     plan, body = context.plan, step.settings
     settings = BranchSettings(
-        body.free, body.ranges, step.rule, make_multiplier_cache(body.multipliers), body.user_functions, body.detect
+        body.free,
+        body.ranges,
+        step.rule,
+        make_multiplier_cache(body.multipliers),
+        body.user_functions,
+        body.detect,
+        make_referee(plan, step),
     )
     start, reason = start_step(context, step, settings)
     if settings.multipliers is not None and settings.multipliers.find(start.point.at.orbit).unreliable:
         raise ConvergenceError(f"step '{step.name}': {UNRELIABLE}, or leave 'stability' out")
     ways = (1,) if start.one_way else body.ways
     first = BranchState(start.point, 0.0, body.step_initial, 1)
-    states, ended, kept = {way: _turn(first, way) for way in ways}, set[int](), 0
+    states, kept = {way: _turn(first, way) for way in ways}, 0
+    endings: dict[int, Reason] = {}
+    n_unexplained = dict.fromkeys(ways, 0)
     if recorded is not None and len(recorded):
-        ended = {int(ending.values.get("direction", 0)) for ending in recorded.endings}
-        way, row, kept = _find_unfinished(recorded, ways, ended)
+        endings = {int(ending.values.get("direction", 0)): ending for ending in recorded.endings}
+        way, row, kept = _find_unfinished(recorded, ways, endings)
         if row is not None:
             states[way] = _restore(step, settings, recorded, row, start, reason)
+            n_unexplained[way] = _count_unexplained(recorded, way, kept)
     meta: dict[str, Any] = {
         **make_orbit_meta(plan, step),
         "free": list(body.free),
@@ -152,13 +189,29 @@ def run_continue(context: Context, step: PlannedStep[ContinueSettings], recorded
         "curve_reason": reason.to_json() if start.kind else "",
     }
     with context.open_step(step, CONTINUE, meta, recorded=recorded, kept=kept) as writer:
-        branch = _Branch(context, step, settings, writer)
+        branch = _Branch(context, step, settings, writer, first)
         if writer.n == 0:
             branch.record(BranchPoint(first, "", 0))
         for place, way in enumerate(ways):
-            if way not in ended:
-                writer.terminate(branch.follow(states[way], way), place)
+            if way not in endings:
+                # A closed branch is all there, whichever way it is followed.
+                closed = any(ending.code == End.CLOSED for ending in endings.values())
+                endings[way] = (
+                    _make_ending(ALL_ROUND, way) if closed else branch.follow(states[way], way, n_unexplained[way])
+                )
+                writer.terminate(endings[way], place)
     report_done(context, step)
+
+
+def _make_home(start: BranchState[Any], widths: tuple[float, ...]) -> Home[Any]:
+    """Return how the first orbit of a branch, followed on from ``start``, is known again."""
+    orbit = start.point.at.orbit
+    ahead = Orbit(orbit.problem, start.x + AHEAD * start.tangent)
+    return Home(
+        lambda at: list_images(orbit, at.orbit),
+        lambda at: list_images(ahead, at.orbit),
+        lambda at: estimate_error(orbit, widths) + estimate_error(at.orbit, widths),
+    )
 
 
 def _turn(start: BranchState[Any], way: int) -> BranchState[Any]:
@@ -178,6 +231,14 @@ def _find_unfinished(recorded: Step, ways: Sequence[int], ended: Collection[int]
             return way, rows[-1], rows[-1] + 1
         return way, None, 1 + max(np.flatnonzero(arclength * way <= 0).tolist(), default=0)
     return 0, None, len(recorded)
+
+
+def _count_unexplained(recorded: Step, way: int, kept: int) -> int:
+    """Return how many changes no special point accounts for in a direction, in the first ``kept`` rows."""
+    if "unexplained" not in recorded.points:
+        return 0  # a file of an earlier version
+    along = recorded.points["arclength"][:kept] * way > 0
+    return int(np.sum(recorded.points["unexplained"][:kept][along]))
 
 
 def _restore(
@@ -207,4 +268,4 @@ def _restore(
     arclength, way = float(points["arclength"][row]), np.sign(points["arclength"][row])
     before = (points["arclength"][: row + 1] * way > 0) & (points["kind"][: row + 1] == b"")
     point = CurvePoint(system, system.at(orbit.x), None, rows["tangent"])
-    return BranchState(point, arclength, float(points["step"][row]), int(np.sum(before)) + 1)
+    return BranchState(point, arclength, float(points["step"][row]), int(np.sum(before)) + 1, is_start=False)

@@ -6,21 +6,32 @@ from typing import Any
 
 from pddecont.delay import jump_returns_at_event
 from pddecont.errors import ConvergenceError, SignatureError
-from pddecont.orbit import Orbit, estimate_rounding_error, find_violations, guess_from_cycle, is_rotation, solve_orbit
-from pddecont.reasons import NO_REASON, Reason, Scalar
+from pddecont.orbit import (
+    Orbit,
+    Verifier,
+    estimate_rounding_error,
+    find_free_states,
+    find_violation,
+    guess_from_cycle,
+    is_rotation,
+    solve_orbit,
+)
+from pddecont.reasons import Reason, Scalar
 from pddecont.results import ORBIT, Step
 from pddecont.runfile import Holding, PlannedStep, Source
 from pddecont.simulate import detect_period
 from pddecont.stability import Multipliers
 from pddecont.steps.context import Context
 from pddecont.steps.execution.ending import report_done
-from pddecont.steps.execution.orbit_rows import make_multiplier_cache, make_orbit_meta, orbit_to_row
+from pddecont.steps.execution.orbit_rows import make_multiplier_cache, make_orbit_meta, make_referee, orbit_to_row
 from pddecont.steps.execution.recorded_orbits import find_orbit
 from pddecont.steps.orbit import OrbitSettings
 from pddecont.steps.registry import list_step_kinds
 
 # Rounding errors above this part of an orbit's size are worth a word when it does not converge.
 ROUNDING = 1e-10
+# Newton's method stops without a solution although the equations hold to this where the solution is not unique.
+SMALL = 1e-6
 # Multipliers whose values are told when the step is done.
 N_TOLD = 2
 
@@ -69,14 +80,30 @@ def run_orbit(context: Context, step: PlannedStep[OrbitSettings], recorded: Step
     cache = make_multiplier_cache(step.settings.multipliers)
     multipliers = None if cache is None else cache.find(orbit)
     monitors = list(plan.monitors.values())
-    points, rows = orbit_to_row(orbit, monitors, n_iterations=solution.n_iterations, multipliers=multipliers)
+    referee = make_referee(plan, step)
+    points, rows = orbit_to_row(
+        orbit,
+        monitors,
+        n_iterations=solution.n_iterations,
+        multipliers=multipliers,
+        n_shown=step.settings.multipliers.number,
+        referee=referee,
+    )
     with context.open_step(step, ORBIT, make_orbit_meta(plan, step), capacity=1) as writer:
         writer.append(points, rows)
-        writer.terminate(_make_ending(orbit, multipliers))
+        writer.terminate(_make_ending(orbit, multipliers, referee))
     report_done(context, step)
 
 
 def _explain_failure(step: PlannedStep[OrbitSettings], guess: Orbit, exc: ConvergenceError) -> str:
+    free = find_free_states(guess) if exc.history and min(exc.history) < SMALL else ()
+    if free:
+        return (
+            f"step '{step.name}': no periodic orbit near the guess with signature "
+            f"[{', '.join(guess.signature.names)}] can be singled out and followed, for it is one of a family: at "
+            f"these parameters its equations hold and leave {', '.join(free)} free. What usually helps: a model in "
+            "which a conserved quantity is a parameter, or in which it decays"
+        )
     rounding = estimate_rounding_error(guess)
     magnified = ""
     if rounding >= ROUNDING:
@@ -91,16 +118,19 @@ def _explain_failure(step: PlannedStep[OrbitSettings], guess: Orbit, exc: Conver
     )
 
 
-def _make_ending(orbit: Orbit, multipliers: Multipliers | None) -> Reason:
-    """Return how the step ended: leading multipliers, what makes them doubtful, what is not admissible."""
+def _make_ending(orbit: Orbit, multipliers: Multipliers | None, referee: Verifier | None) -> Reason:
+    """Return how the step ended: leading multipliers, what makes them doubtful, why it is no motion of the model."""
     values: dict[str, Scalar] = {"multipliers": multipliers is not None}
     if multipliers is not None:
         for k, z in enumerate(multipliers.nontrivial[:N_TOLD].tolist(), 1):
             values |= {f"re{k}": z.real, f"im{k}": z.imag}
+        values |= {} if multipliers.counted else {"uncounted": True}
         values["jump_returns_at_event"] = jump_returns_at_event(
             orbit.signature.discontinuity_sources, orbit.theta, len(orbit.signature)
         )
-    violation = next(iter(find_violations(orbit)), NO_REASON)
+    violation = find_violation(orbit, referee)
+    if referee is not None and referee.verify(orbit).verified < 0:
+        values["not_verified"] = referee.verify(orbit).reason.code
     if violation:
         values |= {"detail": violation.code, **violation.values}
     return Reason("converged", values)

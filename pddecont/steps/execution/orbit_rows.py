@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.bifurcation import list_kinds, measure_grazing_gap
-from pddecont.orbit import Monitor, Orbit, estimate_error, find_violations, orbit_to_rows
+from pddecont.orbit import NOT_DONE, Monitor, Orbit, Verifier, estimate_error, find_violation, orbit_to_rows
 from pddecont.runfile import Plan, PlannedStep
 from pddecont.stability import MultiplierCache, Multipliers
 from pddecont.steps.execution.units import find_units
@@ -51,6 +51,16 @@ def make_multiplier_cache(settings: MultiplierSettings) -> MultiplierCache | Non
     return MultiplierCache(settings.number) if settings.wanted else None
 
 
+def make_referee(plan: Plan, step: PlannedStep[Any]) -> Verifier | None:
+    """Return what simulates a step's orbits, or None if they are not to be verified."""
+    if not step.settings.verifies:
+        return None
+    # What simulates is imported by runs that simulate, and by no others.
+    from pddecont.orbit import Referee
+
+    return Referee(plan.numeric, step.delay)
+
+
 def orbit_to_row(
     orbit: Orbit,
     monitors: Sequence[Monitor],
@@ -61,25 +71,34 @@ def orbit_to_row(
     step: float = 0.0,
     tangent: Array | None = None,
     multipliers: Multipliers | None = None,
+    n_shown: int | None = None,
     side: Array | None = None,
+    referee: Verifier | None = None,
     ranges: tuple[float, ...] = (),
+    error: float | None = None,
 ) -> tuple[dict[str, Any], dict[str, Array]]:
     """Return the row of points and the rows of arrays that record an orbit.
 
-    ``ranges`` are the widths of the free parameters' ranges.
+    ``n_shown`` is the number of multipliers that were asked for, ``ranges`` are the widths of the free parameters'
+    ranges; ``error`` is that of the orbit, where it is known already. An orbit that is no motion of the model is not
+    stable.
     """
-    unknown = multipliers is None or multipliers.unreliable
+    unknown = multipliers is None or not multipliers.says_stability
+    verification = NOT_DONE if referee is None else referee.verify(orbit)
+    is_motion = not find_violation(orbit, referee)
     points: Mapping[str, Any] = {
         "kind": kind.encode(),
         "arclength": arclength,
         "parameters": orbit.numeric.with_fixed(orbit.parameters),
         "period": orbit.period,
-        "stable": -1 if multipliers is None or unknown else multipliers.stable,
+        "stable": -1 if multipliers is None or unknown else multipliers.stable and is_motion,
         "n_unstable": -1 if multipliers is None or unknown else multipliers.n_unstable,
         "trivial_error": np.nan if multipliers is None else multipliers.trivial_error,
         "side": np.full(2, np.nan) if side is None else side,
-        "admissible": not find_violations(orbit),
-        "error_estimate": estimate_error(orbit, ranges),
+        "admissible": is_motion,
+        "verified": verification.verified,
+        "deviation": verification.deviation,
+        "error_estimate": estimate_error(orbit, ranges) if error is None else error,
         "monitors": np.array([monitor.evaluate(orbit) for monitor in monitors]),
         "clearance": measure_grazing_gap(orbit),
         "n_iterations": n_iterations,
@@ -89,17 +108,14 @@ def orbit_to_row(
         "n_unknowns": len(orbit.x),
         "surfaces": find_surfaces(orbit),
     }
-    values = np.zeros(0, dtype=complex) if multipliers is None else multipliers.values
-    rows = {"multipliers": np.stack([values.real, values.imag], axis=1), "delayed": read_delayed_values(orbit)}
+    shown = None if multipliers is None else multipliers.leading(n_shown)
+    values, residuals = (np.zeros(0, dtype=complex), np.zeros(0)) if shown is None else (shown.values, shown.residuals)
+    rows = {
+        "multipliers": np.stack([values.real, values.imag], axis=1),
+        "residual": residuals,
+        "delayed": orbit.delayed_values,
+    }
     return dict(points), {**orbit_to_rows(orbit, tangent), **rows}
-
-
-def read_delayed_values(orbit: Orbit) -> Array:
-    """Return the delayed values at the base points, shape (n_base, n_delayed)."""
-    mesh = orbit.mesh
-    result = np.empty((mesh.n_base, len(orbit.numeric.model.delayed)))
-    result[mesh.base_index.ravel()] = orbit.read(mesh.grid(mesh.basis.base)).xd.T
-    return result
 
 
 def find_surfaces(orbit: Orbit) -> Array:

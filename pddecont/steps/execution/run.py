@@ -6,11 +6,13 @@ import importlib.metadata
 import json
 import platform
 from collections.abc import Sequence
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any
 
 from pddecont.errors import PddecontError, ResultsError, RunError, suggest
 from pddecont.model import parse_document
+from pddecont.output import refuse_link
 from pddecont.results import Step, compact_step, create_results, drop_steps, hold_lock, read_results, upgrade_results
 from pddecont.runfile import Plan, PlannedStep
 from pddecont.simulate import Workers
@@ -47,8 +49,7 @@ def execute(
         If a step fails; what was computed before it stays in the file.
     """
     steps = select_steps(plan, only, until)
-    if path.is_symlink():
-        path = path.resolve()
+    check_output(plan, path)
     with hold_lock(path):
         is_resumed = path.exists() and resume
         if is_resumed:
@@ -61,8 +62,18 @@ def execute(
             versions = json.dumps(find_versions())
             create_results(path, plan.model_text, plan.run_text, source, versions, overwrite=overwrite)
         context = Context(plan, path, reporter or Silent(), Workers(workers, scheduler))
+        if any(list_step_kinds()[step.kind].integrates for step in steps):
+            _report_cache_failure(context.reporter)
         for step in steps:
             do_step(context, step)
+
+
+def check_output(plan: Plan, path: Path) -> None:
+    """Raise ResultsError if ``path`` is a link, or a file that the run was read from."""
+    refuse_link(path)
+    for what, source in plan.inputs.items():
+        if path.is_file() and Path(source).is_file() and path.samefile(source):
+            raise ResultsError(f"{path} is the {what} of this run and is left as it is; give another -o")
 
 
 def do_step(context: Context, step: PlannedStep[Any]) -> None:
@@ -80,9 +91,8 @@ def do_step(context: Context, step: PlannedStep[Any]) -> None:
         if not kind.resumes:
             drop_steps(context.path, [step.name])
             recorded = None
-    if kind.integrates:
-        _announce_compilation(context.reporter)
-    kind.load()(context, step, recorded)
+    with _announce_compilation(context.reporter) if kind.integrates else nullcontext():
+        kind.load()(context, step, recorded)
 
 
 def _check_same_settings(context: Context, step: PlannedStep[Any], recorded: Step) -> None:
@@ -100,11 +110,20 @@ def _drop_nulls(data: Any) -> Any:
     return [_drop_nulls(value) for value in data] if isinstance(data, list) else data
 
 
-def _announce_compilation(reporter: Reporter) -> None:
-    from pddecont.simulate import find_machine_code
+def _announce_compilation(reporter: Reporter) -> AbstractContextManager[None]:
+    from pddecont.codegen import tell_compilation
 
-    if not find_machine_code().exists():
-        reporter.note("the integrator is compiled, once an installation; this takes about a minute")
+    return tell_compilation(
+        lambda: reporter.note("the integrator is compiled, once an environment; this takes about a minute")
+    )
+
+
+def _report_cache_failure(reporter: Reporter) -> None:
+    from pddecont.codegen import describe_cache_failure
+
+    failure = describe_cache_failure()
+    if failure:
+        reporter.note(failure)
 
 
 def select_steps(plan: Plan, only: str | None, until: str | None) -> Sequence[PlannedStep[Any]]:

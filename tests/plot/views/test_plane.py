@@ -85,3 +85,29 @@ def test_a_branch_is_no_curve_and_pairs_are_not_mixed(every, show, made):
     with pytest.raises(ResultsError, match=r"different parameters \(a: K, tau_d; b: K, omega\)"):
         show(results, "plane", ("a", "b"))
     assert len(lines(show(results).axes[0], "-")) == 1
+
+
+def make_doubling_curve(stable):
+    """Return a curve of period doublings beside which orbits are stable where ``stable`` says so."""
+    return [point(float(k), 0.1 * k, 3.0, 1, side=(0.0, 1.0), stable=s) for k, s in enumerate(stable)]
+
+
+def test_a_side_is_called_stable_only_where_no_other_multiplier_is_outside(made, show):
+    rows = make_doubling_curve([1] * 11 + [0] * 10)
+    axes = show(made(c=(rows, {"free": ("K", "tau_d"), "curve": "PD", "side": True}))).axes[0]
+    bands = [patch.get_xy() for patch in axes.patches]
+    assert len(bands) == 3
+    assert max(band[:, 0].max() for band in bands) == pytest.approx(1.0)
+    assert "shaded side: stable" in legend(axes.figure)
+
+
+def test_a_curve_that_is_unstable_on_both_sides_has_no_shaded_side(made, show):
+    figure = show(made(c=(make_doubling_curve([0] * 9), {"free": ("K", "tau_d"), "curve": "TR", "side": True})))
+    assert not figure.axes[0].patches
+    assert not any(name.startswith("shaded") for name in legend(figure))
+
+
+def test_without_multipliers_no_side_is_called_stable(made, show):
+    figure = show(made(c=(make_doubling_curve([-1] * 9), {"free": ("K", "tau_d"), "curve": "PD", "side": True})))
+    assert len(figure.axes[0].patches) == 3
+    assert "shaded side: fewer unstable multipliers" in legend(figure)

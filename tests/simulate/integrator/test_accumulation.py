@@ -48,7 +48,7 @@ def test_a_motion_rests_that_is_pressed_on_a_surface(interpreted, v, a, rests):
 @pytest.mark.parametrize(("before", "after", "slides"), [(0, 1, True), (0, 0, False), (0, 2, False)])
 def test_a_motion_slides_between_two_fields_that_point_at_the_surface(interpreted, before, after, slides):
     run = interpreted.start(RELAY.replace("H}", "x}").replace("parameters: {tau: 1}\n", ""), [0.0])
-    assert interpreted.accumulation.is_sliding(run.core, 0, -1, before, after, 0.0) == slides
+    assert interpreted.accumulation.is_sliding(run.core, 0, -1, before, after, 0.0, 0.0) == slides
 
 
 def test_a_falling_ball_bounces_at_the_closed_form_times():

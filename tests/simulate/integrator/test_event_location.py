@@ -23,7 +23,7 @@ class Step:
         self.core.extension[0] = 1.0
 
     def first(self, direction, side):
-        return self.interpreted.event_location.find_first_crossing(self.core, 0, direction, 0.0, 1.0, side)
+        return self.interpreted.event_location.find_first_crossing(self.core, 0, direction, 0.0, 1.0, side, 0.0)
 
 
 @settings(max_examples=50, deadline=None)

@@ -1,0 +1,67 @@
+"""An integration that begins in the middle of a motion whose past is known."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pddecont.simulate.integrator.breaking import add_breaking_points, pass_breaking_points, queues_have_capacity
+from pddecont.simulate.integrator.buffers import make_log
+from pddecont.simulate.integrator.calls import entry
+from pddecont.simulate.integrator.core import make_core
+from pddecont.simulate.integrator.event_sides import note_sides
+from pddecont.simulate.integrator.history import choose_arcs, time_tolerance
+from pddecont.simulate.integrator.state import (
+    ARC,
+    FIRST,
+    FRESH,
+    LAST_EVENT,
+    LAST_EVENT_TIME,
+    MODE,
+    N_BREAKING,
+    N_STEPS,
+    READY,
+    SHIFT,
+    SIMULTANEOUS,
+    T_START,
+    UNRESOLVED,
+    USED,
+    T,
+)
+from pddecont.simulate.integrator.status import Status
+
+# How far before the present time the arcs are chosen that the delays read, in tolerances of time.
+JUST_BEFORE = 4.0
+
+
+@entry
+def begin_inside_arc(system, values, state, work, t, begin, mode, arc):
+    """Set an integration to time ``t`` inside an arc; return REACHED, or CAPACITY, which asks for a larger state.
+
+    The states are in ``state.y`` already, the past, which starts at ``begin``, in its ring, and the delayed events
+    under way in their queue. The jumps of the past come back as they would have; the sides of the event functions are
+    those of the present states.
+    """
+    c = make_core(system, values, state, make_log(0, 0, 0), work)
+    c.clock[T], c.clock[T_START], c.clock[SHIFT], c.clock[LAST_EVENT_TIME] = t, begin, 0.0, -np.inf
+    c.count[MODE], c.count[ARC] = mode, arc
+    c.count[READY] = c.count[SIMULTANEOUS] = c.count[UNRESOLVED] = c.count[N_BREAKING] = c.count[N_STEPS] = 0
+    c.count[LAST_EVENT] = -1
+    for event in range(c.n_events):
+        row = 4 * event
+        c.accumulation[row] = -np.inf
+        for i in range(1, 4):
+            c.accumulation[row + i] = 0.0
+    last = c.past_arc[c.count[FIRST] & c.mask]
+    for number in range(c.count[FIRST], c.count[FIRST] + c.count[USED]):
+        j = number & c.mask
+        if not queues_have_capacity(c, 1):
+            return np.int64(Status.CAPACITY)
+        if c.past_arc[j] != last:
+            add_breaking_points(c, c.past_time[j], 0)
+            pass_breaking_points(c, c.past_time[j])
+        last = c.past_arc[j]
+    pass_breaking_points(c, t)
+    choose_arcs(c, t - JUST_BEFORE * time_tolerance(t))
+    note_sides(c, t)
+    c.count[FRESH] = 0
+    return np.int64(Status.REACHED)

@@ -1,0 +1,64 @@
+"""Where multipliers may lie: eigenvalues of the map from history to history, by dense methods or Arnoldi's.
+
+The shift of a long history is far from normal, so that eigenvalues computed of it may be none of the orbit's. They are
+first guesses, corrected and counted on the characteristic matrix.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.linalg
+import scipy.sparse.linalg
+from numpy.typing import NDArray
+
+from pddecont.stability.characteristic import MapCharacteristic
+from pddecont.stability.monodromy import MonodromyOperator
+
+Complex = NDArray[np.complex128]
+# Histories up to this size are mapped whole; those with delay lines, whose own multipliers crowd, up to the second.
+DENSE, DENSE_LINES = 160, 1200
+# Arnoldi's method finds little in larger histories that reach back over more periods than this: mostly shifts.
+DEEP = 3
+MAX_RESTARTS = 30
+
+
+def find_candidates(monodromy: MonodromyOperator, n: int) -> Complex:
+    """Return at least ``n`` leading eigenvalues of a map by falling modulus, as far as there are any to be found."""
+    size = monodromy.size
+    if not size:
+        return np.zeros(0, dtype=complex)
+    if is_mapped_whole(monodromy, n):
+        characteristic = monodromy.characteristic
+        if isinstance(characteristic, MapCharacteristic):
+            matrix = characteristic.map
+        else:
+            matrix = monodromy.to_scaled_matrix()
+        return _sort(scipy.linalg.eigvals(matrix))[: 2 * n + 2]
+    if is_deep(monodromy):
+        return np.zeros(0, dtype=complex)
+    # Arnoldi's method wants room for several times as many vectors as values.
+    n_vectors = min(size - 1, max(3 * n, 40))
+    operator = scipy.sparse.linalg.LinearOperator((size, size), matvec=monodromy.apply_scaled, dtype=float)
+    # Any vector to start from, but the same each time.
+    start = np.random.default_rng(1).standard_normal(size)
+    try:
+        values = scipy.sparse.linalg.eigs(
+            operator, k=n, ncv=n_vectors, v0=start, tol=0.0, maxiter=MAX_RESTARTS, return_eigenvectors=False
+        )
+    except scipy.sparse.linalg.ArpackNoConvergence as exc:
+        values = exc.eigenvalues
+    return _sort(np.asarray(values))
+
+
+def is_mapped_whole(monodromy: MonodromyOperator, n: int) -> bool:
+    """Return whether all eigenvalues of a map are computed where ``n`` are wanted."""
+    return monodromy.size <= max(DENSE_LINES if monodromy.couplings else DENSE, n + 2)
+
+
+def is_deep(monodromy: MonodromyOperator) -> bool:
+    """Return whether a map is that of a long history, of many periods, whose eigenvalues say little."""
+    return len(monodromy.kept) > DEEP and monodromy.size > DENSE
+
+
+def _sort(values: Complex) -> Complex:
+    return np.asarray(values[np.argsort(-np.abs(values), kind="stable")])

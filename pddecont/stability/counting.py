@@ -1,0 +1,102 @@
+"""How many multipliers lie outside a circle, by the argument principle, and where those are that a list lacks.
+
+d(z) = det M(z) / det M(0) is the product of 1 - z mu over all multipliers; divided by that product over the multipliers
+of a list, it is the product over those that the list lacks. As z goes once round the circle |z| = 1 / r that quotient
+turns about zero once for each of them that lies outside |mu| = r, and less once for each that was listed and is none.
+A complete list leaves it next to 1, which a few points tell.
+
+Reference: Delves, Lyness, Math. Comp. 21 (1967).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pddecont.stability.characteristic import Characteristic, factor_at
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+# Points on half the circle at first (the other half is its mirror image), and more for each further period of history:
+# as many more times the determinant may turn.
+FEW, MORE = 5, 4
+# Between neighbours the logarithm of the quotient changes by less than this; else a point is put between them.
+CHANGE = 0.7
+# Neighbours nearer than this part of a turn: the circle goes through a zero.
+NEAREST = 1e-7
+# Points round the circle for finding zeros: at first, and at most.
+MANY, MOST = 32, 2048
+# Coefficients of the quotient's power series below this part of the largest are rounding.
+NEGLIGIBLE = 1e-11
+# Zeros of the power series beyond the circle are worth a try too, to where a history is this much larger, but not far.
+BEYOND, FAR = 3.0, 1.3
+
+
+@dataclass(eq=False)
+class Counter:
+    """Determinants of a characteristic matrix, each computed once."""
+
+    characteristic: Characteristic
+    _known: dict[complex, complex] = field(default_factory=dict)
+
+    def log_quotient(self, z: complex, listed: Complex) -> complex:
+        """Return the logarithm of d(z) over the product of 1 - z mu, its imaginary part up to whole turns."""
+        own = self._log_determinant(z) - self._log_determinant(0.0)
+        return own - complex(np.sum(np.log(1.0 - z * listed.astype(complex))))
+
+    def _log_determinant(self, z: complex) -> complex:
+        if z not in self._known:
+            self._known[z] = factor_at(self.characteristic, z).log_determinant
+        return self._known[z]
+
+    def count_missing(self, listed: Complex, radius: float) -> int | None:
+        """Return how many multipliers outside |mu| = ``radius`` a list lacks; None if the circle goes through one.
+
+        Raises
+        ------
+        ConvergenceError
+            If the determinant is not defined on the circle.
+        """
+        angles = list(np.linspace(0.0, np.pi, FEW + MORE * max(0, self.characteristic.depth - 1)))
+        values = [self._at(angle, listed, radius) for angle in angles]
+        total, i = 0.0, 0
+        while i + 1 < len(angles):
+            change = values[i + 1] - values[i]
+            turn = float(np.angle(np.exp(1j * change.imag)))
+            if abs(complex(change.real, turn)) < CHANGE:
+                total, i = total + turn, i + 1
+                continue
+            if angles[i + 1] - angles[i] < NEAREST:
+                return None
+            middle = 0.5 * (angles[i] + angles[i + 1])
+            angles.insert(i + 1, middle)
+            values.insert(i + 1, self._at(middle, listed, radius))
+        return round(total / np.pi)
+
+    def _at(self, angle: float, listed: Complex, radius: float) -> complex:
+        point = complex(np.exp(1j * angle)) / radius
+        return self.log_quotient(complex(point.real, 0.0) if angle in (0.0, np.pi) else point, listed)
+
+    def find_missing(self, listed: Complex, radius: float) -> Complex:
+        """Return where about multipliers outside |mu| = ``radius`` are that a list lacks.
+
+        They are zeros of the quotient's power series, whose coefficients are real; of conjugate pairs the upper one is
+        returned.
+        """
+        n = MANY
+        while True:
+            half = [self._at(angle, listed, radius) for angle in np.linspace(0.0, np.pi, n // 2 + 1)]
+            shift = max(value.real for value in half)
+            values = np.exp(np.array(half) - shift)
+            series = np.fft.irfft(np.conj(values), n)
+            large = np.flatnonzero(np.abs(series) > NEGLIGIBLE * np.max(np.abs(series)))
+            if large[-1] < n // 2 or n >= MOST:
+                break
+            n *= 2
+        zeros = np.roots(series[: large[-1] + 1][::-1])
+        beyond = min(FAR, BEYOND ** (1.0 / max(1, self.characteristic.depth)))
+        zeros = zeros[(np.abs(zeros) < beyond) & (zeros.imag >= 0.0) & (zeros != 0.0)]
+        found = np.conj(radius / zeros)
+        return np.asarray(np.where(zeros.imag == 0.0, found.real, found), dtype=complex)

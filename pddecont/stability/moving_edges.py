@@ -1,0 +1,61 @@
+"""Which breaking points a perturbed motion moves, and which may stand still.
+
+An event that comes earlier makes what follows from it come earlier too, also when a delay reads it periods later. How
+far a mesh edge moves with the durations of earlier periods is a choice, though: the base values on it change by the
+slope of the orbit times the way it moves, and a perturbation stays a continuous piecewise polynomial as long as that
+slope does not jump. Only edges at which the slope jumps have to move: events, and what a jump of the state makes of the
+vector field one delay later. All others stand still, since motions of the mesh are paid for: with a multiplier mu the
+duration w periods ago is mu^-w times as large as the present one, and so are the rounding and collocation errors of
+whatever it moves.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pddecont.collocation import MeshPoints
+from pddecont.orbit import Orbit
+
+Array = NDArray[np.float64]
+Edge = tuple[float, ...]
+# The vector field jumps where it changes by more than this part of its largest value.
+JUMP = 1e-11
+
+
+def find_still_edges(orbit: Orbit) -> frozenset[Edge]:
+    """Return the coefficients of the breaking points at which an orbit's slope does not jump."""
+    mesh, S = orbit.mesh, orbit.mesh.n_segments
+    returned = [i for i, piece in enumerate(mesh.pieces) if np.any(piece.start[S:])]
+    if not returned:
+        return frozenset()
+    doubtful = [i for i in returned if _find_level(orbit, mesh.pieces[i].start) == 1]
+    jumps = (
+        set(doubtful) if not doubtful else {i for i, j in zip(doubtful, _find_jumps(orbit, doubtful), strict=True) if j}
+    )
+    return frozenset(tuple(mesh.pieces[i].start.tolist()) for i in returned if i not in jumps)
+
+
+def _find_level(orbit: Orbit, edge: Array) -> int:
+    """Return the lowest derivative of the solution that can jump at an edge some delays after an event."""
+    S, jumps = orbit.mesh.n_segments, orbit.signature.discontinuity_sources.jumps
+    ended = round(float(np.sum(edge[:S] - np.min(edge[:S])))) if S else 0
+    return jumps[(ended - 1) % len(jumps)] + round(float(np.sum(edge[S:])))
+
+
+def _find_jumps(orbit: Orbit, pieces: list[int]) -> list[bool]:
+    """Return whether the vector field jumps where each of some pieces starts, inside its segment."""
+    mesh, problem = orbit.mesh, orbit.problem
+    after = np.searchsorted(mesh.piece, pieces)
+    n = len(pieces)
+    sides = MeshPoints(np.concatenate([after - 1, after]), np.repeat([1.0, 0.0], n))
+    points, reads = orbit.read(sides), orbit.equation_reads
+    result = []
+    for k in range(n):
+        field = problem.numeric.mode(problem.segments[mesh.segment[after[k]]].mode)
+        both = [k, n + k]
+        left, right = field.value(points.t[both], points.x[:, both], points.xd[:, both], orbit.parameters).T
+        at = np.flatnonzero(mesh.segment[mesh.equation_points.interval] == mesh.segment[after[k]])
+        largest = np.max(np.abs(field.value(reads.t[at], reads.x[:, at], reads.xd[:, at], orbit.parameters)), axis=1)
+        result.append(bool(np.any(np.abs(right - left) > JUMP * largest)))
+    return result

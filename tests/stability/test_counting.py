@@ -1,0 +1,52 @@
+"""Counts outside a circle, and where those are that a list lacks."""
+
+import numpy as np
+import pytest
+
+from pddecont.stability.characteristic import MapCharacteristic, PeriodCharacteristic
+from pddecont.stability.counting import Counter
+
+PAIR = 0.9 * np.exp(0.4j)
+VALUES = np.array([1.5, -1.1, PAIR, PAIR.conjugate(), 0.3, 0.02])
+
+
+def counter():
+    rng = np.random.default_rng(0)
+    blocks = np.diag([1.5, -1.1, 0.0, 0.0, 0.3, 0.02])
+    blocks[2:4, 2:4] = [[PAIR.real, -PAIR.imag], [PAIR.imag, PAIR.real]]
+    vectors = rng.normal(size=(6, 6))
+    return Counter(MapCharacteristic(vectors @ blocks @ np.linalg.inv(vectors)))
+
+
+@pytest.mark.parametrize("radius", [1.3, 1.0, 0.5, 0.1])
+def test_without_a_list_all_outside_the_circle_are_counted(radius):
+    assert counter().count_missing(np.zeros(0), radius) == np.sum(np.abs(VALUES) > radius)
+
+
+@pytest.mark.parametrize("gone", [[0], [1], [2, 3], [0, 1], [0, 2, 3]])
+def test_what_a_list_lacks_is_counted_and_found(gone):
+    listed = np.delete(VALUES, gone)
+    assert counter().count_missing(listed, 0.6) == len(gone)
+    found = counter().find_missing(listed, 0.6)
+    for value in VALUES[gone]:
+        assert value.imag < 0 or np.min(np.abs(found - value)) < 1e-9
+
+
+def test_what_a_list_holds_and_is_none_counts_less():
+    assert counter().count_missing(np.append(VALUES, 1.2), 0.6) == -1
+
+
+def test_a_circle_through_a_multiplier_has_no_count():
+    assert counter().count_missing(np.zeros(0), 1.5) is None
+
+
+@pytest.mark.parametrize("depth", [7, 50])
+def test_histories_of_many_periods_crowd_the_circle_and_all_are_counted(depth):
+    """1 - z^depth / 2: so many multipliers of modulus 2^(-1/depth)."""
+    zeros = np.zeros(2, dtype=int)
+    characteristic = PeriodCharacteristic(1, zeros, zeros, np.array([0, depth]), np.array([1.0, -0.5]))
+    modulus = 0.5 ** (1 / depth)
+    assert Counter(characteristic).count_missing(np.zeros(0), 0.99 * modulus) == depth
+    assert Counter(characteristic).count_missing(np.zeros(0), 1.01 * modulus) == 0
+    found = Counter(characteristic).find_missing(np.zeros(0), 0.99 * modulus)
+    assert len(found) == depth // 2 + 1 and np.abs(found) == pytest.approx(np.full(len(found), modulus), rel=1e-9)
