@@ -19,7 +19,8 @@ class Verification:
         1: it is a motion of the model; 0: it is none; -1: not done.
     deviation
         The farthest that simulation and orbit were apart, in states relative to their sizes and times of events
-        relative to the period; NaN where it was not done, or the simulation went another way.
+        relative to the period; NaN where it was not done, or the simulation went another way, at a border
+        of what the orbit does too.
     reason
         What the motion does instead, or why nothing was done.
     """

@@ -8,6 +8,7 @@ from .basin import BasinRow as BasinRow
 from .basin import ClassifiedRow as ClassifiedRow
 from .basin import classify_row as classify_row
 from .basin import survey_attractors as survey_attractors
+from .driven import DrivenSimulator as DrivenSimulator
 from .failure import FailureReason as FailureReason
 from .failure import MotionFailure as MotionFailure
 from .failure import describe_failure as describe_failure
@@ -23,13 +24,12 @@ from .lyapunov import find_lyapunov_exponent as find_lyapunov_exponent
 from .method import Method as Method
 from .motion_task import MotionTask as MotionTask
 from .nearby_cycle import find_nearby_cycle as find_nearby_cycle
+from .past import Past as Past
+from .past import make_extension_basis as make_extension_basis
 from .period_detection import Cycle as Cycle
 from .period_detection import detect_period as detect_period
-from .restart import DrivenSimulator as DrivenSimulator
 from .restart import MotionRecord as MotionRecord
-from .restart import Past as Past
 from .restart import follow_motion as follow_motion
-from .restart import make_extension_basis as make_extension_basis
 from .restart import restart_motion as restart_motion
 from .returns import ReturnSection as ReturnSection
 from .returns import ReturnSettings as ReturnSettings

@@ -87,6 +87,11 @@ class Simulator:
         """The model in numbers."""
         return make_system(self.numeric, self.functions, self.delay, self.method, self.section, tangent=self.tangent)
 
+    @property
+    def past_columns(self) -> NDArray[np.int64]:
+        """The states whose past delayed values are read from."""
+        return self.system.kept
+
     @cached_property
     def work(self) -> Workspace:
         """The arrays for intermediate results."""

@@ -1,0 +1,179 @@
+"""Whether what a motion does across the end of a segment is what the orbit does there.
+
+It has to meet the event that ends the segment, when it ends, and nothing else, and to be where the orbit is then. Where
+an orbit lies so near to the border of what its signature can do that its own error decides, two answers are possible.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from pddecont.orbit.admissibility import SIGNS, find_event_profile
+from pddecont.orbit.examination import Examination, Window
+from pddecont.orbit.verdict import NOT_DONE, Verification
+from pddecont.reasons import Reason, Scalar, make_reason
+from pddecont.simulate import FailureReason, MotionFailure, MotionRecord
+
+# How far simulation and orbit may be apart, relative to the size of the motion: what the errors of the simulation's
+# steps add up to, and so many times the orbit's own estimated error.
+SIMULATED, ESTIMATED = 1e-7, 30.0
+# So many times as far as the orbit's error is carried to in the same time.
+CARRIED = 30.0
+# The part of its size by which an orbit is moved to see how far errors are carried, where its own error is smaller.
+SMALLEST_MOVE = 1e-8
+
+
+def judge(examined: Examination, window: Window, record: MotionRecord | None, *, strict: bool) -> Verification:
+    """Return whether what the motion does in a window is what the orbit does.
+
+    An orbit at the border of what it does counts as a motion, unless ``strict``; how far it deviates nobody knows then.
+    """
+    if record is None:
+        return replace(NOT_DONE, reason=make_reason("too_many_steps"))
+    segment = examined.orbit.signature.segments[window.s]
+    expected = (segment.name,) if segment.event else ()
+    if record.failure is not None or record.segments != expected:
+        if not strict and is_undecided(examined, window, record):
+            return Verification(1)
+        return Verification(0, reason=_describe(examined, window, record))
+    deviation = measure_deviation(examined, window, record)
+    if deviation <= find_allowed(examined) or deviation <= CARRIED * find_carried(examined, window, record, strict):
+        return Verification(1, deviation)
+    return Verification(0, deviation, make_reason("drifts", number=window.s + 1, segment=segment.name))
+
+
+def find_allowed(examined: Examination) -> float:
+    """Return how far simulation and orbit may be apart, if errors are not carried farther."""
+    return SIMULATED + ESTIMATED * examined.error
+
+
+def measure_deviation(examined: Examination, window: Window, record: MotionRecord) -> float:
+    """Return how far simulation and orbit are apart in a window."""
+    apart = float(np.max(np.abs(record.states - window.target) / examined.sizes))
+    if len(record.times):
+        late = abs(float(record.times[0]) - examined.orbit.start - window.event) / examined.orbit.period
+        apart = max(apart, late)
+    return apart
+
+
+def find_carried(examined: Examination, window: Window, record: MotionRecord, strict: bool) -> float:
+    """Return how far apart motions are at the end of a window that begin as far apart as the orbit is wrong.
+
+    A motion that goes another way than ``record`` says nothing of it. Where all do so, at a border that lies within
+    the orbit's error, every distance is possible (infinity), unless ``strict``.
+    """
+    error = max(examined.error, SMALLEST_MOVE)
+    farthest, at_border = 0.0, False
+    for moved in (error, -error):
+        other = examined.simulate(window, moved)
+        if other is None:
+            continue
+        if other.failure is None and other.segments == record.segments:
+            farthest = max(farthest, float(np.max(np.abs(other.states - record.states) / examined.sizes)))
+        else:
+            at_border = at_border or is_undecided(examined, window, other)
+    return np.inf if farthest == 0.0 and at_border and not strict else farthest
+
+
+def is_undecided(examined: Examination, window: Window, record: MotionRecord) -> bool:
+    """Return whether the orbit lies at the border of what it does and what the motion does instead.
+
+    Two events come at once, or a surface is only touched, to the orbit's error: rounding decides which happens.
+    """
+    orbit = examined.orbit
+    model, segment = orbit.numeric.model, orbit.signature.segments[window.s]
+    if not segment.event:
+        return bool(record.segments) and _is_near(examined, model.segments[record.segments[0]].event, window.s)
+    if _touches(examined, window.s) and _misses_touch(examined, window, record):
+        return True
+    wrong = next(
+        ((t, name) for t, name in zip(record.times, record.segments, strict=True) if name != segment.name), None
+    )
+    if wrong is None:
+        return False
+    t, name = float(wrong[0]) - orbit.start, wrong[1]
+    if abs(t - window.event) <= find_allowed(examined) * orbit.period:
+        return True
+    event = model.segments[name].event
+    within = window.s if t < window.event else (window.s + 1) % len(orbit.signature)
+    return model.events[event].function is not None and _is_near(examined, event, within)
+
+
+def _touches(examined: Examination, s: int) -> bool:
+    """Return whether segment ``s`` meets the surface of its event so slowly that it may miss it."""
+    orbit = examined.orbit
+    event = orbit.signature.segments[s].event
+    if orbit.numeric.model.events[event].function is None:
+        return False
+    profile = find_event_profile(orbit, event)
+    largest = float(np.max(np.abs(profile.values)))
+    rate = abs(profile.end_slope(s)) * orbit.period
+    return bool(rate <= 10.0 * np.sqrt(find_allowed(examined)) * largest)
+
+
+def _misses_touch(examined: Examination, window: Window, record: MotionRecord) -> bool:
+    """Return whether all that goes wrong in a window is that the surface at its event is missed, or met once more.
+
+    What a motion does after it has missed a surface is another matter; nothing else may happen before.
+    """
+    orbit = examined.orbit
+    segment = orbit.signature.segments[window.s]
+    near = window.event - np.sqrt(find_allowed(examined)) * orbit.period
+    events = [(float(t) - orbit.start, name) for t, name in zip(record.times, record.segments, strict=True)]
+    failure = record.failure
+    stops = [t for t, _ in events[:1]]
+    stops += [failure.time - orbit.start] if failure is not None and np.isfinite(failure.time) else []
+    if any(t < near for t in stops):
+        return False
+    if not events or events[0][1] != segment.name:
+        return True
+    if len(events) > 1:
+        return orbit.numeric.model.segments[events[1][1]].event == segment.event
+    return failure is None or failure.event == segment.event
+
+
+def _is_near(examined: Examination, event: str, s: int) -> bool:
+    """Return whether the function of ``event`` in segment ``s`` goes beyond zero by no more than errors do."""
+    orbit = examined.orbit
+    watched = {w.event: w for w in orbit.signature.list_watched_events(s)}
+    if event not in watched:
+        return False
+    profile = find_event_profile(orbit, event)
+    near = find_allowed(examined) * float(np.max(np.abs(profile.values)))
+    levels = [e.value for e in profile.extrema if e.segment == s]
+    if watched[event].direction in SIGNS:
+        # What is crossed by no more than this is touched.
+        levels += profile.ends(s)
+    return any(abs(level) <= near for level in levels)
+
+
+def _describe(examined: Examination, window: Window, record: MotionRecord) -> Reason:
+    """Return what the motion does in a window instead of what the orbit does."""
+    orbit = examined.orbit
+    segment = orbit.signature.segments[window.s]
+    where: dict[str, Scalar] = {"number": window.s + 1, "segment": segment.name}
+    if record.failure is not None:
+        return _describe_failure(record.failure, where)
+    wrong = next(
+        ((t, name) for t, name in zip(record.times, record.segments, strict=True) if name != segment.name), None
+    )
+    if wrong is None:
+        return Reason("missing", {"event": segment.event, **where})
+    t, name = wrong
+    number = (window.s + int(t - orbit.start >= window.event)) % len(orbit.signature)
+    return make_reason(
+        "happens",
+        number=number + 1,
+        segment=orbit.signature.names[number],
+        event=orbit.numeric.model.segments[name].event,
+        instead=name,
+        time=float(t - orbit.start),
+    )
+
+
+def _describe_failure(failure: MotionFailure, where: dict[str, Scalar]) -> Reason:
+    code = "slides" if failure.reason == FailureReason.SLIDING else "halts"
+    values: dict[str, Scalar] = {"event": failure.event or "", "mode": failure.mode or "", "why": failure.reason.value}
+    return Reason(code, {**where, **values})
