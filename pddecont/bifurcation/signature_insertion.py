@@ -34,7 +34,7 @@ from pddecont.continuation import (
     solve_adaptively,
 )
 from pddecont.errors import ConvergenceError
-from pddecont.model import Model, Segment
+from pddecont.model import Model, Segment, list_transitions
 from pddecont.orbit import (
     Orbit,
     OrbitEvaluation,
@@ -78,7 +78,7 @@ def find_way_back(model: Model, segment: Segment, touched: Segment) -> list[Segm
         mode, path = paths.popleft()
         if mode == segment.mode:
             return path
-        leaving = sorted((s for s in model.segments.values() if s.mode == mode), key=lambda s: s.event != touched.event)
+        leaving = sorted(list_transitions(model, mode).segments, key=lambda s: s.event != touched.event)
         for step in leaving:
             if step.to not in seen or step.to == segment.mode:
                 seen.add(step.to)
@@ -106,8 +106,7 @@ def find_touches(orbit: Orbit) -> list[Touch]:
         s = a.extremum.segment
         here = signature.segments[s]
         direction = next(w.direction for w in signature.list_watched_events(s) if w.event == a.event)
-        key = (here.mode, a.event, direction)
-        touched = next(other for other in model.segments.values() if (other.mode, other.event, other.direction) == key)
+        touched = list_transitions(model, here.mode).surfaces[a.event, direction]
         back = find_way_back(model, here, touched)
         if back is None:
             raise ConvergenceError(f"after event '{a.event}' in mode '{here.mode}' no segment leads back to that mode")

@@ -28,7 +28,6 @@ from pddecont.continuation.system import AdaptiveSystem, E
 from pddecont.continuation.termination import End, Termination
 from pddecont.continuation.test_functions import (
     SpecialPoint,
-    TestFunction,
     TestFunctions,
     TestValues,
     evaluate_tests,
@@ -167,7 +166,7 @@ def follow_branch(
             point = _make_special(special, state, sign * length)
             emit(replace(point, n_unexplained=more) if special.test.end else point)
             if special.test.end:
-                return _end_at(special.test, n_unexplained)
+                return _end_at(special, n_unexplained)
         if closing is not None:
             emit(replace(_make_last(segment, closing, state, sign * length), n_unexplained=more))
             return Termination(End.CLOSED, NO_REASON, n_unexplained)
@@ -187,9 +186,10 @@ def follow_branch(
     return Termination(End.MAX_POINTS, NO_REASON, n_unexplained)
 
 
-def _end_at(test: TestFunction[E], n_unexplained: int) -> Termination:
+def _end_at(special: SpecialPoint[E], n_unexplained: int) -> Termination:
     """Return how a branch ends at a special point that ends it: by its kind, or by what is wrong beyond."""
-    reason = test.reason if test.end == End.INVALID else make_reason("kind", kind=test.kind)
+    test = special.test
+    reason = special.reason if test.end == End.INVALID else make_reason("kind", kind=test.kind)
     return Termination(test.end, reason, n_unexplained)
 
 
@@ -227,7 +227,7 @@ def _make_special(special: SpecialPoint[E], before: BranchState[E], length: floa
     found = special.point
     point = replace(found, direction=found.system.scaling.normalise(found.tangent))
     state = replace(before, point=point, arclength=before.arclength + special.fraction * length)
-    return BranchPoint(state, special.test.kind, found.n_iterations, special.test.reason)
+    return BranchPoint(state, special.test.kind, found.n_iterations, special.reason)
 
 
 def _advance(

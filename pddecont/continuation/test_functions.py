@@ -31,7 +31,8 @@ class TestFunction(Generic[E]):
     ``find_meeting`` finds the point itself between two points with a change of sign, or None: where a branch meets
     another one, no point between the two can be found on the way and no count can be trusted. ``crosses``: branches
     cross at its zeros, so that the equations there do not say which direction is the branch's. ``smooth`` has the same
-    sign and no kinks; the zero is looked for with it where ``value`` does not lead there.
+    sign and no kinks; the zero is looked for with it where ``value`` does not lead there. ``explain`` returns what is
+    said of a point instead of ``reason``.
     """
 
     __test__ = False
@@ -42,6 +43,7 @@ class TestFunction(Generic[E]):
     find_meeting: Callable[[CurvePoint[E], CurvePoint[E]], CurvePoint[E] | None] | None = None
     crosses: bool = False
     smooth: Callable[[CurvePoint[E]], float] | None = None
+    explain: Callable[[CurvePoint[E]], Reason] | None = None
 
 
 Counts = tuple[int, ...]
@@ -117,6 +119,11 @@ class SpecialPoint(Generic[E]):
     test: TestFunction[E]
     point: CurvePoint[E]
     fraction: float
+
+    @property
+    def reason(self) -> Reason:
+        """What is said of the point."""
+        return self.test.reason if self.test.explain is None else self.test.explain(self.point)
 
 
 def find_special_points(

@@ -27,6 +27,11 @@ from .system import Event as Event
 from .system import Model as Model
 from .system import Segment as Segment
 from .system import check_signature as check_signature
+from .transitions import Transitions as Transitions
+from .transitions import list_carriers as list_carriers
+from .transitions import list_clocks as list_clocks
+from .transitions import list_transitions as list_transitions
+from .transitions import may_slide as may_slide
 from .validation import UNION_TAG as UNION_TAG
 from .validation import Formula as Formula
 from .validation import Identifier as Identifier

@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 
 from pddecont.model.system import Segment
-
-# The ways in which an event function passes zero that a direction stands for.
-WAYS = {"rising": {"rising"}, "falling": {"falling"}, "any": {"rising", "falling"}}
+from pddecont.model.transitions import WAYS
 
 
 def find_shadowed(segments: Collection[Segment]) -> Iterator[tuple[str, str]]:

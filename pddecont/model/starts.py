@@ -9,6 +9,7 @@ import sympy
 from pddecont.model.evaluation import evaluate
 from pddecont.model.expression import TIME, ExpressionError
 from pddecont.model.system import Model, make_symbol
+from pddecont.model.transitions import list_transitions
 
 ROUNDING = 1e-9
 # Functions that come back to zero whatever their argument does: a state that is a clock has passed such an event many
@@ -29,10 +30,10 @@ def explain_start_beyond_event(
     numbers = {make_symbol(name): v for name, v in parameters.items()} | dict(
         zip(model.state_symbols, states, strict=True)
     )
-    leaving = [s for s in model.segments.values() if s.mode == mode]
-    for segment in leaving:
-        h = model.events[segment.event].function
-        ways = {s.direction for s in leaving if s.event == segment.event}
+    surfaces = list_transitions(model, mode).surfaces
+    for (event, _), segment in surfaces.items():
+        h = model.events[event].function
+        ways = [way for other, way in surfaces if other == event]
         if h is None or len(ways) > 1 or segment.direction == "any" or h.has(TIME, *model.delayed_symbols, *PERIODIC):
             continue
         at_start = evaluate(h, numbers)

@@ -8,7 +8,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from pddecont.orbit.extrema import Extremum, Profile, make_profile
+from pddecont.orbit.clocks import list_unlisted_clocks
+from pddecont.orbit.event_profiles import find_event_profile, find_event_profiles
+from pddecont.orbit.extrema import Extremum, Profile
+from pddecont.orbit.leaving import explain_sliding, find_leaving_rate, list_sliding_ends
 from pddecont.orbit.orbit import Orbit
 from pddecont.orbit.problem import INSTANT
 from pddecont.orbit.signature import WatchedEvent
@@ -22,24 +25,6 @@ SAME_TIME = 1e-6
 # An event function that moves by less than this part of its modulus in a segment's duration is touched, not crossed.
 TANGENT = 1e-6
 SIGNS = {"rising": 1, "falling": -1}
-
-
-def find_event_profiles(orbit: Orbit) -> dict[str, Profile]:
-    """Return the event functions along an orbit, by event, each over the segments that watch it."""
-    signature = orbit.signature
-    events = dict.fromkeys(w.event for s in range(len(signature)) for w in signature.list_watched_events(s))
-    return {event: find_event_profile(orbit, event) for event in events}
-
-
-def find_event_profile(orbit: Orbit, event: str) -> Profile:
-    """Return the function of ``event`` along an orbit, over the segments that watch it."""
-    signature = orbit.signature
-
-    def find() -> Profile:
-        watching = [s for s in range(len(signature)) if any(event == w.event for w in signature.list_watched_events(s))]
-        return make_profile(orbit, orbit.numeric.event(event), segments=watching)
-
-    return orbit.once(("event profile", event), find)
 
 
 def find_violation(orbit: Orbit, referee: Verifier | None, *, strict: bool = False) -> Reason:
@@ -64,6 +49,23 @@ def find_violations(orbit: Orbit) -> list[Reason]:
 
 
 def _find_violations(orbit: Orbit) -> Iterator[Reason]:
+    yield from _find_crossing_violations(orbit)
+    if all(orbit.durations > INSTANT * orbit.period):
+        yield from _find_unlisted(orbit)
+
+
+def _find_unlisted(orbit: Orbit) -> Iterator[Reason]:
+    """Yield the delayed events that happen though no segment ends at them, and the surfaces that hold the motion."""
+    for clock in list_unlisted_clocks(orbit):
+        if clock.measure(orbit) > RELATIVE_ZERO:
+            yield clock.explain(orbit)
+    for s in list_sliding_ends(orbit.signature):
+        largest = float(np.max(np.abs(find_event_profile(orbit, orbit.signature.segments[s].event).values)))
+        if find_leaving_rate(orbit, s) * orbit.period < -TANGENT * largest:
+            yield explain_sliding(orbit.signature, s)
+
+
+def _find_crossing_violations(orbit: Orbit) -> Iterator[Reason]:
     profiles = find_event_profiles(orbit)
     for s, name in enumerate(orbit.signature.names):
         duration = float(orbit.durations[s])

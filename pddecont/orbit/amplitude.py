@@ -15,9 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.continuation import Approach, End
-from pddecont.orbit.admissibility import SIGNS, find_event_profile
+from pddecont.orbit.admissibility import SIGNS
 from pddecont.orbit.boundaries import AtOrbit
 from pddecont.orbit.error import measure_states
+from pddecont.orbit.event_profiles import find_event_profile
 from pddecont.orbit.orbit import Orbit
 from pddecont.reasons import Reason, make_reason
 

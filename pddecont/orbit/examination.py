@@ -9,8 +9,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from pddecont.orbit.clocks import list_started_events
 from pddecont.orbit.error import estimate_interval_errors, measure_states
-from pddecont.orbit.motion import list_started_events
 from pddecont.orbit.orbit import Orbit
 from pddecont.orbit.past import make_past
 from pddecont.simulate import MotionRecord, ParameterValues, Past, Simulator, follow_motion, restart_motion

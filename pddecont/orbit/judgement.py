@@ -10,7 +10,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from pddecont.orbit.admissibility import SIGNS, find_event_profile
+from pddecont.orbit.admissibility import SIGNS
+from pddecont.orbit.event_profiles import find_event_profile
 from pddecont.orbit.examination import Examination, Window
 from pddecont.orbit.verdict import NOT_DONE, Verification
 from pddecont.reasons import Reason, Scalar, make_reason

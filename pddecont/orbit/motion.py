@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from pddecont.collocation import MeshRule
 from pddecont.delay import Direct
 from pddecont.errors import SignatureError
+from pddecont.orbit.clocks import list_started_events
 from pddecont.orbit.guess import guess_from_cycle
 from pddecont.orbit.orbit import Orbit
 from pddecont.orbit.past import make_past
@@ -19,23 +20,6 @@ Array = NDArray[np.float64]
 PLACE = 0.4789
 # How much longer than any delay the past is kept.
 ROOM = 1.01
-
-
-def list_started_events(orbit: Orbit) -> list[tuple[float, float, str]]:
-    """Return the delayed events that an orbit's events start: (time, time of the start, event) in order of time.
-
-    Times count from the orbit's start; those are listed that matter to motions that start within a period of it.
-    """
-    found: list[tuple[float, float, str]] = []
-    for name, event in orbit.numeric.model.events.items():
-        if event.after is None:
-            continue
-        delay = float(orbit.numeric.event_delay(name).value(orbit.parameters)[0])
-        turns = np.arange(-int(np.ceil(delay / orbit.period)) - 2, 2) * orbit.period
-        for s, segment in enumerate(orbit.signature.segments):
-            if segment.event == event.after:
-                found += [(t + delay, t, name) for t in (orbit.event_times[s + 1] + turns).tolist()]
-    return sorted(found)
 
 
 def simulate_onwards(orbit: Orbit, p: Array, n_turns: float) -> Trajectory:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pddecont.codegen import NumericModel, ParameterFunction
 from pddecont.delay import DiscontinuitySources, find_discontinuity_sources
 from pddecont.errors import SignatureError
-from pddecont.model import IDENTITY, Segment
+from pddecont.model import IDENTITY, Segment, list_carriers, list_transitions
 
 Array = NDArray[np.float64]
 # An event so near, in periods, to where a jump of what its function reads comes back is made by the jump.
@@ -89,13 +89,9 @@ class Signature:
         return self._watched[s]
 
     def _find_watched(self, s: int) -> tuple[WatchedEvent, ...]:
-        model, here = self.numeric.model, self.segments[s]
-        keys = dict.fromkeys(
-            (other.event, other.direction)
-            for other in model.segments.values()
-            if other.mode == here.mode and model.events[other.event].function is not None
-        )
-        return tuple(WatchedEvent(*key, terminal=key == (here.event, here.direction)) for key in keys)
+        here = self.segments[s]
+        surfaces = list_transitions(self.numeric.model, here.mode).surfaces
+        return tuple(WatchedEvent(*key, terminal=key == (here.event, here.direction)) for key in surfaces)
 
 
 def make_eventless(mode: str) -> Segment:
@@ -147,15 +143,10 @@ def _link_jump(signature: Signature, p: Array, s: int, ends: Array) -> list[Dela
     The function has no zero there, so that an equation cannot ask for one.
     """
     model, period = signature.numeric.model, float(ends[-1])
-    function = model.events[signature.segments[s].event].function
-    assert function is not None, "a delayed event has no event function"
     tau = signature.numeric.delays.value(p)
-    for read, symbol in zip(model.delayed, model.delayed_symbols, strict=True):
-        if symbol not in function.free_symbols or tau[read.delay] <= 0.0:
-            continue
-        for a, other in enumerate(signature.segments):
-            turns = (ends[a] + float(tau[read.delay]) - ends[s]) / period
-            jumps = model.resets[other.reset][read.state] != model.state_symbols[read.state]
-            if jumps and abs(turns - round(turns)) < AT_JUMP:
-                return [DelayedEventLink(s, a, round(turns), read.delay)]
+    for a, other in enumerate(signature.segments):
+        for lag in list_carriers(model, signature.segments[s].event, other.reset):
+            turns = (ends[a] + float(tau[lag]) - ends[s]) / period
+            if tau[lag] > 0.0 and abs(turns - round(turns)) < AT_JUMP:
+                return [DelayedEventLink(s, a, round(turns), lag)]
     return []

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.codegen import ModelFunctions, NumericModel
 from pddecont.delay import DelayMethod
+from pddecont.model import list_clocks, list_transitions
 from pddecont.simulate.integrator import ParameterValues, System
 from pddecont.simulate.method import Method
 from pddecont.simulate.returns import ReturnSection
@@ -39,7 +40,11 @@ def make_system(
     place[kept] = np.arange(len(kept))
     delayed = set(model.delayed_symbols)
     after = [events.index(e.after) if e.after is not None else -1 for e in model.events.values()]
-    segments = model.segments.values()
+    segments, names = model.segments.values(), list(model.segments)
+    ending = [list_transitions(model, mode) for mode in modes]
+    crossing_first, crossing_segment = _group([names.index(s.name) for s in found.crossings] for found in ending)
+    ending_first, ending_segment = _group([names.index(s.name) for s in found.segments] for found in ending)
+    clock_first, clock_event = _group([events.index(e) for e in list_clocks(model, event)] for event in events)
     return System(
         field=functions.field,
         event=functions.event,
@@ -60,6 +65,12 @@ def make_system(
         segment_direction=_integers(DIRECTIONS[s.direction] for s in segments),
         segment_reset=_integers(resets.index(s.reset) for s in segments),
         segment_to=_integers(modes.index(s.to) for s in segments),
+        crossing_first=crossing_first,
+        crossing_segment=crossing_segment,
+        ending_first=ending_first,
+        ending_segment=ending_segment,
+        clock_first=clock_first,
+        clock_event=clock_event,
         after=_integers([*after, *([] if section.expr is None else [-1])]),
         reads=_integers(bool(delayed & h.free_symbols) for h in functions.events),
         chain_order=order,
@@ -105,6 +116,12 @@ def make_values(
         longest=max(longest, float(max(tau, default=0.0))),
         stick=stick,
     )
+
+
+def _group(lists: Iterable[Sequence[int]]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return lists one after the other, and where each begins and the last one ends."""
+    all_lists = list(lists)
+    return _integers([0, *np.cumsum([len(a) for a in all_lists])]), _integers(n for a in all_lists for n in a)
 
 
 def _integers(numbers: Iterable[int]) -> NDArray[np.int64]:

@@ -99,11 +99,8 @@ def estimate_curvature(c, event, mode, t, slope):
 @internal
 def _ends_segment(c, event, direction, mode):
     """Return whether a segment of a mode ends where an event function crosses its zero in a direction."""
-    for segment in range(c.n_segments):
-        if (
-            c.segment_mode[segment] == mode
-            and c.segment_event[segment] == event
-            and c.segment_direction[segment] * direction >= 0
-        ):
+    for place in range(c.crossing_first[mode], c.crossing_first[mode + 1]):
+        segment = c.crossing_segment[place]
+        if c.segment_event[segment] == event and c.segment_direction[segment] * direction >= 0:
             return True
     return False

@@ -154,10 +154,9 @@ def _finish_step(c, t, h, stop):
     hit, earliest = -1, 2.0
     same = time_tolerance(t + h) / h
     n_segments = c.n_segments
-    for segment in range(n_segments):
+    for place in range(c.crossing_first[mode], c.crossing_first[mode + 1]):
+        segment = c.crossing_segment[place]
         event = c.segment_event[segment]
-        if c.segment_mode[segment] != mode or c.after[event] >= 0:
-            continue
         s, c.found_side[segment] = find_first_crossing(
             c, event, c.segment_direction[segment], t, h, c.side[segment], c.residue[segment]
         )
@@ -194,10 +193,11 @@ def _finish_step(c, t, h, stop):
     c.clock[T] = end
     # At the very start of a step a function that is on another side than it was has jumped, which is an event.
     moved = end > t + time_tolerance(t)
-    for segment in range(n_segments if moved else 0):
-        event = c.segment_event[segment]
-        if c.segment_mode[segment] == mode and c.after[event] < 0 and segment != hit:
-            update_side(c, segment, event, end, whole)
+    if moved:
+        for place in range(c.crossing_first[mode], c.crossing_first[mode + 1]):
+            segment = c.crossing_segment[place]
+            if segment != hit:
+                update_side(c, segment, c.segment_event[segment], end, whole)
     if c.section >= 0 and moved:
         update_side(c, n_segments, c.section, end, whole)
     if marked:

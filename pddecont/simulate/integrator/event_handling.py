@@ -54,10 +54,9 @@ def find_start_crossing(c):
     an impact. From rest on the surface it moves where its acceleration points.
     """
     t, mode = c.clock[T], c.count[MODE]
-    for segment in range(c.n_segments):
+    for place in range(c.crossing_first[mode], c.crossing_first[mode + 1]):
+        segment = c.crossing_segment[place]
         event = c.segment_event[segment]
-        if c.segment_mode[segment] != mode or c.after[event] >= 0:
-            continue
         slope, size = evaluate_event_slope(c, event, mode, t, c.y)
         into = slope if slope != 0.0 else estimate_curvature(c, event, mode, t, slope)
         direction = 1 if into > 0.0 else -1
@@ -84,9 +83,10 @@ def _mark_crossings(c, t, hit, direction):
     mode = c.count[MODE]
     for event in range(c.n_events):
         c.crossing[event], c.passed[event] = 0, 0
-    for segment in range(c.n_segments):
+    for place in range(c.crossing_first[mode], c.crossing_first[mode + 1]):
+        segment = c.crossing_segment[place]
         event = c.segment_event[segment]
-        if c.segment_mode[segment] != mode or c.after[event] >= 0 or c.crossing[event] != 0:
+        if c.crossing[event] != 0:
             continue
         if hit >= 0 and event == c.segment_event[hit]:
             c.crossing[event] = direction
@@ -109,9 +109,8 @@ def _find_next_segment(c, t, forced):
     The place is -1 where an event function ends it; the segment is -1 if none ends.
     """
     mode = c.count[MODE]
-    for segment in range(c.n_segments):
-        if c.segment_mode[segment] != mode:
-            continue
+    for place in range(c.ending_first[mode], c.ending_first[mode + 1]):
+        segment = c.ending_segment[place]
         event = c.segment_event[segment]
         if c.after[event] >= 0:
             for i in range(c.count[N_PENDING]):
@@ -179,9 +178,9 @@ def _apply_event(c, segment, pending):
     c.clock[SHIFT] = shift
     c.segment_counts[segment] += 1
     add_breaking_points(c, t, 0)
-    for other in range(c.n_events):
-        if c.after[other] == event:
-            add_pending(c, t + c.event_delay[other], other, shift)
+    for place in range(c.clock_first[event], c.clock_first[event + 1]):
+        other = c.clock_event[place]
+        add_pending(c, t + c.event_delay[other], other, shift)
     carry_sides(c, event if crossing != 0 else -1, resolution, mode, t)
     if is_sliding(c, event, crossing, mode, target, t, resolution):
         c.clock[ZENO_TIME] = t

@@ -14,10 +14,9 @@ def note_sides(c, t):
     c.count[FRESH] = 0
     for place in range(c.n_segments + 1):
         c.residue[place] = 0.0
-    for segment in range(c.n_segments):
-        event = c.segment_event[segment]
-        if c.segment_mode[segment] == mode and c.after[event] < 0:
-            c.side[segment] = _find_side(c, event, mode, t)
+    for place in range(c.crossing_first[mode], c.crossing_first[mode + 1]):
+        segment = c.crossing_segment[place]
+        c.side[segment] = _find_side(c, c.segment_event[segment], mode, t)
     if c.section >= 0:
         c.side[c.n_segments] = _find_side(c, c.section, mode, t)
 
@@ -36,10 +35,9 @@ def carry_sides(c, handled, resolution, before, t):
     if handled >= 0:
         # Another event at this moment may lead to a mode that looks for this one again.
         c.passed[handled] = find_flow_side(c, handled, mode, t, c.y)
-    for segment in range(c.n_segments):
+    for place in range(c.crossing_first[mode], c.crossing_first[mode + 1]):
+        segment = c.crossing_segment[place]
         event = c.segment_event[segment]
-        if c.segment_mode[segment] != mode or c.after[event] >= 0:
-            continue
         side = _find_known_side(c, event, before)
         if side == 0:
             side = c.passed[event]
@@ -62,8 +60,9 @@ def carry_sides(c, handled, resolution, before, t):
 @internal
 def _find_known_side(c, event, mode):
     """Return the side of an event's surface that the motion was on in ``mode``; 0 if it was not looked for there."""
-    for segment in range(c.n_segments):
-        if c.segment_mode[segment] == mode and c.segment_event[segment] == event:
+    for place in range(c.crossing_first[mode], c.crossing_first[mode + 1]):
+        segment = c.crossing_segment[place]
+        if c.segment_event[segment] == event:
             return c.side[segment]
     return 0
 

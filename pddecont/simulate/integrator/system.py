@@ -28,6 +28,12 @@ class System(NamedTuple):
         States whose past is kept (n_kept,), and where each state is among them (n,): -1 for one that is not kept.
     segment_mode, segment_event, segment_direction, segment_reset, segment_to
         The segments in declared order (n_segments,); a direction is 1 rising, -1 falling, 0 any.
+    crossing_first, crossing_segment
+        The segments of mode m that end at event functions: crossing_segment[crossing_first[m]:crossing_first[m + 1]].
+    ending_first, ending_segment
+        All segments of a mode, likewise.
+    clock_first, clock_event
+        The delayed events that an event starts, likewise.
     after
         The event that a delayed event follows (n_events,); -1 for one with an event function.
     reads
@@ -63,6 +69,12 @@ class System(NamedTuple):
     segment_direction: Integers
     segment_reset: Integers
     segment_to: Integers
+    crossing_first: Integers
+    crossing_segment: Integers
+    ending_first: Integers
+    ending_segment: Integers
+    clock_first: Integers
+    clock_event: Integers
     after: Integers
     reads: Integers
     chain_order: int

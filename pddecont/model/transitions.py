@@ -1,0 +1,91 @@
+"""What can happen in a mode: the one place that says so.
+
+A mode ends at the surfaces of event functions and at delayed events; an event starts the clocks of delayed ones; the
+jump that a reset makes comes back through a delay and may carry an event function over its zero; and at a surface that
+the next mode meets from its other side both vector fields may point at it. Simulations take their tables from here,
+signatures what their segments watch and link, admissibility and the changes of signatures what may come in, whether or
+not a signature lists it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from pddecont.model.system import Model, Segment
+
+# The ways in which an event function passes zero that a direction stands for.
+WAYS = {"rising": {"rising"}, "falling": {"falling"}, "any": {"rising", "falling"}}
+OPPOSITE = {"rising": "falling", "falling": "rising"}
+
+
+@dataclass(frozen=True)
+class Transitions:
+    """What can end a mode, in declared order: of what comes at one moment the first counts.
+
+    Attributes
+    ----------
+    segments
+        The segments that run in the mode.
+    crossings
+        Those that end where an event function crosses zero.
+    expiries
+        Those that end at a delayed event.
+    """
+
+    segments: tuple[Segment, ...]
+    crossings: tuple[Segment, ...]
+    expiries: tuple[Segment, ...]
+
+    @cached_property
+    def surfaces(self) -> dict[tuple[str, str], Segment]:
+        """The segment that ends at each (event, direction)."""
+        found: dict[tuple[str, str], Segment] = {}
+        for segment in self.crossings:
+            found.setdefault((segment.event, segment.direction), segment)
+        return found
+
+    @property
+    def delayed_events(self) -> set[str]:
+        """The delayed events that end the mode."""
+        return {segment.event for segment in self.expiries}
+
+
+def list_transitions(model: Model, mode: str) -> Transitions:
+    """Return what can end a mode."""
+    segments = tuple(segment for segment in model.segments.values() if segment.mode == mode)
+    crossings = tuple(s for s in segments if model.events[s.event].function is not None)
+    return Transitions(segments, crossings, tuple(s for s in segments if s not in crossings))
+
+
+def list_clocks(model: Model, event: str) -> tuple[str, ...]:
+    """Return the delayed events whose clocks an event starts."""
+    return tuple(other.name for other in model.events.values() if other.after == event)
+
+
+def list_carriers(model: Model, event: str, reset: str) -> tuple[int, ...]:
+    """Return the numbers of the delays through which the jump that a reset makes comes back to an event function."""
+    function = model.events[event].function
+    if function is None:
+        return ()
+    expressions = model.resets[reset]
+    reads = zip(model.delayed, model.delayed_symbols, strict=True)
+    found = (
+        read.delay
+        for read, symbol in reads
+        if symbol in function.free_symbols and expressions[read.state] != model.state_symbols[read.state]
+    )
+    return tuple(dict.fromkeys(found))
+
+
+def may_slide(model: Model, segment: Segment) -> bool:
+    """Return whether both vector fields may point at the surface that a segment ends at.
+
+    The mode that it leads to, another one, ends there too when the surface is met from its other side.
+    """
+    if segment.to == segment.mode:
+        return False
+    back = {OPPOSITE[way] for way in WAYS[segment.direction]}
+    return any(
+        s.event == segment.event and WAYS[s.direction] & back for s in list_transitions(model, segment.to).crossings
+    )
