@@ -15,6 +15,7 @@ from .expression import Scope as Scope
 from .expression import UndefinedNameError as UndefinedNameError
 from .expression import parse_expression as parse_expression
 from .expression import translate_expression as translate_expression
+from .identities import find_rate as find_rate
 from .identities import vanishes_identically as vanishes_identically
 from .left_out import LeftOut as LeftOut
 from .reduction import ReferencedNames as ReferencedNames

@@ -28,8 +28,15 @@ def vanishes_identically(model: Model, segments: Sequence[Segment], s: int, even
     return _stays(model, segments, s, event) if at_end else _begins(model, segments, s, event, len(segments))
 
 
+def find_rate(model: Model, event: str, mode: str) -> sympy.Expr:
+    """Return how fast an event's function changes along the flow of a mode; it reads no delayed values."""
+    function = model.events[event].function
+    assert function is not None, "a delayed event has no event function"
+    return _rate(function, model.state_symbols, model.modes[mode])
+
+
 def _stays(model: Model, segments: Sequence[Segment], s: int, event: str) -> bool:
-    rate = _rate(model.events[event].function, model.state_symbols, model.modes[segments[s].mode])
+    rate = find_rate(model, event, segments[s].mode)
     return bool(rate.is_zero) and _begins(model, segments, s, event, len(segments))
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from pddecont.orbit.admissibility import SIGNS
 from pddecont.orbit.event_profiles import find_event_profile
 from pddecont.orbit.examination import Examination, Window
+from pddecont.orbit.leaving import find_leaving_rate, list_sliding_ends
 from pddecont.orbit.verdict import NOT_DONE, Verification
 from pddecont.reasons import Reason, Scalar, make_reason
 from pddecont.simulate import FailureReason, MotionFailure, MotionRecord
@@ -81,7 +82,8 @@ def find_carried(examined: Examination, window: Window, record: MotionRecord, st
 def is_undecided(examined: Examination, window: Window, record: MotionRecord) -> bool:
     """Return whether the orbit lies at the border of what it does and what the motion does instead.
 
-    Two events come at once, or a surface is only touched, to the orbit's error: rounding decides which happens.
+    Two events come at once, a surface is only touched, or the motion hardly leaves it, to the orbit's error: rounding
+    decides which happens.
     """
     orbit = examined.orbit
     model, segment = orbit.numeric.model, orbit.signature.segments[window.s]
@@ -89,6 +91,8 @@ def is_undecided(examined: Examination, window: Window, record: MotionRecord) ->
         return bool(record.segments) and _is_near(examined, model.segments[record.segments[0]].event, window.s)
     if _touches(examined, window.s) and _misses_touch(examined, window, record):
         return True
+    if record.failure is not None and record.failure.reason == FailureReason.SLIDING:
+        return record.failure.event == segment.event and _hardly_leaves(examined, window.s)
     wrong = next(
         ((t, name) for t, name in zip(record.times, record.segments, strict=True) if name != segment.name), None
     )
@@ -112,6 +116,15 @@ def _touches(examined: Examination, s: int) -> bool:
     largest = float(np.max(np.abs(profile.values)))
     rate = abs(profile.end_slope(s)) * orbit.period
     return bool(rate <= 10.0 * np.sqrt(find_allowed(examined)) * largest)
+
+
+def _hardly_leaves(examined: Examination, s: int) -> bool:
+    """Return whether the motion leaves the surface that segment ``s`` ends at so slowly that it may be held there."""
+    orbit = examined.orbit
+    if s not in list_sliding_ends(orbit.signature):
+        return False
+    largest = float(np.max(np.abs(find_event_profile(orbit, orbit.signature.segments[s].event).values)))
+    return abs(find_leaving_rate(orbit, s)) * orbit.period <= CARRIED * find_allowed(examined) * largest
 
 
 def _misses_touch(examined: Examination, window: Window, record: MotionRecord) -> bool:

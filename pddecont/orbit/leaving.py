@@ -6,7 +6,7 @@ If it leads straight back, both fields point at the surface (Filippov's criterio
 
 from __future__ import annotations
 
-from pddecont.model import may_slide, vanishes_identically
+from pddecont.model import find_rate, may_slide, vanishes_identically
 from pddecont.orbit.event_profiles import find_event_profile
 from pddecont.orbit.orbit import Orbit
 from pddecont.orbit.signature import Signature
@@ -28,12 +28,16 @@ def list_sliding_ends(signature: Signature) -> list[int]:
 def find_leaving_rate(orbit: Orbit, s: int) -> float:
     """Return the rate at which the motion leaves the surface that segment ``s`` ends at, positive where it goes on.
 
-    It is the event function's slope in time just after the event, counted in the direction in which it arrived.
+    It is how fast the flow of the next mode changes the event function where that begins, counted in the direction in
+    which the orbit arrived.
     """
-    profile = find_event_profile(orbit, orbit.signature.segments[s].event)
-    arrives = profile.end_slope(s)
-    leaves = profile.start_slope((s + 1) % len(orbit.signature))
-    return leaves if arrives > 0.0 else -leaves
+    following = (s + 1) % len(orbit.signature)
+    event, mode = orbit.signature.segments[s].event, orbit.signature.segments[following].mode
+    start = orbit.event_times[[following]]
+    reads = orbit.read(orbit.mesh.locate(orbit.theta, start, segment=following)[0])
+    rate = orbit.numeric.function((find_rate(orbit.numeric.model, event, mode),))
+    leaves = float(rate.value(reads.t, reads.x, reads.xd, orbit.parameters)[0, 0])
+    return leaves if find_event_profile(orbit, event).end_slope(s) > 0.0 else -leaves
 
 
 def explain_sliding(signature: Signature, s: int) -> Reason:
