@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.bifurcation.settings import BranchSettings
+from pddecont.bifurcation.signature_joining import check_motion, check_near
 from pddecont.continuation import BranchPoint, BranchState, CurvePoint, find_tangent
 from pddecont.errors import ConvergenceError, SignatureError
 from pddecont.orbit import Orbit, OrbitEvaluation, Referee, Verifier, guess_from_motion, measure_distance, solve_orbit
@@ -24,9 +25,9 @@ Array = NDArray[np.float64]
 BEYOND = (1e-3, 1e-4, 1e-2)
 # For how many periods, and as long as delays reach: an unstable orbit leaves soon, a new one may need longer to show.
 TURNS = (1.6, 4.6)
-# The distance of the first orbit from the one at the point, relative to its size, and by what factor it has to fall
-# when the way in the parameter does by CLOSER.
-FAR, NEARER, CLOSER = 0.2, 0.6, 1.0 / 16.0
+# By what factor the distance of the first orbit from the one at the point has to fall when the way in the parameter
+# falls by CLOSER.
+NEARER, CLOSER = 0.6, 1.0 / 16.0
 # Below this distance the two are one.
 SAME = 1e-4
 
@@ -103,12 +104,8 @@ def _solve_at(guess: Orbit, at: Orbit, change: Array, settings: BranchSettings) 
 
 def _check_joins(orbit: Orbit, at: Orbit, change: Array, settings: BranchSettings, referee: Verifier) -> None:
     """Raise ConvergenceError if an orbit is no motion, or does not come nearer to the one ``at`` the point."""
-    distance = measure_distance(orbit, at)
-    if not distance <= FAR:
-        raise ConvergenceError(f"does not join here: it is {distance:.2g} of the orbit's size away")
-    verification = referee.verify(orbit)
-    if verification.verified == 0:
-        raise ConvergenceError(f"is no motion of the model ({verification.reason.code.replace('_', ' ')})")
+    distance = check_near(orbit, at)
+    check_motion(orbit, referee)
     if distance <= SAME:
         return
     nearer = measure_distance(_solve_at(orbit, at, CLOSER * change, settings), at)

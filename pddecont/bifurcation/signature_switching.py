@@ -10,7 +10,7 @@ from pddecont.bifurcation.extended_system import ExtendedEvaluation
 from pddecont.bifurcation.motion_change import LABEL as MOTION_CHANGE
 from pddecont.bifurcation.registry import find_kind
 from pddecont.bifurcation.settings import BranchSettings
-from pddecont.bifurcation.signature_joining import find_objection
+from pddecont.bifurcation.signature_joining import check_branch_joins
 from pddecont.bifurcation.signature_removal import VANISHING, find_way_off, shrink_segment, vanish_segment
 from pddecont.bifurcation.vanishing import LABEL
 from pddecont.continuation import BranchPoint, BranchState, End, Termination
@@ -67,8 +67,11 @@ def switch_signature(
     except ConvergenceError as exc:
         why = str(exc)
     if following is not None:
-        why = find_objection(following.point, last.state.point.at.orbit, settings)
-        if not why:
+        try:
+            check_branch_joins(following.point, last.state.point.at.orbit, settings)
+        except ConvergenceError as exc:
+            why = f"[{', '.join(following.point.at.orbit.signature.names)}] {exc}"
+        else:
             return following
     # What simulates is imported where it is asked.
     from pddecont.bifurcation.signature_simulation import enter_simulated_signature
