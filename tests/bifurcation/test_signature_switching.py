@@ -91,7 +91,7 @@ def test_a_curve_does_not_change_its_signature():
 
 def test_a_kind_may_go_on_in_its_own_way(monkeypatch):
     """What it returns takes the place of the last ordinary point, at the arclength of the special one."""
-    monkeypatch.setattr(signature_switching, "find_objection", lambda point, orbit, settings: "")
+    monkeypatch.setattr(signature_switching, "check_branch_joins", lambda point, orbit, settings: None)
     asked = []
 
     def go_on(last, before, settings):
