@@ -63,11 +63,11 @@ def _extend(degree: int, values: Array) -> Array:
         matrix, missed = _fit(degree, parts)
         if degree <= SIMULATED_DEGREE or parts == PARTS[-1]:
             break
-        worst = np.max(np.abs(np.einsum("cb,jbn->jcn", missed, values)), axis=(0, 1), initial=0.0)
+        worst = np.max(np.abs(missed @ values), axis=(0, 1), initial=0.0)
         if np.all(worst <= ROUNDING * sizes):
             break
-    result: Array = np.einsum("pcb,jbn->jpcn", matrix, values)
-    return result
+    result: Array = matrix.reshape(-1, degree + 1) @ values
+    return result.reshape(len(values), *matrix.shape[:2], values.shape[2])
 
 
 @cache

@@ -49,10 +49,8 @@ def restart_motion(
     system, model = simulator.system, simulator.numeric.model
     events = list(model.events)
     kept = simulator.past_columns
-    state = make_state(system, values)
     used = len(past.time) if len(kept) else 0
-    while len(state.past_time) <= max(used + 2, len(pending) + 2):
-        state = enlarge(state)
+    state = make_state(system, values, max(used, len(pending)) + 3)
     if used:
         state.past_time[:used], state.past_length[:used], state.past_end[:used] = past.time, past.length, past.end
         state.past_arc[:used] = past.arc

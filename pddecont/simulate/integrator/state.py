@@ -104,10 +104,10 @@ N_COUNT = 14
 
 
 @either
-def make_state(system: System, values: ParameterValues) -> IntegratorState:
-    """Return the state of an integration that has not begun."""
+def make_state(system: System, values: ParameterValues, n_steps: int = 0) -> IntegratorState:
+    """Return the state of an integration that has not begun, with room for ``n_steps`` steps in its past or more."""
     capacity = FIRST_CAPACITY
-    while capacity < CAPACITY_PER_DELAY * (len(values.tau) + 8):
+    while capacity < max(CAPACITY_PER_DELAY * (len(values.tau) + 8), n_steps):
         capacity *= 2
     n_past = len(system.kept) * (1 + system.tangent)
     n_events = len(system.after)
