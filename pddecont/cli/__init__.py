@@ -63,7 +63,7 @@ def group() -> None:
 
 def main(args: list[str] | None = None) -> Any:
     """Run the command line."""
-    with end_on_signals() as received:
+    with end_on_signals(ends_process=args is None) as received:
         from pddecont.cli.console import run_and_exit
 
         return run_and_exit(lambda: group.main(args=args, prog_name="pddecont", standalone_mode=False), received)

@@ -2,7 +2,8 @@
 
 A signal first becomes an exception, so that files are closed as always. Machine code does not look for exceptions, and
 a worker in the middle of a long motion is not waited for: if the program still runs after a while, or at a second
-signal, it ends on the spot. Nothing is lost by that, as a results file is in order at every instant.
+signal, it ends on the spot. Nothing is lost by that, as a results file is in order at every instant. A signal that
+comes when the work is done changes nothing: the program ends with the code of what it did.
 """
 
 from __future__ import annotations
@@ -24,10 +25,11 @@ MESSAGE = "interrupted; what was finished is kept, and 'run' with --resume goes 
 
 @dataclass
 class Received:
-    """The first signal that came (0: none yet), and whether a person has been told."""
+    """The first signal that came (0: none yet), whether a person has been told, and whether the work is over."""
 
     number: int = 0
     told: bool = False
+    over: bool = False
 
     @property
     def code(self) -> int:
@@ -44,15 +46,19 @@ class Received:
 
 
 @contextlib.contextmanager
-def end_on_signals() -> Iterator[Received]:
-    """Turn signals into KeyboardInterrupt, and see to it that the program ends after one."""
+def end_on_signals(*, ends_process: bool = False) -> Iterator[Received]:
+    """Turn signals into KeyboardInterrupt, and see to it that the program ends after one.
+
+    Where the process ends with the work (``ends_process``), signals that come later are ignored; otherwise they do what
+    they did before.
+    """
     received = Received()
     if threading.current_thread() is not threading.main_thread():
         yield received
         return
 
     def interrupt(number: int, _: FrameType | None) -> None:
-        if not received.number:
+        if not received.number and not received.over:
             received.number = number
             raise KeyboardInterrupt
 
@@ -67,7 +73,10 @@ def end_on_signals() -> Iterator[Received]:
     unraisable, sys.unraisablehook = sys.unraisablehook, _quiet(sys.unraisablehook)
     threading.Thread(target=_watch, args=(ends, received), daemon=True).start()
     try:
-        yield received
+        try:
+            yield received
+        finally:
+            received.over = True
     except KeyboardInterrupt:
         if received.number:
             # Everything is closed; Python itself would wait for workers, and may end by a signal of its own instead of
@@ -81,7 +90,7 @@ def end_on_signals() -> Iterator[Received]:
             signal.set_wakeup_fd(wakeup)
             sys.unraisablehook = unraisable
             for number, handler in before.items():
-                signal.signal(number, handler)
+                signal.signal(number, signal.SIG_IGN if ends_process else handler)
             os.close(write)
 
 

@@ -1,8 +1,8 @@
+from .announcement import tell_compilation as tell_compilation
 from .cache import choose_cache_folder as choose_cache_folder
 from .cache import describe_cache_failure as describe_cache_failure
 from .cache import find_cache_folder as find_cache_folder
 from .compilation import compile_when_called as compile_when_called
-from .compilation import tell_compilation as tell_compilation
 from .diagnosis import find_non_finite as find_non_finite
 from .machine_code import DOUBLE_POINTER as DOUBLE_POINTER
 from .machine_code import ModelFunctions as ModelFunctions

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import hashlib
+import importlib.metadata
 import os
 import tempfile
 from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
-
-import numba
 
 
 def choose_cache_folder(sources: Iterable[Path]) -> Path:
@@ -18,7 +17,7 @@ def choose_cache_folder(sources: Iterable[Path]) -> Path:
     numba looks only at the file that a function is in, not at those that it calls: a folder for each state of all of
     them keeps old machine code from new sources. The environment variables NUMBA_CACHE_DIR and XDG_CACHE_HOME move it.
     """
-    digest = hashlib.sha256(numba.__version__.encode())
+    digest = hashlib.sha256(importlib.metadata.version("numba").encode())
     for source in sorted(sources):
         digest.update(source.read_bytes())
     return _find_base() / digest.hexdigest()[:16]

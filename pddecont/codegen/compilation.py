@@ -12,10 +12,10 @@ from numba import config, njit
 from numba.core import event, registry
 from numba.core.compiler_lock import global_compiler_lock
 
+from pddecont.codegen.announcement import announce_compilation
+
 # The highest level of optimisation makes the integrator no faster and its compilation take half as long again.
 OPTIMISATION = 2
-# Who hears that something is compiled, which takes a while; the latest comes first.
-_listeners: list[Callable[[], None]] = []
 
 
 @contextmanager
@@ -35,29 +35,11 @@ def compiler_settings(folder: Path | None) -> Iterator[None]:
             settings.CACHE_DIR, settings.OPT = before
 
 
-@contextmanager
-def tell_compilation(listener: Callable[[], None]) -> Iterator[None]:
-    """Call ``listener`` once if a function of :func:`compile_when_called` is compiled anew meanwhile."""
-    told: list[bool] = []
-
-    def tell() -> None:
-        if not told:
-            told.append(True)
-            listener()
-
-    _listeners.append(tell)
-    try:
-        yield
-    finally:
-        _listeners.remove(tell)
-
-
 class _Listener(event.Listener):
     """Passes on that numba begins to compile: what is read from disk does not come here."""
 
     def on_start(self, event: Any) -> None:
-        if _listeners:
-            _listeners[-1]()
+        announce_compilation()
 
     def on_end(self, event: Any) -> None:
         pass

@@ -10,7 +10,6 @@ from .document import read_text as read_text
 from .effects import leave_out_effects as leave_out_effects
 from .evaluation import FUNCTIONS as FUNCTIONS
 from .expression import TIME as TIME
-from .expression import ExpressionError as ExpressionError
 from .expression import Scope as Scope
 from .expression import UndefinedNameError as UndefinedNameError
 from .expression import parse_expression as parse_expression
@@ -22,6 +21,7 @@ from .reduction import ReferencedNames as ReferencedNames
 from .schema import ModelFile as ModelFile
 from .starts import explain_own_start as explain_own_start
 from .starts import explain_start_beyond_event as explain_start_beyond_event
+from .syntax import ExpressionError as ExpressionError
 from .system import IDENTITY as IDENTITY
 from .system import DelayedValue as DelayedValue
 from .system import Event as Event

@@ -6,7 +6,7 @@ Expressions are parsed, names resolved, cross-references checked, and all proble
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import sympy
@@ -14,10 +14,12 @@ import sympy
 from pddecont.errors import ModelError, Problem, suggest
 from pddecont.model.document import Document, KeyPath, parse_document, read_text
 from pddecont.model.evaluation import count_terms, evaluate
-from pddecont.model.expression import MAX_SIZE, TIME, ExpressionError, Scope, parse_expression, substitute
+from pddecont.model.expression import MAX_SIZE, TIME, Scope, parse_expression, substitute
+from pddecont.model.names import collect_symbols, find_clashes, find_strange_units, find_unused_parameters
 from pddecont.model.periodicity import explain_non_periodic
 from pddecont.model.reachability import find_shadowed, find_unreached
 from pddecont.model.schema import DelayedEvent, ModelFile
+from pddecont.model.syntax import ExpressionError
 from pddecont.model.system import (
     IDENTITY,
     DelayedValue,
@@ -79,8 +81,8 @@ class _Builder:
     def build(self) -> Model | None:
         """Return the model, or None where its names clash."""
         file = self.file
-        self.check_names()
-        self.check_units()
+        for path, message in (*find_clashes(file), *find_strange_units(file)):
+            self.add_error(path, message, key=True)
         if self.problems:
             return None
         parameters = {name: make_symbol(name) for name in file.parameters}
@@ -102,9 +104,12 @@ class _Builder:
         self.check_segments(segments, resets)
         effects = {name: self.effect(name, body.set, body.drop) for name, body in file.effects.items()}
         mode, history = self.initial()
-        used = self.free_symbols(modes, events, resets, period)
+        used = collect_symbols(modes, events, resets, period)
         self.check_time(period, used)
-        self.check_unused(used, definitions)
+        for path, message in find_unused_parameters(
+            file, set().union(*used.values(), *(d.free_symbols for d in self.delays))
+        ):
+            self.add_warning(path, message)
         self.check_repeats(period, modes, events, resets)
         return Model(
             file.name,
@@ -124,32 +129,6 @@ class _Builder:
             definitions,
             units=dict(file.units),
         )
-
-    def check_names(self) -> None:
-        """Check that no name stands for two things."""
-        owner: dict[str, str] = {}
-        groups: Iterable[tuple[str, Iterable[str]]] = (
-            ("states", self.file.states),
-            ("parameters", self.file.parameters),
-            ("definitions", self.file.definitions),
-        )
-        for group, names in groups:
-            for i, name in enumerate(names):
-                path = (group, i) if group == "states" else (group, name)
-                if name in owner:
-                    self.add_error(path, f"'{name}' stands already among the {owner[name]}; rename one", key=True)
-                owner[name] = group
-
-    def check_units(self) -> None:
-        """Check that units are those of something."""
-        known = [*self.file.states, *self.file.parameters, *self.file.definitions, TIME.name]
-        for name in self.file.units:
-            if name not in known:
-                self.add_error(
-                    ("units", name),
-                    f"'{name}' is no state, parameter or definition and not t{suggest(name, known)}",
-                    key=True,
-                )
 
     def positive(self, path: KeyPath, text: str | float, what: str, *, zero: bool = False) -> sympy.Expr:
         """Return an expression in the parameters, and check that it is positive (or zero) at their values."""
@@ -363,22 +342,6 @@ class _Builder:
         )
         return str(mode), tuple(history)
 
-    @staticmethod
-    def free_symbols(
-        modes: Mapping[str, Any], events: Mapping[str, Event], resets: Mapping[str, Any], period: sympy.Expr | None
-    ) -> dict[KeyPath, set[sympy.Symbol]]:
-        """Return the symbols in each expression of the model, by the path of the expression's mapping."""
-        used: dict[KeyPath, set[sympy.Symbol]] = {}
-        for group, members in (("modes", modes), ("resets", resets)):
-            for name, exprs in members.items():
-                used[(group, name)] = set().union(*(e.free_symbols for e in exprs))
-        for name, event in events.items():
-            used[("events", name)] = set().union(
-                *(e.free_symbols for e in (event.function, event.delay) if e is not None)
-            )
-        used[("forcing",)] = set(period.free_symbols) if period is not None else set()
-        return used
-
     def check_time(self, period: sympy.Expr | None, used: Mapping[KeyPath, set[sympy.Symbol]]) -> None:
         """Check that t is used where there is forcing, and only there."""
         where = [path for path, symbols in used.items() if TIME in symbols]
@@ -414,13 +377,3 @@ class _Builder:
         found = explain_non_periodic(named, evaluate(period, self.numbers), self.numbers)
         if found:
             self.add_error(("forcing", "period"), f"{found}; give the period of all that depends on t")
-
-    def check_unused(self, used: Mapping[KeyPath, set[sympy.Symbol]], definitions: Mapping[str, sympy.Expr]) -> None:
-        """Warn of parameters that nothing uses."""
-        symbols = set().union(*used.values(), *(d.free_symbols for d in self.delays))
-        in_effects = {name for effect in self.file.effects.values() for name in effect.set}
-        for name in self.file.parameters:
-            if make_symbol(name) not in symbols and name not in in_effects:
-                self.add_warning(
-                    ("parameters", name), f"parameter '{name}' is not used in any mode, event, reset or delay"
-                )

@@ -8,9 +8,10 @@ from dataclasses import replace
 import sympy
 
 from pddecont.errors import PddecontError, suggest
-from pddecont.model.expression import ExpressionError, substitute
+from pddecont.model.expression import substitute
 from pddecont.model.left_out import LeftOut
 from pddecont.model.reduction import KINDS, Reasons, Reduction, ReferencedNames, check_finite, reduce_model
+from pddecont.model.syntax import ExpressionError
 from pddecont.model.system import Model, make_symbol
 
 

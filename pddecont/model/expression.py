@@ -7,10 +7,8 @@ an error with its column.
 from __future__ import annotations
 
 import ast
-import keyword
 import math
 import re
-import warnings
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -27,7 +25,8 @@ from pddecont.model.evaluation import (
     measure_depth,
     raise_power,
 )
-from pddecont.model.mistakes import find_derivative, is_infinite, is_moment, suggest_point
+from pddecont.model.mistakes import is_infinite, is_moment, suggest_point
+from pddecont.model.syntax import ExpressionError, describe_node, parse_syntax, unmask
 
 MAX_LENGTH = 20_000
 MAX_NODES = 5_000
@@ -57,20 +56,6 @@ NONSMOOTH = {"abs", "sign", "sgn", "heaviside", "Heaviside", "min", "max", "Min"
 IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*\Z")
 TIME = sympy.Symbol("t", real=True)
 PI_NAME = "pi"
-
-# Python keywords may be names in a model (`lambda` is a popular parameter): each is masked by a name of equal length
-# whose last letter stands for nothing else.
-_MASK = {word: word[:-1] + chr(0x250 + i) for i, word in enumerate(keyword.kwlist)}
-_UNMASK = {mask: word for word, mask in _MASK.items()}
-_KEYWORD = re.compile(r"\b(" + "|".join(keyword.kwlist) + r")\b")
-
-
-class ExpressionError(Exception):
-    """An expression is wrong at ``offset`` characters from its start."""
-
-    def __init__(self, message: str, offset: int = 0):
-        self.offset = offset
-        super().__init__(message)
 
 
 class UndefinedNameError(ExpressionError):
@@ -123,7 +108,7 @@ def parse_expression(text: str | float | int, scope: Scope) -> sympy.Expr:
     hint = suggest_point(text)
     if hint:
         raise ExpressionError(f"'{text.strip()}' is not a number{hint}")
-    tree = _syntax_tree(text)
+    tree = parse_syntax(text)
     return translate_expression(tree, scope)
 
 
@@ -207,39 +192,6 @@ def _moderate(number: sympy.Rational) -> sympy.Expr:
     return _number(evaluate(number))
 
 
-def _syntax_tree(text: str) -> ast.expr:
-    masked = _KEYWORD.sub(lambda m: _MASK[m.group()], text.replace("\n", " ").replace("\t", " "))
-    stripped = masked.lstrip()
-    shift = len(masked) - len(stripped)
-    if not stripped:
-        raise ExpressionError("the expression is empty; expected a number or a formula")
-    try:
-        # Parentheses let an expression span lines; they move columns by one. Python's advice on style is not for
-        # models.
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            tree = ast.parse(f"({stripped}\n)", mode="eval").body
-    except SyntaxError as exc:
-        offset = max(0, min((exc.offset or 2) - 2, len(stripped) - 1)) if (exc.lineno or 1) == 1 else len(stripped)
-        derivative = find_derivative(text)
-        if derivative is not None:
-            raise ExpressionError(*derivative) from exc
-        reason = exc.msg if exc.msg.isascii() else "invalid syntax"
-        raise ExpressionError(f"not an expression: {reason}", offset + shift) from exc
-    except (RecursionError, MemoryError, ValueError) as exc:
-        raise ExpressionError("the expression is nested too deeply; use definitions for its parts") from exc
-    for node in ast.walk(tree):
-        if hasattr(node, "col_offset"):
-            # Python counts columns in bytes, and the mask is two bytes long.
-            before = f"({stripped}".encode()[: node.col_offset].decode(errors="ignore")
-            node.col_offset = max(0, len(before) - 1 + shift)
-    return tree
-
-
-def _unmask(name: str) -> str:
-    return _UNMASK.get(name, name)
-
-
 def _number(number: float) -> sympy.Expr:
     if isinstance(number, int) and abs(number) < EXACT:
         return sympy.Integer(number)
@@ -283,14 +235,14 @@ class _Translator:
         if isinstance(node, ast.Call):
             return self.call(node, depth)
         raise ExpressionError(
-            f"{_describe(node)} is not allowed; an expression holds numbers, names, + - * / **, parentheses and "
+            f"{describe_node(node)} is not allowed; an expression holds numbers, names, + - * / **, parentheses and "
             f"functions ({' '.join(FUNCTIONS)})",
             node.col_offset,
         )
 
     def name(self, node: ast.Name) -> sympy.Expr:
         """Return what a name stands for."""
-        name = _unmask(node.id)
+        name = unmask(node.id)
         if name in self.scope.symbols:
             found = self.scope.symbols[name]
             self.size += count_terms(found)
@@ -344,8 +296,8 @@ class _Translator:
     def call(self, node: ast.Call, depth: int) -> sympy.Expr:
         """Return a function's value, or a delayed value."""
         if not isinstance(node.func, ast.Name):
-            raise ExpressionError(f"calling {_describe(node.func)} is not allowed", node.col_offset)
-        name = _unmask(node.func.id)
+            raise ExpressionError(f"calling {describe_node(node.func)} is not allowed", node.col_offset)
+        name = unmask(node.func.id)
         if node.keywords or any(isinstance(a, ast.Starred) for a in node.args):
             raise ExpressionError(f"{name}(...) takes plain arguments only", node.col_offset)
         if name in self.scope.states:
@@ -396,24 +348,3 @@ class _Translator:
             return self.scope.delayed(state, delay)
         except ExpressionError as exc:
             raise ExpressionError(str(exc), node.args[0].col_offset) from exc
-
-
-def _describe(node: ast.AST) -> str:
-    names = {
-        ast.Attribute: "an attribute (a dot)",
-        ast.Subscript: "an index in brackets",
-        ast.Compare: "a comparison",
-        ast.BoolOp: "and/or",
-        ast.IfExp: "if/else",
-        ast.Lambda: "lambda",
-        ast.List: "a list",
-        ast.Tuple: "a tuple (a comma)",
-        ast.Dict: "a mapping",
-        ast.Set: "a set",
-        ast.NamedExpr: "an assignment",
-        ast.JoinedStr: "text",
-        ast.UnaryOp: "this operator",
-        ast.Starred: "'*' before a name",
-        ast.Call: "the result of a call",
-    }
-    return names.get(type(node), f"'{type(node).__name__}'")

@@ -13,7 +13,8 @@ from dataclasses import dataclass, field, replace
 import sympy
 
 from pddecont.model.dependence import find_unread_states
-from pddecont.model.expression import TIME, ExpressionError, require_finite, substitute
+from pddecont.model.expression import TIME, require_finite, substitute
+from pddecont.model.syntax import ExpressionError
 from pddecont.model.system import IDENTITY, Model, Segment, make_delayed_symbol, make_symbol
 
 KINDS = ("states", "modes", "events", "resets", "segments", "delayed", "delays", "forcing", "definitions")

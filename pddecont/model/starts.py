@@ -7,7 +7,8 @@ from collections.abc import Mapping, Sequence
 import sympy
 
 from pddecont.model.evaluation import evaluate
-from pddecont.model.expression import TIME, ExpressionError
+from pddecont.model.expression import TIME
+from pddecont.model.syntax import ExpressionError
 from pddecont.model.system import Model, make_symbol
 from pddecont.model.transitions import list_transitions
 

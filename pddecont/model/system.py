@@ -12,8 +12,9 @@ import sympy
 
 from pddecont.errors import SignatureError, suggest
 from pddecont.model.evaluation import evaluate
-from pddecont.model.expression import TIME, ExpressionError, Scope
+from pddecont.model.expression import TIME, Scope
 from pddecont.model.left_out import LeftOut
+from pddecont.model.syntax import ExpressionError
 
 IDENTITY = "identity"
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pddecont.plot.branch_parts import LineStyle, OrbitFamily, find_orbit_family, split_branch
-from pddecont.plot.legend import make_line_handle
+from pddecont.plot.legend import make_line_handle, shorten_list
 from pddecont.plot.style import COLOURS
 from pddecont.results import Step
 from pddecont.tables import find_signature, shorten_signature
@@ -30,7 +30,7 @@ class BranchColours:
 
     def make_handles(self) -> list[Artist]:
         """Return the legend's handles."""
-        return [make_line_handle(text, color=colour) for text, colour in self.in_legend]
+        return shorten_list([make_line_handle(text, color=colour) for text, colour in self.in_legend])
 
 
 def assign_branch_colours(steps: Sequence[Step], palette: Sequence[str] = COLOURS) -> BranchColours:

@@ -15,6 +15,10 @@ if TYPE_CHECKING:
 # Letters of a legend that fit in an inch, and those that a handle takes.
 LETTERS_PER_INCH, HANDLE_LETTERS = 19, 6
 MAX_COLUMNS = 3
+# Things of one sort that a legend lists; of more it says how many there are.
+MAX_LISTED = 12
+# Lines of a legend that a figure's own size has room for, and the height of one more in inches.
+OWN_LINES, LINE_HEIGHT = 3, 1.7 * LEGEND_SIZE / 72
 
 
 def make_line_handle(label: str, **style: Any) -> Artist:
@@ -31,11 +35,23 @@ def make_area_handle(label: str, **style: Any) -> Artist:
     return Patch(label=label, **style)
 
 
+def shorten_list(handles: Sequence[Artist], most: int = MAX_LISTED) -> list[Artist]:
+    """Return at most so many handles of things of one sort; the last one counts those that are left out."""
+    if len(handles) <= most:
+        return list(handles)
+    return [*handles[: most - 1], make_line_handle(f"and {len(handles) - most + 1} more", ls="")]
+
+
 def add_legend(figure: Figure, handles: Sequence[Artist], max_columns: int | None = None) -> None:
-    """Put a legend below all panels, in as many columns as fit (or ``max_columns``); without handles there is none."""
+    """Put a legend below all panels, in as many columns as fit (or ``max_columns``); without handles there is none.
+
+    For a long one the figure becomes higher, and the panels keep their room.
+    """
     if not handles:
         return
     columns = min(max_columns, len(handles)) if max_columns else _count_columns(figure, handles)
+    n_lines = _count_lines(handles, columns)
+    figure.set_figheight(figure.get_figheight() + LINE_HEIGHT * max(0, n_lines - OWN_LINES))
     figure.legend(handles=list(handles), loc="outside lower center", ncols=columns, fontsize=LEGEND_SIZE)
 
 
@@ -43,6 +59,13 @@ def _count_columns(figure: Figure, handles: Sequence[Artist]) -> int:
     longest = max(len(line) for handle in handles for line in str(handle.get_label()).splitlines())
     fitting = int(figure.get_figwidth() * LETTERS_PER_INCH / (longest + HANDLE_LETTERS))
     return max(1, min(MAX_COLUMNS, len(handles), fitting))
+
+
+def _count_lines(handles: Sequence[Artist], columns: int) -> int:
+    """Return how many lines of text the longest column has; columns are filled one after the other."""
+    lines = [len(str(handle.get_label()).splitlines()) for handle in handles]
+    rows = -(-len(lines) // columns)
+    return max(sum(lines[k : k + rows]) for k in range(0, len(lines), rows))
 
 
 def add_inner_legend(axes: Axes, size: float) -> None:

@@ -15,6 +15,7 @@ from pddecont.output import check_replaceable, replace_whole
 from pddecont.plot.registry import VIEWS
 from pddecont.plot.style import MOVING_DPI
 from pddecont.plot.style_sheet import apply_style
+from pddecont.plot.ticks import thin_ticks
 from pddecont.plot.view import ViewRequest
 from pddecont.plot.view_selection import select_view
 from pddecont.results import Results
@@ -46,6 +47,7 @@ def draw_picture(results: Results, request: ViewRequest) -> Figure:
         raise ResultsError(f"the view '{view.name}' moves; it goes into a file ({', '.join(MOVING_SUFFIXES)})")
     figure = view.drawing.draw(steps, request)
     assert isinstance(figure, Figure)
+    thin_ticks(figure)
     return figure
 
 

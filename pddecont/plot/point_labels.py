@@ -34,6 +34,8 @@ SAMPLE_GAP, MAX_SAMPLES = 3.0, 2000
 # What is bad about a place: to lie outside the axes, to be covered wholly, to lie over one sample of a curve, to be one
 # point away. So labels leave the axes last, and go a little further to keep clear of curves.
 OUTSIDE_COST, COVERED_COST, CURVE_COST, DISTANCE_COST = 20.0, 10.0, 0.5, 0.05
+# The share of a label that others may cover; one that has no such place is left out and counted.
+MAX_COVERED = 0.1
 
 
 @dataclass(frozen=True)
@@ -46,7 +48,10 @@ class PointLabel:
 
 
 def place_labels(axes: Axes, labels: Sequence[PointLabel]) -> None:
-    """Write every label near its point; one that had to go further gets a thin line. Call it when all else is drawn."""
+    """Write labels near their points; one that had to go further gets a thin line. Call it when all else is drawn.
+
+    Where so many points lie together that a label would cover others, it is left out; how many are is said above.
+    """
     if not labels:
         return
     figure = axes.get_figure(root=True)
@@ -59,8 +64,14 @@ def place_labels(axes: Axes, labels: Sequence[PointLabel]) -> None:
     frame = np.array(axes.get_window_extent().extents) * scale
     curves = sample_curves(axes)
     taken = [np.concatenate([place - HALF_MARK, place + HALF_MARK]) for place in places]
+    n_left_out = 0
     for label, place in zip(merged, places, strict=True):
         box, distance = _choose_box(place, label.text, np.array(taken), curves, frame)
+        if _measure_overlap(box, np.array(taken[len(places) :]).reshape(-1, 4)) > MAX_COVERED * np.prod(
+            box[2:] - box[:2]
+        ):
+            n_left_out += len(label.text.split(", "))
+            continue
         taken.append(box)
         line = {"arrowstyle": "-", "color": "0.45", "lw": 0.6, "shrinkA": 0, "shrinkB": 3}
         note = axes.annotate(
@@ -75,6 +86,9 @@ def place_labels(axes: Axes, labels: Sequence[PointLabel]) -> None:
             arrowprops=line if distance > DISTANCES[0] else None,
         )
         note.set_in_layout(False)
+    if n_left_out:
+        words = f"{n_left_out} label{'s' if n_left_out > 1 else ''} left out: no room"
+        axes.set_title(words, loc="right", fontsize=FONT_SIZE, color="0.45")
 
 
 def sample_curves(axes: Axes) -> Array:

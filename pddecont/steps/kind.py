@@ -47,7 +47,7 @@ class StepKind(Generic[F, S]):
     holds
         What a step leaves that others can start from.
     integrates
-        Whether it needs the integrator.
+        Whether it needs the integrator, which is compiled when it is first used.
     takes_accuracy
         Whether the run's accuracy decides its delay and mesh.
     list_names, list_modes

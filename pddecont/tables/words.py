@@ -20,13 +20,11 @@ OLD_KIND_NAMES = {
     "BP": "branch point",
     "VS": "vanishing segment",
     "UF": "user function",
-    "HB": "Hopf",
     "CP": "cusp",
     "R1": "resonance 1:1",
     "R2": "resonance 1:2",
     "R3": "resonance 1:3",
     "R4": "resonance 1:4",
-    "HH": "Hopf-Hopf",
     "FF": "fold-flip",
     "FT": "fold-torus",
     "PT": "flip-torus",
@@ -70,6 +68,7 @@ _WORDS: dict[str, Callable[[Values], str]] = {
         f"{_name_segment(v)}: the motion comes to a halt ({v['why']}{_name_part(' at event', v['event'])}"
         f"{_name_part(' in mode', v['mode'])})"
     ),
+    "no_time": lambda v: "one of its segments takes no time, or its period is not positive",
     "too_many_steps": lambda v: "its simulation takes too many steps",
     "also_crossed": lambda v: f"{_name_crossing(v)} is also crossed {v['crossed']} inside",
 }

@@ -3,7 +3,8 @@
 import numba
 from numba import config, njit
 
-from pddecont.codegen.compilation import compile_when_called, compiler_settings, tell_compilation
+from pddecont.codegen.announcement import tell_compilation
+from pddecont.codegen.compilation import compile_when_called, compiler_settings
 
 
 def settings():

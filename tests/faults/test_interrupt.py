@@ -9,6 +9,7 @@ import time
 
 import pytest
 
+from pddecont.cli.interrupt import end_on_signals
 from pddecont.results import read_results
 from pddecont.steps.execution import execute
 from tests.cli.test_cli import call
@@ -76,6 +77,28 @@ def test_a_signal_at_a_random_instant_is_a_clean_end(tmp_path, number, code, tal
         assert call("run", tmp_path / "quick.yaml", "-o", tmp_path / "q.h5", "--resume", "-q")[0] == 0
         assert same_numbers(tmp_path / "q.h5", tmp_path / "whole.h5")
     tally("faults", f"{number.name} at a random instant", f"exit {code}, --resume gives the same file", 3)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize(("model", "code"), [("wall_oscillator", 0), ("nothing.yaml", 1)])
+def test_a_signal_that_comes_when_all_is_done_changes_nothing(tmp_path, number, model, code):
+    # What is registered here runs when the program has returned and Python ends.
+    late = f"import atexit, os, time; atexit.register(lambda: (os.kill(os.getpid(), {int(number)}), time.sleep(0.05)))"
+    program = f"{late}\nimport sys; sys.argv[1:] = ['check', '{model}']\nfrom pddecont.cli import main\nmain()"
+    done = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == code, done.stderr
+    assert "Traceback" not in done.stderr
+    assert MESSAGE not in done.stderr
+
+
+def test_a_signal_on_the_way_out_is_told_or_changes_nothing():
+    """The handler is called between the last line of the work and the end of the watch over it."""
+    before = signal.getsignal(signal.SIGTERM)
+    with end_on_signals() as received:
+        handler = signal.getsignal(signal.SIGTERM)
+    handler(signal.SIGTERM, None)
+    assert received.number == 0
+    assert signal.getsignal(signal.SIGTERM) is before
 
 
 def test_integrations_are_interrupted_in_machine_code_without_harm(tally):

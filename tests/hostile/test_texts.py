@@ -24,7 +24,8 @@ from pddecont.codegen.machine_code import write_machine_source
 from pddecont.codegen.printer import name_symbols
 from pddecont.errors import InputError, PddecontError
 from pddecont.model import parse_document, parse_model
-from pddecont.model.expression import ExpressionError, Scope, parse_expression
+from pddecont.model.expression import Scope, parse_expression
+from pddecont.model.syntax import ExpressionError
 from pddecont.model.system import make_delayed_symbol, make_symbol
 from pddecont.runfile import is_run_file
 from pddecont.steps import load_run_plan

@@ -5,7 +5,8 @@ import sympy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pddecont.model.expression import FUNCTIONS, ExpressionError, Scope, parse_expression
+from pddecont.model.expression import FUNCTIONS, Scope, parse_expression
+from pddecont.model.syntax import ExpressionError
 
 NAMES = ["x", "beta", "zeta", "gamma", "N", "S", "E", "I", "lambda", "is"]
 SCOPE = Scope(

@@ -7,10 +7,6 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq, fsolve
 
-from models.oscillator_chain import chain
-from pddecont.model import load_model
-from pddecont.model.system import make_symbol
-from tests.conftest import ROOT
 from tests.models.expected import entry
 from tests.models.method_of_steps import Motion, same
 
@@ -397,14 +393,3 @@ def test_chain():
         assert [z[2 * mass - 2] for name, _, z in motion.events if name == "hit3"][-1] == pytest.approx(
             expected, abs=tol
         )
-
-
-def test_the_shipped_chain_is_the_generators_and_couples_neighbours_alike():
-    """Each velocity's slope changes with the places of its neighbours by c, with its own by -1 - 2 c."""
-    text = (ROOT / "models" / "oscillator_chain_50.yaml").read_text()
-    assert text == chain(50)
-    model = load_model(str(ROOT / "models" / "oscillator_chain_50.yaml"))[0]
-    c, x = make_symbol("c"), [make_symbol(f"x{i}") for i in range(1, 51)]
-    for i, field in enumerate(model.modes["free"][1::2]):
-        for j in range(50):
-            assert field.diff(x[j]) == (-1 - 2 * c if i == j else c if abs(i - j) == 1 else 0), (i, j)

@@ -84,3 +84,17 @@ def test_curves_are_sampled_a_few_points_apart(axes):
     steps = np.hypot(*np.diff(found[:-2], axis=0).T)
     assert steps == pytest.approx(steps[0])
     assert 3.0 <= steps[0] < 3.2
+
+
+def test_labels_without_room_are_left_out_and_counted(axes):
+    angles = np.linspace(0, 2 * np.pi, 80, endpoint=False)
+    x, y = 0.5 + 0.03 * np.cos(angles), 0.5 + 0.03 * np.sin(angles)
+    axes.plot(x, y, "o")
+    axes.set(xlim=(0, 1), ylim=(0, 1))
+    place_labels(axes, [PointLabel(f"PD{k}", *place) for k, place in enumerate(zip(x, y, strict=True))])
+    found = boxes(axes)
+    assert 10 < len(found) < 80
+    for i, a in enumerate(found):
+        assert all(overlap(a, b) < 0.15 * np.prod(a[2:] - a[:2]) for b in found[i + 1 :])
+    n_written = sum(len(text.split(", ")) for text in texts(axes))
+    assert axes.get_title(loc="right") == f"{80 - n_written} labels left out: no room"

@@ -12,7 +12,7 @@ import numpy as np
 from pddecont.plot.axis_labels import format_axis_label
 from pddecont.plot.columns import describe_differences, find_state
 from pddecont.plot.layouts import MAX_PANELS, finish_figure, make_axes, make_panels
-from pddecont.plot.legend import make_area_handle
+from pddecont.plot.legend import make_area_handle, shorten_list
 from pddecont.plot.style import TITLE_SIZE, make_palette
 from pddecont.plot.view import Drawing, ViewRequest
 from pddecont.results import Results, Step
@@ -29,6 +29,8 @@ Attractor = tuple[str, int]
 NOWHERE, NO_CLASS = "#d9d9d9", "none"
 # Of all colours of basins, so that the returns on them can be seen.
 OPACITY = 0.75
+# Attractors that a legend lists: below a figure of one basin, and below one panel of several.
+MAX_ATTRACTORS, MAX_IN_PANEL = 20, 6
 # Letters of a reason in one line of a legend.
 LINE_LENGTH = 44
 # A note goes on after these with numbers and advice.
@@ -45,7 +47,7 @@ def draw_figure(steps: list[Step], request: ViewRequest) -> Figure:
     values = np.array([step.points["parameters"][find_attractors(step)[0]] for step in steps])
     titles = describe_differences(steps[0].meta["parameters"], values)
     for axes, step, title in zip(panels, steps, titles, strict=True):
-        handles = draw_basin(axes, step, colours)
+        handles = draw_basin(axes, step, colours, MAX_IN_PANEL)
         axes.set_title(title or step.name, fontsize=TITLE_SIZE)
         axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.16), fontsize=7.5)
     return figure
@@ -63,11 +65,11 @@ def assign_attractor_colours(steps: Sequence[Step]) -> dict[Attractor, str]:
     return dict.fromkeys(every, NOWHERE) | dict(zip(known, make_palette(len(known)), strict=True))
 
 
-def draw_basin(axes: Axes, step: Step, colours: Mapping[Attractor, str]) -> list[Artist]:
+def draw_basin(axes: Axes, step: Step, colours: Mapping[Attractor, str], most: int = MAX_ATTRACTORS) -> list[Artist]:
     """Draw the map of attractors over the grid of initial states, and their returns.
 
-    Returns the handles of the legend, the largest basin first, at the end the states from which no attractor was
-    reached with the reasons.
+    Returns the handles of the legend, the largest basins first (at most so many, and the number of the others), at the
+    end the states from which no attractor was reached with the reasons.
     """
     from matplotlib.colors import ListedColormap
 
@@ -96,7 +98,7 @@ def draw_basin(axes: Axes, step: Step, colours: Mapping[Attractor, str]) -> list
     axes.set_ylim(ys[0], ys[-1])
     axes.set_xlabel(f"{format_axis_label(step, step.meta['over'][0])} at the start")
     axes.set_ylabel(f"{format_axis_label(step, step.meta['over'][1])} at the start")
-    return _make_handles(step, own)
+    return _make_handles(step, own, most)
 
 
 def _list_attractors(step: Step) -> list[Attractor]:
@@ -104,7 +106,7 @@ def _list_attractors(step: Step) -> list[Attractor]:
     return [(name, classes[:k].count(name)) for k, name in enumerate(classes)]
 
 
-def _make_handles(step: Step, colours: Sequence[str]) -> list[Artist]:
+def _make_handles(step: Step, colours: Sequence[str], most: int) -> list[Artist]:
     """Return the legend's handles; ``colours`` are those of the rows of ``found``."""
     shares = {row: share[0] for row, share in estimate_shares(step).items()}
     pairs = [(int(row), colour) for row, colour in zip(find_attractors(step), colours, strict=True)]
@@ -115,6 +117,7 @@ def _make_handles(step: Step, colours: Sequence[str]) -> list[Artist]:
         )
         for row, colour in reached
     ]
+    handles = shorten_list(handles, most)
     astray = [row for row, _ in pairs if not step.labels[row]]
     if astray:
         text = _describe_astray(step, astray, sum(shares[row] for row in astray))

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from pddecont.plot.axis_labels import format_axis_label
 from pddecont.plot.branch_colours import assign_branch_colours, make_style_handles
-from pddecont.plot.branch_parts import LineStyle, split_branch
-from pddecont.plot.columns import choose_columns, keep_same_free, list_free_parameters, read_column
+from pddecont.plot.branch_lines import draw_parts
+from pddecont.plot.columns import choose_columns, keep_same_free, list_free_parameters
 from pddecont.plot.layouts import MAX_BESIDE, finish_figure, make_panel_beside_orbits
 from pddecont.plot.limits import widen_for_columns
 from pddecont.plot.point_labels import PointLabel
@@ -45,16 +45,7 @@ def draw_diagram(axes: Axes, steps: Sequence[Step], x: str, y: str) -> tuple[lis
     colours = assign_branch_colours(steps)
     labels: list[PointLabel] = []
     for step in steps:
-        xs, ys = read_column(step, x), read_column(step, y)
-        for part in split_branch(step):
-            axes.plot(
-                xs[part.rows],
-                ys[part.rows],
-                ls=part.style,
-                color=colours.of_parts[step.name, part.family],
-                lw=1.0 if part.style == LineStyle.DOTTED else 1.6,
-                marker="." if len(xs) < 3 else None,
-            )
+        draw_parts(axes, step, (x, y), lambda step, family: colours.of_parts[step.name, family], 1.6)
         labels += mark_special_points(axes, step, x, y)
     widen_for_columns(axes, steps, {"x": x, "y": y})
     axes.set_xlabel(format_axis_label(steps, x))

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from pddecont.errors import ResultsError
 from pddecont.plot.axis_labels import format_axis_label
 from pddecont.plot.branch_colours import make_style_handles
-from pddecont.plot.branch_parts import LineStyle, find_orbit_family, split_branch
-from pddecont.plot.columns import choose_plane, keep_same_free, list_free_parameters, read_column
+from pddecont.plot.branch_lines import draw_parts
+from pddecont.plot.branch_parts import find_orbit_family, split_branch
+from pddecont.plot.columns import choose_plane, keep_same_free, list_free_parameters
 from pddecont.plot.layouts import finish_figure, make_panel_beside_orbits
 from pddecont.plot.legend import make_area_handle, make_line_handle
 from pddecont.plot.point_labels import PointLabel
@@ -65,16 +66,7 @@ def draw_plane(axes: Axes, steps: Sequence[Step], x: str, y: str) -> tuple[list[
     """
     labels: list[PointLabel] = []
     for step in steps:
-        xs, ys = read_column(step, x), read_column(step, y)
-        for part in split_branch(step):
-            axes.plot(
-                xs[part.rows],
-                ys[part.rows],
-                ls=part.style,
-                color=find_curve_colour(read_curve_kind(step)),
-                lw=1.2 if part.style == LineStyle.DOTTED else 1.8,
-                marker="." if len(xs) < 3 else None,
-            )
+        draw_parts(axes, step, (x, y), lambda step, _: find_curve_colour(read_curve_kind(step)), 1.8)
         labels += mark_special_points(axes, step, x, y)
     axes.margins(0.07)
     axes.autoscale_view()

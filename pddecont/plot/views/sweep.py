@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -93,6 +93,14 @@ def assign_class_colours(steps: Sequence[Step]) -> dict[str, str]:
     return {name: COLOURS[k] if k < MAX_CLASSES else OTHER_COLOUR for k, name in enumerate(ordered)}
 
 
+def name_colours(colours: Mapping[str, str]) -> dict[str, str]:
+    """Return what a legend lists of the classes and their colours: those that are grey together, with their number."""
+    grey = [name for name, colour in colours.items() if colour == OTHER_COLOUR]
+    if len(grey) < 2:
+        return dict(colours)
+    return {name: colours[name] for name in colours if name not in grey} | {f"{len(grey)} other classes": OTHER_COLOUR}
+
+
 def draw_returns(axes: Axes, steps: Sequence[Step], x: str, state: str) -> list[Artist]:
     """Draw the returns of all attractors over the parameter ``x``, and return the handles of the legend."""
     colours = assign_class_colours(steps)
@@ -116,7 +124,7 @@ def draw_returns(axes: Axes, steps: Sequence[Step], x: str, state: str) -> list[
     widen_axis(axes, "y", measure_size(steps, _collect_returns(steps, state)))
     axes.set_xlabel(format_axis_label(steps, x))
     axes.set_ylabel(f"{format_axis_label(steps, state)} at returns")
-    return [make_line_handle(name, marker=".", ls="", color=colour) for name, colour in colours.items()]
+    return [make_line_handle(name, marker=".", ls="", color=colour) for name, colour in name_colours(colours).items()]
 
 
 def draw_exponents(axes: Axes, steps: Sequence[Step], x: str) -> None:
@@ -157,7 +165,7 @@ def draw_classes(axes: Axes, step: Step, x: str, y: str) -> list[Artist]:
     axes.grid(False)
     axes.set_xlabel(format_axis_label(step, x))
     axes.set_ylabel(format_axis_label(step, y))
-    return [make_area_handle(name, color=colour) for name, colour in colours.items()]
+    return [make_area_handle(name, color=colour) for name, colour in name_colours(colours).items()]
 
 
 def _list_attractors(step: Step) -> list[int]:

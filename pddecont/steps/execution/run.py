@@ -62,10 +62,9 @@ def execute(
             versions = json.dumps(find_versions())
             create_results(path, plan.model_text, plan.run_text, source, versions, overwrite=overwrite)
         context = Context(plan, path, reporter or Silent(), Workers(workers, scheduler))
-        if any(list_step_kinds()[step.kind].integrates for step in steps):
-            _report_cache_failure(context.reporter)
-        for step in steps:
-            do_step(context, step)
+        with _watch_compilation(context, steps):
+            for step in steps:
+                do_step(context, step)
 
 
 def check_output(plan: Plan, path: Path) -> None:
@@ -91,8 +90,7 @@ def do_step(context: Context, step: PlannedStep[Any]) -> None:
         if not kind.resumes:
             drop_steps(context.path, [step.name])
             recorded = None
-    with _announce_compilation(context.reporter) if kind.integrates else nullcontext():
-        kind.load()(context, step, recorded)
+    kind.load()(context, step, recorded)
 
 
 def _check_same_settings(context: Context, step: PlannedStep[Any], recorded: Step) -> None:
@@ -110,20 +108,18 @@ def _drop_nulls(data: Any) -> Any:
     return [_drop_nulls(value) for value in data] if isinstance(data, list) else data
 
 
-def _announce_compilation(reporter: Reporter) -> AbstractContextManager[None]:
-    from pddecont.codegen import tell_compilation
-
-    return tell_compilation(
-        lambda: reporter.note("the integrator is compiled, once an environment; this takes about a minute")
-    )
-
-
-def _report_cache_failure(reporter: Reporter) -> None:
-    from pddecont.codegen import describe_cache_failure
+def _watch_compilation(context: Context, steps: Sequence[PlannedStep[Any]]) -> AbstractContextManager[None]:
+    """Tell once if the integrator is compiled while steps are done, and at once if it cannot be kept."""
+    if not any(list_step_kinds()[step.kind].integrates for step in steps):
+        return nullcontext()
+    from pddecont.codegen import describe_cache_failure, tell_compilation
 
     failure = describe_cache_failure()
     if failure:
-        reporter.note(failure)
+        context.reporter.note(failure)
+    return tell_compilation(
+        lambda: context.reporter.note("the integrator is compiled, once an environment; this takes about a minute")
+    )
 
 
 def select_steps(plan: Plan, only: str | None, until: str | None) -> Sequence[PlannedStep[Any]]:

@@ -52,6 +52,8 @@ def test_a_basin_with_many_attractors_can_be_read(axes, tmp_path):
     assert " ".join(astray.split()) == (
         "no attractor recognised, 6.7 % the motion has not settled in the time of the transient no step is small enough"
     )
+    *few, others, _ = [h.get_label() for h in draw_basin(axes, step, colours, 6)]
+    assert (few, others) == (named[:5], "and 8 more")
 
 
 def test_several_basins_have_a_panel_each_and_what_differs_above(simulated, show):

@@ -2,9 +2,12 @@
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_hex
 
 from pddecont.errors import ResultsError
 from pddecont.plot.style import COLOURS
+from pddecont.plot.style_sheet import apply_style
+from pddecont.plot.views import sweep
 from pddecont.plot.views.sweep import (
     MAX_CLASSES,
     OTHER_COLOUR,
@@ -34,8 +37,6 @@ def test_every_return_is_a_dot_in_its_classes_colour(simulated, axes):
 
 
 def test_classes_beyond_the_palette_are_grey(simulated, monkeypatch):
-    from pddecont.plot.views import sweep
-
     monkeypatch.setattr(sweep, "name_motion", lambda step, i: f"class {i:02}")
     colours = assign_class_colours([simulated.steps["diagram"]] * 2)
     n = len(simulated.steps["diagram"])
@@ -72,3 +73,32 @@ def test_branches_are_named_beside_the_classes(simulated, show):
 def test_what_is_no_parameter_is_said(simulated, show):
     with pytest.raises(ResultsError, match="no parameter 'bet'; did you mean 'beta'"):
         show(simulated, "sweep", ("diagram",), x="bet")
+
+
+@pytest.fixture
+def many_classes(simulated, monkeypatch):
+    """The results of sweeps in which every attractor is of a class of its own, with a long name."""
+    monkeypatch.setattr(sweep, "name_motion", lambda step, i: f"period {i + 1}, {i + 1} of one segment, {i} of another")
+    monkeypatch.setattr(sweep, "MAX_CLASSES", 3)
+    return simulated
+
+
+@pytest.mark.parametrize("step", ["diagram", "plane"])
+def test_classes_without_a_colour_of_their_own_are_one_line_of_the_legend(many_classes, show, step):
+    n = len(many_classes.steps[step])
+    figure = show(many_classes, "sweep", (step,))
+    names = [name for name in legend(figure) if not name.startswith("followed")]
+    assert [name.split(",")[0] for name in names] == ["period 1", "period 2", "period 3", f"{n - 3} other classes"]
+    assert to_hex(legend(figure)[names[-1]]) == to_hex(OTHER_COLOUR)
+
+
+@pytest.mark.parametrize("step", ["diagram", "plane"])
+def test_the_diagram_keeps_its_room(simulated, show, step, monkeypatch):
+    heights = []
+    for words in ("", " of a name that goes on and on, with the number of each segment"):
+        monkeypatch.setattr(sweep, "name_motion", lambda _, i, words=words: f"{i}{words}")
+        with apply_style():
+            figure = show(simulated, "sweep", (step,))
+            figure.draw_without_rendering()
+        heights.append(sum(axes.get_window_extent().height for axes in figure.axes) / figure.dpi)
+    assert heights[1] > 0.9 * heights[0]

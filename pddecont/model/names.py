@@ -1,0 +1,60 @@
+"""Names in a model file: which stand for two things, which for nothing, and which are not used."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from typing import Any
+
+import sympy
+
+from pddecont.errors import suggest
+from pddecont.model.document import KeyPath
+from pddecont.model.expression import TIME
+from pddecont.model.schema import ModelFile
+from pddecont.model.system import Event
+
+
+def find_clashes(file: ModelFile) -> Iterator[tuple[KeyPath, str]]:
+    """Yield the names that stand for two things: where the second stands, and a message."""
+    owner: dict[str, str] = {}
+    groups: Iterable[tuple[str, Iterable[str]]] = (
+        ("states", file.states),
+        ("parameters", file.parameters),
+        ("definitions", file.definitions),
+    )
+    for group, names in groups:
+        for i, name in enumerate(names):
+            if name in owner:
+                path = (group, i) if group == "states" else (group, name)
+                yield path, f"'{name}' stands already among the {owner[name]}; rename one"
+            owner[name] = group
+
+
+def find_strange_units(file: ModelFile) -> Iterator[tuple[KeyPath, str]]:
+    """Yield the units of what the model does not have: where they stand, and a message."""
+    known = [*file.states, *file.parameters, *file.definitions, TIME.name]
+    for name in file.units:
+        if name not in known:
+            yield ("units", name), f"'{name}' is no state, parameter or definition and not t{suggest(name, known)}"
+
+
+def find_unused_parameters(file: ModelFile, symbols: Collection[sympy.Symbol]) -> Iterator[tuple[KeyPath, str]]:
+    """Yield the parameters that are neither among the symbols used nor set by an effect: their place, and a message."""
+    used = {s.name for s in symbols} | {name for effect in file.effects.values() for name in effect.set}
+    for name in file.parameters:
+        if name not in used:
+            yield ("parameters", name), f"parameter '{name}' is not used in any mode, event, reset or delay"
+
+
+def collect_symbols(
+    modes: Mapping[str, Any], events: Mapping[str, Event], resets: Mapping[str, Any], period: sympy.Expr | None
+) -> dict[KeyPath, set[sympy.Symbol]]:
+    """Return the symbols in each expression of the model, by the path of the expression's mapping."""
+    used: dict[KeyPath, set[sympy.Symbol]] = {}
+    for group, members in (("modes", modes), ("resets", resets)):
+        for name, exprs in members.items():
+            used[(group, name)] = set().union(*(e.free_symbols for e in exprs))
+    for name, event in events.items():
+        used[("events", name)] = set().union(*(e.free_symbols for e in (event.function, event.delay) if e is not None))
+    used[("forcing",)] = set(period.free_symbols) if period is not None else set()
+    return used
