@@ -40,7 +40,8 @@ Models drawn at random (`tests/random_models`): simulated, solved, followed in a
 compared with motions by an integrator written apart (SciPy's DOP853, the method of steps, events by root finding).
 *Periods*: recorded orbits simulated for one period from their own past, same events in the same order; the worst
 deviation is in parts of what the error estimate allows. *Multipliers*: the leading one against the growth of a small
-perturbation, relative deviation. *At a limit*: a change as small as the orbit's error changes its events. *Too
+perturbation, relative deviation. *Given up*: too long for one
+model. *At a limit*: a change as small as the orbit's error changes its events. *Too
 sensitive*: a period magnifies the error to more than 1e-3. *Said to be none*: the program says itself that the orbit
 is no motion of the model; *refused, a motion*: it says so of one that is. *Wrong, unsaid*: none of that, and yet no
 motion, or another multiplier.""",

@@ -37,7 +37,7 @@ def test_rows_become_tables():
         "## Cases that went wrong",
         "| slides | stable | MC at 1 | 1 |",
         "## Random models",
-        "| relay | 2 | 1 | 80 | 0.02 | 6 | 3.0e-06 | 2 | 0 | 4 | 0 | 2 |",
+        "| relay | 2 | 1 | 0 | 80 | 0.02 | 6 | 3.0e-06 | 2 | 0 | 4 | 0 | 2 |",
         "| on a stable part of the branch | 12 |",
         "## Inputs tried and refused",
         "| killed | resumed | 25 |",

@@ -12,6 +12,7 @@ import bisect
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import combinations_with_replacement
+from math import comb
 from typing import NamedTuple
 
 import numpy as np
@@ -27,6 +28,12 @@ SAMPLES, NEAR = np.linspace(0.0, 1.0, 17), 1.0
 # Just after an event the side is that of the function so little later, in parts of a step.
 JUST_AFTER = 1e-5
 FIRST_STEP = 0.02
+# DOP853's dense output is x (F_0 + (1 - x) (F_1 + x (F_2 + ..))): the coefficients of x, x^2, .. of each F's factor.
+FACTORS = np.zeros((7, 7))
+for _k in range(7):
+    _ups, _downs = _k // 2 + 1, (_k + 1) // 2
+    for _j in range(_downs + 1):
+        FACTORS[_k, _ups + _j - 1] = (-1) ** _j * comb(_downs, _j)
 
 
 class MotionError(Exception):
@@ -52,6 +59,27 @@ class Exit(NamedTuple):
 def same(t, z, past):
     """Return the state unchanged: the reset of most events."""
     return z
+
+
+class Piece:
+    """A step's dense output as a polynomial in powers of the part of the step that is over.
+
+    Sums of powers lose no digits that matter: the factors' coefficients are at most 6. It is evaluated by numbers, ten
+    times as fast as by scipy's arrays of two or three.
+    """
+
+    def __init__(self, dense):
+        self.first, self.length = dense.t_old, dense.h
+        rows = np.vstack([dense.y_old, FACTORS.T @ dense.F])
+        self.coefficients = rows[::-1].T.tolist()
+
+    def __call__(self, t):
+        """Return the state (n_states,) at a time."""
+        x = (t - self.first) / self.length
+        result = []
+        for c7, c6, c5, c4, c3, c2, c1, c0 in self.coefficients:
+            result.append(((((((c7 * x + c6) * x + c5) * x + c4) * x + c3) * x + c2) * x + c1) * x + c0)
+        return np.array(result)
 
 
 @dataclass
@@ -150,7 +178,7 @@ class Motion:
         while solver.status == "running":
             if message := solver.step():
                 raise MotionError(message)
-            dense = solver.dense_output()
+            dense = Piece(solver.dense_output())
             if solver.t < stop:
                 self._step = solver.step_size
             self.edges.append(solver.t_old)

@@ -4,12 +4,22 @@ import math
 
 import numpy as np
 import pytest
+from scipy.integrate import DOP853
 
-from tests.models.method_of_steps import Motion, MotionError, same
+from tests.models.method_of_steps import Motion, MotionError, Piece, same
 
 
 def line(t, z, past):
     return [1.0]
+
+
+def test_a_piece_is_the_dense_output_of_its_step():
+    solver = DOP853(lambda t, z: [z[1], math.cos(3 * t) - z[0]], 0.3, [1.0, 2.0], 9.0, rtol=1e-6, first_step=0.5)
+    for _ in range(8):
+        solver.step()
+        dense = solver.dense_output()
+        piece = Piece(dense)
+        assert all(np.allclose(piece(t), dense(t), atol=1e-14) for t in np.linspace(solver.t_old, solver.t, 9))
 
 
 def test_jumps_come_back_through_a_delay_on_their_own_side():

@@ -1,21 +1,47 @@
 """Random models by the number: ``python -m tests.random_models FIRST NUMBER [FOLDER]``.
 
 Each model is one line; tables of all follow. FOLDER gets ``trials.jsonl``, one model a line, and what is wrong as run
-files that show it, with what was said and what is true. Models of different seeds may be tried side by side.
+files that show it, with what was said and what is true. Models of different seeds may be tried side by side. One that
+takes longer than LIMIT is given up, and counted.
 """
 
 from __future__ import annotations
 
 import json
+import signal
 import sys
 import tempfile
 from dataclasses import asdict
 from pathlib import Path
 
 from tests.random_models.generator import draw_model
-from tests.random_models.trial import make_run, try_model
+from tests.random_models.trial import TOO_LONG, Trial, make_run, try_model
 from tests.reliability import RANDOM, page
 from tests.runs import to_yaml
+
+# Seconds of processor time for one model.
+LIMIT = 150.0
+
+
+class _TookTooLongError(BaseException):
+    """Raised in the middle of whatever a trial does; nothing there takes it for one of its own errors."""
+
+
+def try_within(model, folder, limit=LIMIT):
+    """Return the trial of a model, or that it took longer than the limit."""
+
+    def give_up(*_):
+        raise _TookTooLongError
+
+    before = signal.signal(signal.SIGPROF, give_up)
+    signal.setitimer(signal.ITIMER_PROF, limit)
+    try:
+        return try_model(model, folder)
+    except _TookTooLongError:
+        return Trial(model.seed, model.family, TOO_LONG, f"more than {limit:g} s")
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.signal(signal.SIGPROF, before)
 
 
 def describe(trial):
@@ -48,7 +74,7 @@ def main(first, number, folder=None):
     with tempfile.TemporaryDirectory() as scratch:
         for seed in range(first, first + number):
             model = draw_model(seed)
-            trial = try_model(model, scratch)
+            trial = try_within(model, scratch)
             trials.append(trial)
             print(describe(trial), flush=True)
             for fault in trial.faults[:4]:

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 
+from tests.random_models.trial import TOO_LONG
+
 COLUMNS = (
     "family",
     "models",
     "with an orbit",
+    "given up",
     "periods",
     "worst deviation",
     "multipliers",
@@ -41,6 +44,7 @@ def _family(name, trials):
         name,
         f"{len(trials):,}",
         f"{sum(t['outcome'] == 'compared' for t in trials):,}",
+        f"{sum(t['outcome'] == TOO_LONG for t in trials):,}",
         total("n_points"),
         f"{max((t['worst_orbit'] for t in trials), default=0.0):.2g}",
         total("n_multipliers"),

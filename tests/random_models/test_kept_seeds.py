@@ -5,13 +5,11 @@ import pytest
 from tests.random_models.generator import draw_model
 from tests.random_models.trial import try_model
 
-# Seeds whose models show something of each family: walls with delayed resets, kicks, relays, echoes, sampling.
-SEEDS = [0, 1, 4, 5, 7, 8, 9, 11, 12, 14, 15, 16, 19, 20]
+# Seeds whose models show something of each family: walls with delayed resets, kicks, relays, echoes, sampling; sliding
+# that begins along a branch (17), and impacts that come with the kick that follows them (21).
+SEEDS = [0, 1, 4, 5, 7, 8, 9, 11, 12, 14, 15, 16, 17, 19, 20, 21]
 # What the program says wrong of others today; each moves to SEEDS when it is right.
-WRONG = {
-    17: "friction: where both fields point at the surface the orbit is called admissible and stable",
-    21: "kicked walls: the clock that a new impact starts is not in the signature after the grazing",
-}
+WRONG: dict[int, str] = {}
 
 
 @pytest.mark.parametrize("seed", SEEDS)

@@ -108,6 +108,9 @@ def _choose_first_length(c, t, longest):
 
     Reference: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993), section II.4, step a of the
     algorithm for the starting step size.
+
+    A state at zero whose unit is small beside the absolute tolerance seems to change at once: no step is tried that
+    times cannot tell from none, and the next ones grow.
     """
     size, slope = 0.0, 0.0
     for i in range(c.n_full):
@@ -116,4 +119,4 @@ def _choose_first_length(c, t, longest):
         slope += (c.stages[i] / allowed) ** 2
     if slope <= ZERO or size <= ZERO:
         return min(longest, FIRST_PART * max(1.0, abs(t)))
-    return min(longest, PART_OF_CHANGE * math.sqrt(size / slope))
+    return min(longest, max(PART_OF_CHANGE * math.sqrt(size / slope), GROW * SHORTEST * time_tolerance(t)))

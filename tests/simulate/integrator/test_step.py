@@ -71,3 +71,14 @@ def test_errors_fall_with_the_tolerance(errors, stiff):
     assert np.all(made < 5 * allowed)
     # The delay alone keeps the hybrid problem's steps short, so that loose tolerances change little there.
     assert made[-1] < 0.01 * made.max()
+
+
+@pytest.mark.parametrize("unit", [1.0, 1e6, 1e12])
+@pytest.mark.parametrize("stiff", [False, True])
+def test_a_state_may_start_at_zero_in_a_unit_far_from_that_of_the_tolerance(unit, stiff):
+    """x' = v / unit, v' = -unit x from (-0.05, 0): v has another unit, and tells nothing of its size at first."""
+    text = "name: m\nstates: [x, v]\nparameters: {u: 1}\nmodes: {m: {x': v/u, v': -u*x}}\n"
+    trajectory = trajectory_of(text, 3.0, Method(1e-9, 1e-17, stiff), initial=[-0.05, 0.0], u=unit)
+    x, v = trajectory(3.0)
+    assert x == pytest.approx(-0.05 * math.cos(3.0), rel=1e-6)
+    assert v / unit == pytest.approx(0.05 * math.sin(3.0), rel=1e-6)

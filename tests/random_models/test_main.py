@@ -1,0 +1,37 @@
+"""Many random models: one that takes too long is given up and counted."""
+
+import time
+
+import pytest
+
+from tests.random_models import __main__ as many
+from tests.random_models.generator import draw_model
+from tests.random_models.tables import COLUMNS, summarise_trials
+from tests.random_models.trial import TOO_LONG, Trial
+
+
+def work_for_ever(model, folder):
+    while True:
+        try:
+            time.process_time()
+        except Exception as error:  # as parts of a trial do
+            return Trial(model.seed, model.family, why=str(error))
+
+
+def test_a_model_that_takes_too_long_is_given_up_and_counted(monkeypatch, tmp_path):
+    monkeypatch.setattr(many, "try_model", work_for_ever)
+    trial = many.try_within(draw_model(3), tmp_path, limit=0.05)
+    assert trial.outcome == TOO_LONG
+    (head, lines), _ = summarise_trials([vars(trial)])
+    assert head == list(COLUMNS)
+    assert lines[-1][COLUMNS.index("given up")] == "1"
+    assert lines[-1][COLUMNS.index("with an orbit")] == "0"
+
+
+@pytest.mark.parametrize("outcome", ["compared", "no orbit"])
+def test_another_is_what_it_is(monkeypatch, tmp_path, outcome):
+    monkeypatch.setattr(many, "try_model", lambda model, folder: Trial(model.seed, model.family, outcome))
+    trial = many.try_within(draw_model(3), tmp_path, limit=60.0)
+    assert trial.outcome == outcome
+    (_, lines), _ = summarise_trials([vars(trial)])
+    assert lines[-1][COLUMNS.index("given up")] == "0"
