@@ -21,6 +21,7 @@ from .explicit_chain_guess import guess_chain_states as guess_chain_states
 from .extrema import Extremum as Extremum
 from .extrema import Profile as Profile
 from .family import find_free_states as find_free_states
+from .growth import OrbitHorizon as OrbitHorizon
 from .guess import guess_from_cycle as guess_from_cycle
 from .images import list_images as list_images
 from .linearisation import Entries as Entries
