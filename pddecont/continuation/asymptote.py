@@ -5,7 +5,10 @@ never changes its sign. Points of a branch alone cannot tell this from a sharp f
 resonance with little damping, so where the slope has become small the branch is looked along ahead of its steps: orbits
 with g fixed are solved for, each so many times as large as the one before, until g has grown a thousandfold. Any of
 them that is not to be found, on which something else happens, or that does not come nearer to the limit says that there
-is no asymptote. Each slope gives an estimate of the limit; the last two tell how good it is.
+is no asymptote. An exponential, of which so much growth leaves no digits of p, is known by its rate: that stays the
+same while g grows and p comes to rest, as it does near a saddle, whereas the parameter of orbits that explode (canards)
+comes to rest at rates that change, and they grow little meanwhile. Each slope gives an estimate of the limit; the last
+ones tell how good it is.
 """
 
 from __future__ import annotations
@@ -38,10 +41,14 @@ RESOLVED = 1e-6
 ROUNDING = 1e-12
 # Growth that shows that there is no bound.
 ENOUGH = 1000.0
+# An exponential's rate stays the same to this part while what grows becomes this many times as large.
+SAME_RATE, LONG = 0.05, 1.5
 # The slope falls at least like the growth to the power of minus this.
 LEAST_POWER = 0.1
 # Logarithms of the growth from one orbit that is looked at to the next: the first, the largest, the smallest.
 FIRST, LARGEST, SMALLEST = np.log(1.2), np.log(2.0), np.log(1.03)
+# The logarithm of the slope falls by no more than this from one to the next.
+FALL = 2.0
 
 
 class Horizon(Protocol[E_contra]):
@@ -64,6 +71,10 @@ class Horizon(Protocol[E_contra]):
         """Return the places of the free parameters among the unknowns."""
         ...
 
+    def is_lost(self, violation: Reason) -> bool:
+        """Return whether a violation says no more than that a simulation could not keep to a point."""
+        ...
+
     def reason(self, at: E_contra, k: int, limits: Array, errors: Array) -> Reason:
         """Return what it means that quantity ``k`` grows while the free parameters tend to ``limits``."""
         ...
@@ -82,6 +93,11 @@ class Slope:
     rates: Array
     size: float
     way: float
+
+    @property
+    def steepness(self) -> float:
+        """The derivative of the parameters in what grows itself, in parts of the ranges."""
+        return self.size / self.quantity
 
     @property
     def level(self) -> int:
@@ -112,9 +128,10 @@ def find_asymptote(
     slopes = _look_ahead(horizon, after, slope, values, functions, boundaries, settings)
     if slopes is None:
         return None
-    limits = np.array([_extrapolate(*pair) for pair in zip(slopes[-4:-1], slopes[-3:], strict=True)])
+    extrapolate = _extrapolate_exponential if _falls_exponentially(slopes) else _extrapolate_power
+    limits = np.array([extrapolate(*pair) for pair in zip(slopes[-3:-1], slopes[-2:], strict=True)])
     rounding = ROUNDING * after.system.scaling.scale[horizon.find_parameters(after.at)]
-    errors = np.maximum(2.0 * np.max(np.abs(limits[:-1] - limits[-1]), axis=0), rounding)
+    errors = np.maximum(2.0 * np.abs(limits[1] - limits[0]), rounding)
     return horizon.reason(after.at, slope.k, limits[-1], errors)
 
 
@@ -160,12 +177,14 @@ def _look_ahead(
         if there is None:
             return None
         moves = there.size > RESOLVED * there.quantity / slope.quantity
+        if not moves and _falls_exponentially(slopes):
+            return slopes
         if moves and not _comes_nearer(slopes[-1], there):
             return None
-        if not _is_undisturbed(ahead, moves, values, functions, boundaries):
+        if not _is_undisturbed(horizon, ahead, moves, values, functions, boundaries):
             return None
         slopes.append(there)
-        point, step = ahead, min(1.5 * step, LARGEST)
+        point, step = ahead, min(1.5 * step, LARGEST, FALL / _find_power(*slopes[-2:]) if moves else LARGEST)
     return slopes
 
 
@@ -193,6 +212,7 @@ def _comes_nearer(before: Slope, after: Slope) -> bool:
 
 
 def _is_undisturbed(
+    horizon: Horizon[E],
     point: CurvePoint[E],
     moves: bool,
     values: TestValues,
@@ -208,14 +228,34 @@ def _is_undisturbed(
         return False
     found = evaluate_tests(point, functions)
     crossed = any(f0 * f1 < 0.0 for f0, f1 in zip(values.values, found.values, strict=True))
-    changed = found.counts != values.counts or bool(found.violation)
+    changed = found.counts != values.counts or bool(found.violation) and not horizon.is_lost(found.violation)
     return not crossed and not (changed and moves)
 
 
-def _extrapolate(before: Slope, after: Slope) -> Array:
+def _find_power(before: Slope, after: Slope) -> float:
+    """Return the power of what grows by which the slope falls."""
+    return float(np.log(before.size / after.size) / np.log(after.quantity / before.quantity))
+
+
+def _falls_exponentially(slopes: Sequence[Slope]) -> bool:
+    """Return whether the parameters come to rest at a rate that stays the same while what grows becomes much larger."""
+    if len(slopes) < 4 or slopes[-1].quantity < LONG * slopes[0].quantity:
+        return False
+    pairs = zip(slopes[:-1], slopes[1:], strict=True)
+    rates = [np.log(a.steepness / b.steepness) / (b.quantity - a.quantity) for a, b in pairs]
+    return float(np.ptp(rates)) < SAME_RATE * max(rates)
+
+
+def _extrapolate_power(before: Slope, after: Slope) -> Array:
     """Return the limits of the parameters, from the power of what grows by which their slopes fall."""
     grown = np.log(after.quantity / before.quantity)
     with np.errstate(divide="ignore", invalid="ignore"):
         power = -np.log(after.rates / before.rates) / grown
     rest = np.where(np.isfinite(power) & (power > LEAST_POWER), after.rates / power, 0.0)
     return np.asarray(after.parameters + rest)
+
+
+def _extrapolate_exponential(before: Slope, after: Slope) -> Array:
+    """Return the limits of the parameters, from the rate at which they come to rest."""
+    rate = np.log(before.steepness / after.steepness) / (after.quantity - before.quantity)
+    return np.asarray(after.parameters + after.rates / (after.quantity * rate))

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from pddecont.orbit.boundaries import AtOrbit
 from pddecont.orbit.orbit import Orbit
+from pddecont.orbit.verification import DRIFTS
 from pddecont.reasons import Reason, Scalar, make_reason
 
 Array = NDArray[np.float64]
@@ -39,6 +40,10 @@ class OrbitHorizon:
     def find_parameters(self, at: AtOrbit) -> slice:
         """Return the places of the free parameters among the unknowns."""
         return at.orbit.problem.unknowns.free
+
+    def is_lost(self, violation: Reason) -> bool:
+        """Return whether a simulation only ends elsewhere: near a saddle it leaves every orbit in the end."""
+        return violation.code == DRIFTS
 
     def reason(self, at: AtOrbit, k: int, limits: Array, errors: Array) -> Reason:
         """Return what grows, how large it is, and the limits of the free parameters with their errors."""

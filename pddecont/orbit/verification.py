@@ -38,6 +38,8 @@ from pddecont.simulate import (
 )
 
 Array = NDArray[np.float64]
+# Code of the reason that a simulation ends elsewhere than the orbit, after the same events.
+DRIFTS = "drifts"
 # Where in a segment simulations begin and end: no part that a symmetry of the motion makes special, and others where a
 # surface lies just there.
 PLACES = (0.4789, 0.3217, 0.6481)
@@ -208,7 +210,7 @@ class _Check:
             allowed = SIMULATED + ESTIMATED * self.error
             if deviation <= allowed or deviation <= CARRIED * self.find_carried(window, record):
                 return Verification(1, deviation)
-            return Verification(0, deviation, make_reason("drifts", number=number, segment=segment.name))
+            return Verification(0, deviation, make_reason(DRIFTS, number=number, segment=segment.name))
         if not self.strict and self.is_undecided(window, record):
             return Verification(1, 0.0)
         return Verification(0, reason=self.describe(window, record))

@@ -29,6 +29,9 @@ class Modulus:
     def find_parameters(self, at):
         return slice(1, 2)
 
+    def is_lost(self, violation):
+        return False
+
     def reason(self, at, k, limits, errors):
         return make_reason("grows", value=float(at.x[0]), limit=float(limits[0]), error=float(errors[0]))
 
@@ -60,8 +63,7 @@ def resonance(damping):
 def slow():
     """p = tanh(x - 9) + x / 1000: the parameter comes nearly to rest, and goes on."""
     return Algebraic(
-        lambda x: [x[1] - np.tanh(x[0] - 9.0) - 1e-3 * x[0]],
-        lambda x: [[np.tanh(x[0] - 9.0) ** 2 - 1.0 - 1e-3, 1.0]],
+        lambda x: [x[1] - np.tanh(x[0] - 9.0) - 1e-3 * x[0]], lambda x: [[np.tanh(x[0] - 9.0) ** 2 - 1.0 - 1e-3, 1.0]]
     )
 
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from pddecont.orbit import OrbitHorizon
+from pddecont.reasons import make_reason
 from tests.orbit.test_boundaries import at, free_orbit
 
 HORIZON = OrbitHorizon(np.array([0.1, 3.0]))
@@ -26,3 +27,8 @@ def test_what_grows_is_named_with_the_limits_of_all_parameters():
     assert (of_state.values["what"], of_state.values["name"]) == ("state", here.orbit.numeric.model.states[0])
     assert of_state.values["value"] == np.max(np.abs(here.orbit.values[:, 0]))
     assert of_state.values["limit K"] == 0.25 and of_state.values["error tau_d"] == 1e-7
+
+
+def test_simulations_that_leave_an_orbit_late_say_nothing_and_those_that_meet_something_do():
+    assert HORIZON.is_lost(make_reason("drifts", number=1, segment="C"))
+    assert not HORIZON.is_lost(make_reason("slides", number=1, segment="C", event="hit"))

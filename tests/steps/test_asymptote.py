@@ -38,7 +38,12 @@ LOOP = {
     "initial": {"x": 1.3, "y": 0},
 }
 # Hits x = 1 after the time log(1 / (y (p - 0.3)))  = 1 on the curve y = 1 / (e (p - 0.3)).
-HYPERBOLA = {**SADDLE, "name": "hyperbola", "parameters": {"p": 1.0, "y": 0.5}, "resets": {"down": {"x": "y*(p - 0.3)"}}}
+HYPERBOLA = {
+    **SADDLE,
+    "name": "hyperbola",
+    "parameters": {"p": 1.0, "y": 0.5},
+    "resets": {"down": {"x": "y*(p - 0.3)"}},
+}
 
 
 def limit_of(step, name, way=-1):
@@ -58,7 +63,9 @@ def test_the_period_grows_to_a_saddle(tmp_path, stability):
     assert step.labels[-1] == "EP1" and len(step) < 60
     (text,) = describe_endings(step)
     period = f"{step.points['period'][-1]:.8g}"
-    assert text.startswith(f"down: runs along an asymptote (the period grows without bound, {period} here, while p tends ")
+    assert text.startswith(
+        f"down: runs along an asymptote (the period grows without bound, {period} here, while p tends "
+    )
 
 
 def test_the_amplitude_grows_to_a_resonance(tmp_path):
@@ -69,7 +76,9 @@ def test_the_amplitude_grows_to_a_resonance(tmp_path):
     assert abs(limit - 1) < error < 1e-6
     omega = parameter(step, "omega")
     assert monitor(step, "top") == pytest.approx(1 / (1 - omega**2), rel=1e-6)
-    assert "the state 'v' grows without bound" in describe_endings(step)[0] or "the state 'x'" in describe_endings(step)[0]
+    assert (
+        "the state 'v' grows without bound" in describe_endings(step)[0] or "the state 'x'" in describe_endings(step)[0]
+    )
 
 
 def test_the_period_of_a_delayed_relay_grows_until_its_output_runs_away(tmp_path):
@@ -107,7 +116,9 @@ def test_a_loop_grows_to_a_homoclinic_orbit_in_one_parameter_and_in_two(tmp_path
 
 def test_a_parameter_that_grows_along_a_curve_is_followed_to_the_end_of_its_range(tmp_path):
     branch = follow("b", "o", {"y": [0.3, 1]}, direction="up", events_along={"u": "y*(p - 0.3) - exp(-1)"})
-    curve = follow("c", ("b", "UF1"), {"p": [0, 2], "y": [0.1, 1e4]}, direction="up", events_along={"u": "y*(p - 0.3) - exp(-1)"})
+    curve = follow(
+        "c", ("b", "UF1"), {"p": [0, 2], "y": [0.1, 1e4]}, direction="up", events_along={"u": "y*(p - 0.3) - exp(-1)"}
+    )
     step = run({**HYPERBOLA, "run": {"steps": [*settle(20), branch, curve]}}, tmp_path / "a.h5").step("c")
     p, y = parameter(step, "p"), parameter(step, "y")
     assert (p - 0.3) * y == pytest.approx(np.full(len(p), math.exp(-1)), rel=1e-8)
