@@ -15,7 +15,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Generic, Protocol
+from itertools import pairwise
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -221,14 +222,14 @@ def _is_undisturbed(
 ) -> bool:
     """Return whether nothing else happens to the branch up to a point ahead.
 
-    Where the parameters no longer move (``moves``) their rounding errors decide where a motion leaves the saddle that it passes:
-    counts of multipliers and simulations say nothing there.
+    Where the parameters no longer move (not ``moves``) their rounding errors decide where a motion leaves the saddle
+    that it passes: counts of multipliers and simulations say nothing there.
     """
     if any(np.any(b.margins(point.at) <= 0.0) for b in boundaries if b.approach is not Approach.UP_TO):
         return False
     found = evaluate_tests(point, functions)
     crossed = any(f0 * f1 < 0.0 for f0, f1 in zip(values.values, found.values, strict=True))
-    changed = found.counts != values.counts or bool(found.violation) and not horizon.is_lost(found.violation)
+    changed = found.counts != values.counts or (bool(found.violation) and not horizon.is_lost(found.violation))
     return not crossed and not (changed and moves)
 
 
@@ -241,9 +242,8 @@ def _falls_exponentially(slopes: Sequence[Slope]) -> bool:
     """Return whether the parameters come to rest at a rate that stays the same while what grows becomes much larger."""
     if len(slopes) < 4 or slopes[-1].quantity < LONG * slopes[0].quantity:
         return False
-    pairs = zip(slopes[:-1], slopes[1:], strict=True)
-    rates = [np.log(a.steepness / b.steepness) / (b.quantity - a.quantity) for a, b in pairs]
-    return float(np.ptp(rates)) < SAME_RATE * max(rates)
+    rates = [float(np.log(a.steepness / b.steepness)) / (b.quantity - a.quantity) for a, b in pairwise(slopes)]
+    return max(rates) - min(rates) < SAME_RATE * max(rates)
 
 
 def _extrapolate_power(before: Slope, after: Slope) -> Array:
