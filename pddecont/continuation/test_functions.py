@@ -195,7 +195,7 @@ def _only_at_start(segment: BranchSegment[E], test: TestFunction[E], f0: float, 
 def _locate(
     segment: BranchSegment[E], test: TestFunction[E], low: float, high: float, f_low: float, f_high: float
 ) -> list[SpecialPoint[E]]:
-    """Return the zero of a test function between two fractions; nothing if it jumps through zero or is no such point."""
+    """Return the zero of a test function between two fractions; nothing if it jumps or is no such point."""
     if test.find_meeting is not None:
         met = test.find_meeting(segment.at(low), segment.at(high))
         return [] if met is None else [SpecialPoint(test, met, low + (high - low) * f_low / (f_low - f_high))]
