@@ -1,25 +1,27 @@
 """Motion change (MC): an orbit of its signature ceases to be a motion of the model.
 
 Beyond such a point the equations of the signature still have a solution, but the model does something else: it slides
-along a surface, an event happens that the signature does not list, or one that it lists does not. Two of these have
-test functions: the rate at which the motion leaves a surface falls to zero, and the time of a delayed event that did
-nothing enters a mode that it ends. The orbit's simulation from its own past finds all others, and their points are
-located by halving the step.
+along a surface, an event happens that the signature does not list, or one that it lists does not. Most of these have
+test functions: the rate at which the motion leaves a surface falls to zero; the time of a delayed event that did
+nothing enters a mode that it ends; a jump that comes back begins, or ceases, to carry an event function over its zero.
+The orbit's simulation from its own past finds all others, and their points are located by halving the step.
 """
 
 from __future__ import annotations
-
-from collections.abc import Callable
 
 from pddecont.bifurcation.kinds import OrbitTest, SpecialPointKind
 from pddecont.bifurcation.settings import BranchSettings
 from pddecont.continuation import CurvePoint, End, TestFunction
 from pddecont.orbit import (
+    CarriedEvent,
     Clock,
     OrbitEvaluation,
+    Signature,
     explain_sliding,
     find_leaving_rate,
+    list_carried_events,
     list_sliding_ends,
+    list_unlisted_carried_events,
     list_unlisted_clocks,
 )
 from pddecont.reasons import Reason
@@ -28,27 +30,35 @@ LABEL = "MC"
 
 
 def _branch_tests(at: OrbitEvaluation, settings: BranchSettings) -> list[OrbitTest]:
-    """Return the tests for surfaces that a motion no longer leaves and for delayed events that begin to happen."""
-    signature = at.orbit.signature
-    tests: list[OrbitTest] = [
-        TestFunction(LABEL, _leaving_rate_of(s), End.INVALID, explain_sliding(signature, s))
-        for s in list_sliding_ends(signature)
+    """Return the tests for surfaces that hold a motion, and for events that begin or cease to happen."""
+    orbit = at.orbit
+    return [
+        *(_test_leaving(orbit.signature, s) for s in list_sliding_ends(orbit.signature)),
+        *(_test_event(clock, -1.0) for clock in list_unlisted_clocks(orbit)),
+        *(_test_event(carried, 1.0) for carried in list_carried_events(orbit)),
+        *(_test_event(carried, -1.0) for carried in list_unlisted_carried_events(orbit)),
     ]
-    for clock in list_unlisted_clocks(at.orbit):
-        tests.append(TestFunction(LABEL, _time_of(clock), End.INVALID, explain=_explanation_of(clock)))
-    return tests
 
 
-def _leaving_rate_of(s: int) -> Callable[[CurvePoint[OrbitEvaluation]], float]:
-    return lambda point: find_leaving_rate(point.at.orbit, s)
+def _test_leaving(signature: Signature, s: int) -> OrbitTest:
+    """Return the test for the surface that segment ``s`` ends at."""
+
+    def rate(point: CurvePoint[OrbitEvaluation]) -> float:
+        return find_leaving_rate(point.at.orbit, s)
+
+    return TestFunction(LABEL, rate, End.INVALID, explain_sliding(signature, s))
 
 
-def _time_of(clock: Clock) -> Callable[[CurvePoint[OrbitEvaluation]], float]:
-    return lambda point: -clock.measure(point.at.orbit)
+def _test_event(event: Clock | CarriedEvent, sign: float) -> OrbitTest:
+    """Return the test for an event, positive with ``sign`` 1 where it happens and -1 where it does not."""
 
+    def measure(point: CurvePoint[OrbitEvaluation]) -> float:
+        return sign * event.measure(point.at.orbit)
 
-def _explanation_of(clock: Clock) -> Callable[[CurvePoint[OrbitEvaluation]], Reason]:
-    return lambda point: clock.explain(point.at.orbit)
+    def explain(point: CurvePoint[OrbitEvaluation]) -> Reason:
+        return event.explain(point.at.orbit)
+
+    return TestFunction(LABEL, measure, End.INVALID, explain=explain)
 
 
 MOTION_CHANGE = SpecialPointKind(LABEL, "motion change", on_branches=True, branch_tests=_branch_tests)

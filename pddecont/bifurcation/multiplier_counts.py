@@ -31,6 +31,8 @@ ON_THE_AXIS = ((2, 0, -1), (-2, 0, 1), (0, 2, -1), (0, -2, 1))
 FOLD_TEST: TestFunction[OrbitEvaluation] = TestFunction(fold.LABEL, fold.parameter_tangent)
 # At a fold the parameter turns and at most one multiplier passes +1; where a branch meets its mirror image, none does.
 FOLD_CHANGES = ((0, 0, 0), (1, 0, 0), (-1, 0, 0))
+# A point at which no multiplier is nearer than this to +1, to -1 or to the circle is none at which one passes there.
+HOLDS = 1e-4
 AnyCount: TypeAlias = CountFunction[Any]
 FindMultipliers: TypeAlias = Callable[[CurvePoint[Any]], Multipliers]
 
@@ -51,22 +53,36 @@ def evaluate_polynomial(m: Multipliers, at: float) -> float:
     return float(np.prod(1.0 - at * m.nontrivial).real)
 
 
+def measure_miss(m: Multipliers, critical: float | None) -> float:
+    """Return how far the nearest multiplier is from +1 or -1, or from the unit circle (None).
+
+    Complex ones count too for +1 and -1, and real ones for the circle: where two meet rounding decides which they are.
+    """
+    if critical is None:
+        return float(np.min(np.abs(np.abs(m.nontrivial) - 1.0), initial=np.inf))
+    return float(np.min(np.abs(m.nontrivial - critical), initial=np.inf))
+
+
 def count_crossings(labels: Sequence[str], find: FindMultipliers) -> AnyCount:
     """Return the counts of a point's multipliers.
 
     ``labels`` name what it is when one passes +1, -1 or the rest of the circle.
     """
 
+    def holds(point: CurvePoint[Any], critical: float | None) -> bool:
+        return measure_miss(find(point), critical) < HOLDS
+
     def make_test(label: str, i: int) -> TestFunction[Any]:
         value, crosses = TEST_FUNCTIONS[i], label == branch_point.LABEL
         if i == 2:
-            return TestFunction(label, lambda point: value(find(point)), crosses=crosses)
+            return TestFunction(label, lambda point: value(find(point)), holds=lambda point: holds(point, None))
         critical = CRITICAL[i]
         return TestFunction(
             label,
             lambda point: value(find(point)),
             crosses=crosses,
             smooth=lambda point: evaluate_polynomial(find(point), critical),
+            holds=lambda point: holds(point, critical),
         )
 
     tests = [make_test(label, i) for i, label in enumerate(labels)]

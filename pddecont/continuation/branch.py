@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from pddecont.continuation.adaptive import solve_adaptively
 from pddecont.continuation.arclength import correct, tangent_at
+from pddecont.continuation.asymptote import Horizon, find_asymptote
 from pddecont.continuation.boundary import (
     Approach,
     Boundary,
@@ -115,6 +116,7 @@ def follow_branch(
     emit: Callable[[BranchPoint[E]], None],
     sign: int,
     home: Home[E] | None = None,
+    horizon: Horizon[E] | None = None,
 ) -> Termination:
     """Follow a branch from ``state`` along its tangent, handing each point to ``emit``; return how it ended.
 
@@ -175,6 +177,9 @@ def follow_branch(
         next_step = _next_step(step, reached.n_iterations, cosine, settings)
         state = BranchState(reached, state.arclength + sign * length, next_step, state.n_points + 1, False)
         limit = find_reached(boundaries, reached, direction)
+        if horizon is not None and not (limit or passed or after.violation):
+            grows = find_asymptote(horizon, start, reached, after, functions, boundaries, settings.newton)
+            limit = (End.ASYMPTOTE, grows) if grows else None
         emit(BranchPoint(state, END_POINT if limit or passed else "", reached.n_iterations, n_unexplained=more))
         if after.violation and not before.violation:
             return Termination(End.INVALID, after.violation, n_unexplained)

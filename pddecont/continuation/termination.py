@@ -20,6 +20,7 @@ class End(StrEnum):
     INVALID = "invalid"
     SHRINKS = "shrinks"
     CLOSED = "closed"
+    ASYMPTOTE = "asymptote"
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Generic
+from typing import Any, Generic
 
 from pddecont.continuation.curve_point import CurvePoint
 from pddecont.continuation.locate import BranchSegment
@@ -23,6 +23,11 @@ SHORT = 1e-6
 TOGETHER_DECIMALS = 6
 
 
+def find_no_objection(_: CurvePoint[Any]) -> bool:
+    """Return that a point is what its kind says."""
+    return True
+
+
 @dataclass(frozen=True)
 class TestFunction(Generic[E]):
     """A function along the branch whose zero is a special point of ``kind``.
@@ -32,7 +37,8 @@ class TestFunction(Generic[E]):
     another one, no point between the two can be found on the way and no count can be trusted. ``crosses``: branches
     cross at its zeros, so that the equations there do not say which direction is the branch's. ``smooth`` has the same
     sign and no kinks; the zero is looked for with it where ``value`` does not lead there. ``explain`` returns what is
-    said of a point instead of ``reason``.
+    said of a point instead of ``reason``. ``holds`` says whether a point is what its kind says, where a zero that is as
+    small as the values on both sides let it be does not.
     """
 
     __test__ = False
@@ -44,6 +50,7 @@ class TestFunction(Generic[E]):
     crosses: bool = False
     smooth: Callable[[CurvePoint[E]], float] | None = None
     explain: Callable[[CurvePoint[E]], Reason] | None = None
+    holds: Callable[[CurvePoint[E]], bool] = find_no_objection
 
 
 Counts = tuple[int, ...]
@@ -195,7 +202,7 @@ def _only_at_start(segment: BranchSegment[E], test: TestFunction[E], f0: float, 
 def _locate(
     segment: BranchSegment[E], test: TestFunction[E], low: float, high: float, f_low: float, f_high: float
 ) -> list[SpecialPoint[E]]:
-    """Return the zero of a test function between two fractions; nothing if it jumps through zero."""
+    """Return the zero of a test function between two fractions; nothing if it jumps or is no such point."""
     if test.find_meeting is not None:
         met = test.find_meeting(segment.at(low), segment.at(high))
         return [] if met is None else [SpecialPoint(test, met, low + (high - low) * f_low / (f_low - f_high))]
@@ -203,6 +210,8 @@ def _locate(
     if fraction is None:
         return []
     point = segment.cross(fraction, low, high) if test.crosses else segment.at(fraction)
+    if not test.holds(point):
+        return []
     return [SpecialPoint(test, point, fraction)]
 
 

@@ -11,6 +11,9 @@ from .assembly import Assembly as Assembly
 from .boundaries import DelayBoundary as DelayBoundary
 from .boundaries import DurationBoundary as DurationBoundary
 from .boundaries import RangeBoundary as RangeBoundary
+from .carried_events import CarriedEvent as CarriedEvent
+from .carried_events import list_carried_events as list_carried_events
+from .carried_events import list_unlisted_carried_events as list_unlisted_carried_events
 from .clocks import Clock as Clock
 from .clocks import list_unlisted_clocks as list_unlisted_clocks
 from .distance import measure_distance as measure_distance
@@ -23,6 +26,7 @@ from .explicit_chain_guess import guess_chain_states as guess_chain_states
 from .extrema import Extremum as Extremum
 from .extrema import Profile as Profile
 from .family import find_free_states as find_free_states
+from .growth import OrbitHorizon as OrbitHorizon
 from .guess import guess_from_cycle as guess_from_cycle
 from .images import list_images as list_images
 from .leaving import explain_sliding as explain_sliding

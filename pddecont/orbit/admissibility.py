@@ -8,6 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from pddecont.orbit.carried_events import list_carried_events, list_unlisted_carried_events
 from pddecont.orbit.clocks import list_unlisted_clocks
 from pddecont.orbit.event_profiles import find_event_profile, find_event_profiles
 from pddecont.orbit.extrema import Extremum, Profile
@@ -59,6 +60,12 @@ def _find_unlisted(orbit: Orbit) -> Iterator[Reason]:
     for clock in list_unlisted_clocks(orbit):
         if clock.measure(orbit) > RELATIVE_ZERO:
             yield clock.explain(orbit)
+    for carried in list_carried_events(orbit):
+        if carried.measure(orbit) < -RELATIVE_ZERO:
+            yield carried.explain(orbit)
+    for carried in list_unlisted_carried_events(orbit):
+        if carried.measure(orbit) > RELATIVE_ZERO:
+            yield carried.explain(orbit)
     for s in list_sliding_ends(orbit.signature):
         largest = float(np.max(np.abs(find_event_profile(orbit, orbit.signature.segments[s].event).values)))
         if find_leaving_rate(orbit, s) * orbit.period < -TANGENT * largest:

@@ -35,13 +35,13 @@ class Clock:
         borders = orbit.event_times[:-1][happens != np.roll(happens, 1)]
         away = np.abs(time - borders)
         distance = float(np.min(np.minimum(away, period - away)) / period)
-        return distance if happens[_find_segment(orbit, time)] else -distance
+        return distance if happens[orbit.find_segment(time)] else -distance
 
     def explain(self, orbit: Orbit) -> Reason:
         """Return the reason that says where the delayed event happens, on the border of that or inside."""
         time, signature = self.find_time(orbit), orbit.signature
         happens = _find_modes_ended(signature, self.event)
-        s = _find_segment(orbit, time)
+        s = orbit.find_segment(time)
         if not happens[s]:
             # Just outside: of the two neighbours the nearer one that it ends.
             beside = [k for k in ((s - 1) % len(signature), (s + 1) % len(signature)) if happens[k]]
@@ -88,11 +88,6 @@ def _find_modes_ended(signature: Signature, event: str) -> NDArray[np.bool_]:
     """Return of each segment whether its mode ends at a delayed event (n_segments,)."""
     model = signature.numeric.model
     return np.array([event in list_transitions(model, s.mode).delayed_events for s in signature.segments])
-
-
-def _find_segment(orbit: Orbit, time: float) -> int:
-    found = int(np.searchsorted(orbit.event_times, time, side="right")) - 1
-    return min(found, len(orbit.signature) - 1)
 
 
 def _measure_gap(orbit: Orbit, time: float, s: int) -> float:

@@ -18,6 +18,8 @@ from pddecont.orbit.verdict import NOT_DONE, Verification
 from pddecont.reasons import Reason, Scalar, make_reason
 from pddecont.simulate import FailureReason, MotionFailure, MotionRecord
 
+# Code of the reason that a simulation ends elsewhere than the orbit, after the same events.
+DRIFTS = "drifts"
 # How far simulation and orbit may be apart, relative to the size of the motion: what the errors of the simulation's
 # steps add up to, and so many times the orbit's own estimated error.
 SIMULATED, ESTIMATED = 1e-7, 30.0
@@ -43,7 +45,7 @@ def judge(examined: Examination, window: Window, record: MotionRecord | None, *,
     deviation = measure_deviation(examined, window, record)
     if deviation <= find_allowed(examined) or deviation <= CARRIED * find_carried(examined, window, record, strict):
         return Verification(1, deviation)
-    return Verification(0, deviation, make_reason("drifts", number=window.s + 1, segment=segment.name))
+    return Verification(0, deviation, make_reason(DRIFTS, number=window.s + 1, segment=segment.name))
 
 
 def find_allowed(examined: Examination) -> float:

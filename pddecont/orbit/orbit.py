@@ -144,6 +144,11 @@ class Orbit:
         t = self.start + mesh.times(points) @ theta
         return Reads(points, mesh.length @ theta, t, mesh.interpolate(self.values, points).T, xd, operators)
 
+    def find_segment(self, time: float) -> int:
+        """Return the segment that holds a time after the orbit's start, in [0, period]."""
+        found = int(np.searchsorted(self.event_times, time, side="right")) - 1
+        return min(found, len(self.signature) - 1)
+
     def with_free(self, free: tuple[str, ...]) -> Orbit:
         """Return the same orbit with other free parameters."""
         problem = replace(self.problem, parameters=self.parameters, free=free)

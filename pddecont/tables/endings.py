@@ -34,6 +34,7 @@ BRANCH_ENDS = {
     "special": ("stopped at a special point where the signature of the orbit changes", ""),
     "invalid": ("the orbit of this signature stops being a motion of the model", "start anew from a simulation beyond"),
     "closed": ("the branch is closed: it is back at its first point", ""),
+    "asymptote": ("runs along an asymptote", ""),
     "shrinks": ("the orbits shrink to an equilibrium", ""),
     "resonance": ("the curve ends where its pair of multipliers meets on the real axis", ""),
 }

@@ -48,6 +48,7 @@ _WORDS: dict[str, Callable[[Values], str]] = {
     "hopf_point": lambda v: f"Hopf point{_name_where(v)}",
     "hopf_beyond_range": lambda v: f"their Hopf point lies just beyond the range{_name_where(v)}",
     "hopf_not_located": lambda v: f"no Hopf point was located there: {v['why']}",
+    "grows": lambda v: f"{_name_growing(v)} grows without bound, {v['value']:.8g} here, while {_name_limits(v)}",
     "kind": lambda v: str(v["kind"]),
     "range": lambda v: f"{v['parameter']} = {v['value']:.8g}",
     "segment_vanishes": lambda v: f"segment {v['number']} ({v['segment']}) vanishes",
@@ -121,6 +122,16 @@ def name_kind(step: Step, kind: str) -> str:
 def _name_places(values: Values) -> str:
     places = {name.removeprefix("at "): value for name, value in values.items() if name.startswith("at ")}
     return ", ".join(f"{name} = {value:.8g}" for name, value in places.items())
+
+
+def _name_growing(values: Values) -> str:
+    return f"the {values['what']}{_name_part('', values['name'])}"
+
+
+def _name_limits(values: Values) -> str:
+    """Return the limits of the parameters with their errors."""
+    limits = {name.removeprefix("limit "): value for name, value in values.items() if name.startswith("limit ")}
+    return " and ".join(f"{name} tends to {v:.12g} (+-{values[f'error {name}']:.0e})" for name, v in limits.items())
 
 
 def _name_segment(values: Values) -> str:

@@ -15,10 +15,15 @@ from pddecont.bifurcation.multiplier_counts import (
     count_on_branch,
     count_on_curve,
     count_outside,
+    measure_miss,
 )
 from pddecont.collocation import MeshRule
+from pddecont.continuation import CurvePoint, FixedUnknowns, NewtonSettings, TestFunctions
+from pddecont.continuation.locate import BranchSegment
+from pddecont.continuation.test_functions import evaluate_tests, find_special_points
 from tests.bifurcation import runs
 from tests.bifurcation.runs import BALL_PD, follow, make_multipliers, settle
+from tests.continuation.systems import line
 from tests.runs import labels, multipliers, parameter, run
 
 
@@ -154,3 +159,39 @@ def test_labels_of_crossings_are_those_of_the_curve():
     counts = count_crossings(("one", "two", "three"), lambda point: point.at.orbit.multipliers)
     found = [explained(counts, *map(point_with, CROSSING[label])) for label in ("BP", "PD", "TR")]
     assert found == [["one"], ["two"], ["three"]]
+
+
+def find_on_a_step(values_at):
+    """Return the labels, places and losses on a step of a curve of grazings with multipliers ``values_at(place)``."""
+    system = FixedUnknowns(line(1.0))
+    ends = [CurvePoint(system, system.at(np.full(2, value))) for value in (0.0, 1.0)]
+    counts = count_crossings(("GL", "GP", "GT"), lambda point: make_multipliers(values_at(float(point.x[0]))))
+    functions = TestFunctions((), counts)
+    values = [evaluate_tests(end, functions) for end in ends]
+    found, lost = find_special_points(BranchSegment(*ends, NewtonSettings()), functions, *values, 0.0)
+    return [(special.test.kind, special.fraction) for special in found], lost
+
+
+def test_a_multiplier_that_jumps_past_one_gets_no_label_beside_a_large_one():
+    """The polynomial of all multipliers is as large as the largest: beside that, 0.01448 is nothing."""
+
+    def large(s):
+        return -2.0 - 1e6 * max(s - 0.5, 0.0)
+
+    assert find_on_a_step(lambda s: [1.01448 if s < 0.5 else 0.98, large(s)]) == ([], 1)
+    assert find_on_a_step(lambda s: [1.01448 - 0.03 * s, large(s)]) == ([("GL", pytest.approx(0.01448 / 0.03))], 0)
+
+
+def test_a_multiplier_that_jumps_past_minus_one_gets_no_label_beside_a_large_one():
+    def large(s):
+        return 2.0 + 1e6 * max(s - 0.5, 0.0)
+
+    assert find_on_a_step(lambda s: [-1.01448 if s < 0.5 else -0.98, large(s)]) == ([], 1)
+    assert find_on_a_step(lambda s: [-1.01448 + 0.03 * s, large(s)]) == ([("GP", pytest.approx(0.01448 / 0.03))], 0)
+
+
+def test_what_two_multipliers_that_meet_are_by_rounding_does_not_matter():
+    pair = make_multipliers([1.0 + 1e-6j, 1.0 - 1e-6j])
+    assert measure_miss(pair, 1.0) == pytest.approx(1e-6)
+    assert measure_miss(make_multipliers([1.0 + 1e-9, 1.0 - 1e-9]), None) < 1e-8
+    assert measure_miss(make_multipliers([]), -1.0) == np.inf

@@ -197,3 +197,10 @@ def test_where_a_function_has_no_values_the_smooth_one_is_followed():
     assert [s.test.kind for s in specials] == ["N"]
     assert specials[0].fraction == pytest.approx(0.4, abs=1e-12)
     assert n_unexplained == 0
+
+
+@pytest.mark.parametrize("counted", [False, True])
+def test_a_zero_that_does_not_hold_is_no_special_point_and_a_counted_one_is_lost(counted):
+    place_at = TestFunction("N", lambda point: point.x[0] - 0.4, holds=lambda point: point.x[0] > 0.5)
+    counts = CountFunction(lambda point: (int(point.x[0] > 0.4),), lambda before, after: [place_at])
+    assert Step(TestFunctions((), counts) if counted else TestFunctions((place_at,))).find() == ([], int(counted))

@@ -2,6 +2,7 @@
 
 import shutil
 
+import numpy as np
 import pytest
 
 from pddecont.bifurcation import branch_tests
@@ -64,6 +65,72 @@ RUNS = {
             make_curve("first", "LP1", ["omega", "F"], {"omega": [1, 2.2], "F": [0.1, 0.5]}),
         ],
     ),
+}
+
+
+# Branches that shrink to a Hopf point, one that is a loop, one along an asymptote, one whose orbits cease to
+# be motions, and the same followed beyond.
+SUPERCRITICAL = {
+    "name": "supercritical",
+    "states": ["x", "y"],
+    "parameters": {"m": 0.3},
+    "modes": {"m": {"x'": "m*x - y - x*(x**2 + y**2)", "y'": "x + m*y - y*(x**2 + y**2)"}},
+    "initial": {"x": 0.5, "y": 0},
+}
+ISLAND = {
+    "name": "island",
+    "states": ["x", "y"],
+    "parameters": {"m": 0.1},
+    "modes": {
+        "m": {
+            "x'": "(0.25 - (x**2 + y**2 - 1)**2 - m**2)*x - (1 + 0.3*m)*y",
+            "y'": "(1 + 0.3*m)*x + (0.25 - (x**2 + y**2 - 1)**2 - m**2)*y",
+        }
+    },
+    "initial": {"x": 1, "y": 0},
+}
+SADDLE = {
+    "name": "saddle",
+    "states": ["x"],
+    "parameters": {"p": 0.5},
+    "modes": {"up": {"x'": "x"}},
+    "events": {"top": "x - 1"},
+    "resets": {"down": {"x": "p - 0.3"}},
+    "segments": {"up": {"mode": "up", "event": "top", "direction": "rising", "reset": "down", "to": "up"}},
+    "initial": {"mode": "up", "x": 0.2},
+}
+STICKING = {
+    "name": "sticking",
+    "states": ["x", "v"],
+    "parameters": {"om": 0.9},
+    "forcing": {"period": "2*pi/om"},
+    "modes": {
+        "plus": {"x'": "v", "v'": "1.5*cos(om*t) - x - 0.1*v - 1"},
+        "minus": {"x'": "v", "v'": "1.5*cos(om*t) - x - 0.1*v + 1"},
+    },
+    "events": {"turn": "v"},
+    "segments": {
+        "P": {"mode": "plus", "event": "turn", "direction": "falling", "to": "minus"},
+        "M": {"mode": "minus", "event": "turn", "direction": "rising", "to": "plus"},
+    },
+    "initial": {"mode": "plus", "x": 0, "v": 5},
+}
+STICKS = {"from": "orbit", "free": ["om"], "range": {"om": [0.6, 0.95]}}
+ASYMPTOTE = {"from": "orbit", "free": ["p"], "range": {"p": [0, 1]}, "stability": True}
+IN_M = {"from": "orbit", "free": ["m"], "range": {"m": [-1, 1]}, "stability": True, "step": {"max": 0.2}}
+
+
+def settle_and_follow(model, branch):
+    steps = [{"name": "transient", "simulate": {"t_end": "200*pi"}}, START[1], {"name": "last", "continue": branch}]
+    return {**model, "run": {"steps": steps}}
+
+
+ENDS = {
+    "MC": settle_and_follow(STICKING, {**STICKS, "stability": True}),
+    "not verified": settle_and_follow(STICKING, {**STICKS, "detect": [], "step": {"initial": 0.1}}),
+    "HB": settle_and_follow(SUPERCRITICAL, IN_M),
+    "closed": settle_and_follow(ISLAND, IN_M),
+    "asymptote": settle_and_follow(SADDLE, ASYMPTOTE),
 }
 
 
@@ -144,3 +211,22 @@ def test_changes_of_stability_that_were_not_located_are_still_told_of(tmp_path, 
     down, up = describe_endings(step)
     assert "WARNING: 1 change of stability not located" in down
     assert "WARNING: 2 changes of stability not located" in up
+
+
+ENDINGS = {
+    "MC": ["invalid", "range"],
+    "not verified": ["range", "range"],
+    "HB": ["shrinks", "range"],
+    "closed": ["closed", "closed"],
+    "asymptote": ["asymptote", "range"],
+}
+
+
+@pytest.mark.parametrize(
+    "end", [end if end in {"asymptote", "not verified"} else pytest.param(end, marks=pytest.mark.slow) for end in ENDS]
+)
+def test_a_branch_stopped_after_any_row_ends_as_it_would_have_ended(end, tmp_path, monkeypatch):
+    step = check_all_stops(ENDS[end], tmp_path, monkeypatch, most=3)
+    assert [ending.code for ending in step.endings] == ENDINGS[end]
+    assert np.any(step.points["verified"] == 0) == (end == "not verified")
+    assert (end not in {"MC", "HB"}) or f"{end}1" in step.labels

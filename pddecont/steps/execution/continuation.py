@@ -36,6 +36,7 @@ from pddecont.orbit import (
     DelayBoundary,
     DurationBoundary,
     Orbit,
+    OrbitHorizon,
     PeriodicOrbitSystem,
     RangeBoundary,
     bound_amplitude,
@@ -121,10 +122,11 @@ class _Branch:
         amplitude = bound_amplitude(self.first.point.at.orbit)
         boundaries = (RangeBoundary(self.settings.ranges), DelayBoundary(), DurationBoundary(), amplitude)
         home = _make_home(_turn(self.first, way), self.settings.widths)
+        horizon = OrbitHorizon(self.first.point.at.orbit.free)
         for _ in range(MAX_SIGNATURES):
             self.last, self.ordinary = BranchPoint(state, "", 0), state
             functions = make_tests(state.point.at, self.settings)
-            end = follow_branch(state, boundaries, functions, step_settings, self.record, way, home)
+            end = follow_branch(state, boundaries, functions, step_settings, self.record, way, home, horizon)
             n_unexplained += end.n_unexplained
             if not self._may_switch(end):
                 break
