@@ -95,17 +95,28 @@ def is_undecided(examined: Examination, window: Window, record: MotionRecord) ->
         return True
     if record.failure is not None and record.failure.reason == FailureReason.SLIDING:
         return record.failure.event == segment.event and _hardly_leaves(examined, window.s)
-    wrong = next(
-        ((t, name) for t, name in zip(record.times, record.segments, strict=True) if name != segment.name), None
-    )
-    if wrong is None:
+    unexpected = find_unexpected(examined, window, record)
+    if unexpected is None:
         return False
-    t, name = float(wrong[0]) - orbit.start, wrong[1]
+    t, name = unexpected
     if abs(t - window.event) <= find_allowed(examined) * orbit.period:
         return True
     event = model.segments[name].event
     within = window.s if t < window.event else (window.s + 1) % len(orbit.signature)
     return model.events[event].function is not None and _is_near(examined, event, within)
+
+
+def find_unexpected(examined: Examination, window: Window, record: MotionRecord) -> tuple[float, str] | None:
+    """Return the first event in a window that is not the one at the segment's end; None if there is no other.
+
+    It is given by its time after the orbit's start and the segment that it ended. Of several events like the expected
+    one the nearest in time is that.
+    """
+    segment = examined.orbit.signature.segments[window.s]
+    events = list(zip((record.times - examined.orbit.start).tolist(), record.segments, strict=True))
+    alike = [k for k, (_, name) in enumerate(events) if segment.event and name == segment.name]
+    expected = min(alike, key=lambda k: abs(events[k][0] - window.event), default=None)
+    return next((event for k, event in enumerate(events) if k != expected), None)
 
 
 def _touches(examined: Examination, s: int) -> bool:
@@ -172,20 +183,18 @@ def _describe(examined: Examination, window: Window, record: MotionRecord) -> Re
     where: dict[str, Scalar] = {"number": window.s + 1, "segment": segment.name}
     if record.failure is not None:
         return _describe_failure(record.failure, where)
-    wrong = next(
-        ((t, name) for t, name in zip(record.times, record.segments, strict=True) if name != segment.name), None
-    )
-    if wrong is None:
+    unexpected = find_unexpected(examined, window, record)
+    if unexpected is None:
         return Reason("missing", {"event": segment.event, **where})
-    t, name = wrong
-    number = (window.s + int(t - orbit.start >= window.event)) % len(orbit.signature)
+    t, name = unexpected
+    number = (window.s + int(t >= window.event)) % len(orbit.signature)
     return make_reason(
         "happens",
         number=number + 1,
         segment=orbit.signature.names[number],
         event=orbit.numeric.model.segments[name].event,
         instead=name,
-        time=float(t - orbit.start),
+        time=t,
     )
 
 

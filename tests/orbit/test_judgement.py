@@ -7,9 +7,9 @@ import pytest
 
 from pddecont.orbit import Referee, find_event_profile
 from pddecont.orbit.examination import Examination
-from pddecont.orbit.judgement import judge
+from pddecont.orbit.judgement import find_unexpected, judge
 from pddecont.simulate import FailureReason, MotionFailure, MotionRecord
-from tests.orbit.exact import circle
+from tests.orbit.exact import TURN, circle
 
 # The level of an orbit that all but touches its surface: it rises through it at a rate of 1e-4.
 NEARLY_TOUCHING = float(np.sqrt(1.0 - 1e-8))
@@ -103,3 +103,13 @@ def test_a_simulation_of_too_many_steps_says_nothing():
     examined, window = examine()
     found = judge(examined, window, None, strict=True)
     assert (found.verified, found.reason.code) == (-1, "too_many_steps")
+
+
+def test_an_event_like_the_expected_one_but_at_another_time_is_told():
+    """The orbit rises through its level once a turn; a motion that does so twice has one event more."""
+    examined, window = examine(0.5)
+    twice = record(examined, window, events=((-0.3, "s"), (0.0, "s")))
+    assert find_unexpected(examined, window, twice) == (pytest.approx(window.event - 0.3 * TURN), "s")
+    found = judge(examined, window, twice, strict=False)
+    assert (found.reason.code, found.reason.values["number"]) == ("happens", 1)
+    assert find_unexpected(examined, window, record(examined, window)) is None
