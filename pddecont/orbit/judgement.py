@@ -27,6 +27,8 @@ SIMULATED, ESTIMATED = 1e-7, 30.0
 CARRIED = 30.0
 # The part of its size by which an orbit is moved to see how far errors are carried, where its own error is smaller.
 SMALLEST_MOVE = 1e-8
+# A surface is touched if it is met more slowly than this times the root of what errors are, in sizes and periods.
+SLOW = 10.0
 
 
 def judge(examined: Examination, window: Window, record: MotionRecord | None, *, strict: bool) -> Verification:
@@ -90,7 +92,8 @@ def is_undecided(examined: Examination, window: Window, record: MotionRecord) ->
     orbit = examined.orbit
     model, segment = orbit.numeric.model, orbit.signature.segments[window.s]
     if not segment.event:
-        return bool(record.segments) and _is_near(examined, model.segments[record.segments[0]].event, window.s)
+        first = zip(record.times[:1].tolist(), record.segments[:1], strict=True)
+        return any(_is_near(examined, model.segments[k].event, window.s, t - orbit.start) for t, k in first)
     if _touches(examined, window.s) and _misses_touch(examined, window, record):
         return True
     if record.failure is not None and record.failure.reason == FailureReason.SLIDING:
@@ -103,7 +106,7 @@ def is_undecided(examined: Examination, window: Window, record: MotionRecord) ->
         return True
     event = model.segments[name].event
     within = window.s if t < window.event else (window.s + 1) % len(orbit.signature)
-    return model.events[event].function is not None and _is_near(examined, event, within)
+    return model.events[event].function is not None and _is_near(examined, event, within, t)
 
 
 def find_unexpected(examined: Examination, window: Window, record: MotionRecord) -> tuple[float, str] | None:
@@ -128,7 +131,7 @@ def _touches(examined: Examination, s: int) -> bool:
     profile = find_event_profile(orbit, event)
     largest = float(np.max(np.abs(profile.values)))
     rate = abs(profile.end_slope(s)) * orbit.period
-    return bool(rate <= 10.0 * np.sqrt(find_allowed(examined)) * largest)
+    return bool(rate <= SLOW * np.sqrt(find_allowed(examined)) * largest)
 
 
 def _hardly_leaves(examined: Examination, s: int) -> bool:
@@ -161,19 +164,28 @@ def _misses_touch(examined: Examination, window: Window, record: MotionRecord) -
     return failure is None or failure.event == segment.event
 
 
-def _is_near(examined: Examination, event: str, s: int) -> bool:
-    """Return whether the function of ``event`` in segment ``s`` goes beyond zero by no more than errors do."""
+def _is_near(examined: Examination, event: str, s: int, t: float) -> bool:
+    """Return whether the function of ``event`` goes beyond zero in segment ``s`` by no more than errors do, near ``t``.
+
+    The time counts from the orbit's start.
+    """
     orbit = examined.orbit
     watched = {w.event: w for w in orbit.signature.list_watched_events(s)}
     if event not in watched:
         return False
     profile = find_event_profile(orbit, event)
-    near = find_allowed(examined) * float(np.max(np.abs(profile.values)))
-    levels = [e.value for e in profile.extrema if e.segment == s]
+    allowed = find_allowed(examined)
+    levels = [(e.time, e.value) for e in profile.extrema if e.segment == s]
     if watched[event].direction in SIGNS:
-        # What is crossed by no more than this is touched.
-        levels += profile.ends(s)
-    return any(abs(level) <= near for level in levels)
+        # What is crossed by no more than this is touched; where the event itself ends or began the segment it is zero.
+        made_by = orbit.signature.segments[s - 1].event, orbit.signature.segments[s].event
+        ends = zip(orbit.event_times[[s, s + 1]].tolist(), profile.ends(s), made_by, strict=True)
+        levels += [(time, value) for time, value, other in ends if other != event]
+    largest = float(np.max(np.abs(profile.values)))
+    # A parabola that goes beyond zero by so much has its zeros as near to its top as the square root says.
+    near = SLOW * np.sqrt(allowed) * orbit.period
+    away = [min((t - time) % orbit.period, (time - t) % orbit.period) for time, _ in levels]
+    return any(gap <= near and abs(value) <= allowed * largest for gap, (_, value) in zip(away, levels, strict=True))
 
 
 def _describe(examined: Examination, window: Window, record: MotionRecord) -> Reason:
