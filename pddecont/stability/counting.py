@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from pddecont.errors import ConvergenceError
 from pddecont.stability.characteristic import Characteristic, factor_at
 
 Array = NDArray[np.float64]
@@ -30,6 +31,9 @@ NEAREST = 1e-7
 MANY, MOST = 32, 2048
 # Coefficients of the quotient's power series below this part of the largest are rounding.
 NEGLIGIBLE = 1e-11
+# They are rounding too where twice the points leave more than this part of them, and what is no larger than so many
+# times as much tells nothing; a series of which more than NOISY is rounding does not tell its zeros.
+FALLS, ABOVE, NOISY = 0.1, 10.0, 1e-3
 # Zeros of the power series beyond the circle are worth a try too, to where a history is this much larger, but not far.
 BEYOND, FAR = 3.0, 1.3
 
@@ -84,17 +88,27 @@ class Counter:
 
         They are zeros of the quotient's power series, whose coefficients are real; of conjugate pairs the upper one is
         returned.
+
+        Raises
+        ------
+        ConvergenceError
+            If the determinant is not defined on the circle, or too small there to be known.
         """
-        n = MANY
+        n, before = MANY, np.inf
         while True:
             half = [self._at(angle, listed, radius) for angle in np.linspace(0.0, np.pi, n // 2 + 1)]
             shift = max(value.real for value in half)
             values = np.exp(np.array(half) - shift)
             series = np.fft.irfft(np.conj(values), n)
-            large = np.flatnonzero(np.abs(series) > NEGLIGIBLE * np.max(np.abs(series)))
-            if large[-1] < n // 2 or n >= MOST:
+            size = np.abs(series) / np.max(np.abs(series))
+            tail = float(np.max(size[n // 2 :]))
+            # The quotient is an entire function: with twice the points its last coefficients are far smaller, or noise.
+            if tail <= NEGLIGIBLE or n >= MOST or (tail > FALLS * before and tail < NOISY):
                 break
-            n *= 2
+            n, before = 2 * n, tail
+        if tail > NOISY:
+            raise ConvergenceError("the determinant is not known well enough on this circle")
+        large = np.flatnonzero(size > max(NEGLIGIBLE, ABOVE * tail))
         zeros = np.roots(series[: large[-1] + 1][::-1])
         beyond = min(FAR, BEYOND ** (1.0 / max(1, self.characteristic.depth)))
         zeros = zeros[(np.abs(zeros) < beyond) & (zeros.imag >= 0.0) & (zeros != 0.0)]

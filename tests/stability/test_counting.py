@@ -1,8 +1,11 @@
 """Counts outside a circle, and where those are that a list lacks."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
+from pddecont.errors import ConvergenceError
 from pddecont.stability.characteristic import MapCharacteristic, PeriodCharacteristic
 from pddecont.stability.counting import Counter
 
@@ -50,3 +53,32 @@ def test_histories_of_many_periods_crowd_the_circle_and_all_are_counted(depth):
     assert Counter(characteristic).count_missing(np.zeros(0), 1.01 * modulus) == 0
     found = Counter(characteristic).find_missing(np.zeros(0), 0.99 * modulus)
     assert len(found) == depth // 2 + 1 and np.abs(found) == pytest.approx(np.full(len(found), modulus), rel=1e-9)
+
+
+class Noisy(Counter):
+    """A quotient that is known to so many digits only."""
+
+    def __init__(self, missing, noise):
+        super().__init__(SimpleNamespace(depth=1))
+        self.missing, self.noise, self.random, self.asked = missing, noise, np.random.default_rng(1), 0
+
+    def _at(self, angle, listed, radius):
+        self.asked += 1
+        z = complex(np.exp(1j * angle)) / radius
+        return complex(np.sum(np.log(1.0 - z * self.missing))) + self.noise * self.random.standard_normal()
+
+
+def test_rounding_in_the_determinant_is_no_multiplier():
+    """With relative errors of 1e-8 the four are found to about that, and nothing is asked two thousand times."""
+    missing = np.array([0.9, -0.5, 0.3 + 0.4j, 0.3 - 0.4j])
+    counter = Noisy(missing, 1e-8)
+    found = counter.find_missing(np.zeros(0), 0.3)
+    assert counter.asked < 100
+    for value in (0.9, -0.5, 0.3 + 0.4j):
+        assert np.min(np.abs(found - value)) < 1e-5
+    assert np.sum(np.abs(found) > 0.3) == 3
+
+
+def test_a_determinant_that_is_all_rounding_tells_nothing():
+    with pytest.raises(ConvergenceError, match="not known well enough"):
+        Noisy(np.array([0.5]), 1.0).find_missing(np.zeros(0), 0.3)
