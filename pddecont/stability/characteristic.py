@@ -25,7 +25,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg
 from numpy.typing import NDArray
 
-from pddecont.continuation import Matrix, row_maxima, scale_matrix
+from pddecont.continuation import Matrix, scale_matrix
 from pddecont.errors import ConvergenceError
 
 Array = NDArray[np.float64]
@@ -38,7 +38,7 @@ Solve: TypeAlias = Callable[[Complex], Complex]
 
 @dataclass(frozen=True, eq=False)
 class Factors:
-    """The factors of M(z), its rows multiplied by ``rows`` so that each has a largest entry of modulus 1.
+    """The factors of M(z), its rows multiplied by ``rows``, the inverses of their sizes.
 
     ``matrix`` is M so scaled; ``solve`` and ``solve_adjoint`` solve with it and its conjugate transpose. ``diagonal``
     is that of the upper factor, ``permutations`` those of rows and columns.
@@ -78,6 +78,10 @@ class Characteristic(Protocol):
 
     def derivative(self, z: complex) -> Matrix:
         """Return dM/dz."""
+        ...
+
+    def row_sizes(self, z: complex) -> Array:
+        """Return the largest term of each row of M(z), before terms of one entry cancel (n_rows,); 1 for a row of 0."""
         ...
 
 
@@ -126,6 +130,12 @@ class PeriodCharacteristic:
         slopes = self._exponents * _simplify(z) ** np.maximum(self._exponents - 1, 0)
         return self._fill(self.values * slopes[self.powers])
 
+    def row_sizes(self, z: complex) -> Array:
+        """Return the largest term of each row of M(z)."""
+        terms, sizes = np.abs(self.values) * (abs(z) ** self._exponents)[self.powers], np.zeros(self.size)
+        np.maximum.at(sizes, self.rows, terms)
+        return np.where(sizes > 0.0, sizes, 1.0)
+
 
 @dataclass(frozen=True, eq=False)
 class MapCharacteristic:
@@ -147,6 +157,10 @@ class MapCharacteristic:
         """Return minus the map."""
         return -self.map
 
+    def row_sizes(self, z: complex) -> Array:
+        """Return the largest term of each row of I - z map."""
+        return np.asarray(np.maximum(1.0, abs(z) * np.max(np.abs(self.map), axis=1, initial=0.0)))
+
 
 def _simplify(z: complex) -> complex | float:
     return z if z.imag else z.real
@@ -164,7 +178,7 @@ def factor_at(characteristic: Characteristic, z: complex) -> Factors:
         matrix = characteristic.matrix(z)
     if not np.all(np.isfinite(matrix.data if sp.issparse(matrix) else matrix)):
         raise ConvergenceError("the characteristic matrix is not finite")
-    rows = 1.0 / row_maxima(matrix)
+    rows = 1.0 / characteristic.row_sizes(z)
     matrix = scale_matrix(matrix, rows, np.ones(characteristic.size))
     return _factor_sparse(matrix, rows) if sp.issparse(matrix) else _factor_dense(matrix, rows)
 

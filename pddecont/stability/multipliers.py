@@ -185,7 +185,8 @@ def complete(
     made smaller step by step where nothing is known yet (``deep``). Where counts fail on a small circle they are asked
     for on a larger one, and what lies between the two is left out.
     """
-    counter, confirmed = Counter(characteristic), float("inf")
+    counter, sure = Counter(characteristic), known
+    circles: list[float] = []
     shrink = max(0.5, SHRINK ** (1.0 / max(1, characteristic.depth)))
     radius = NEAR_UNIT / shrink
     for _ in range(MAX_ROUNDS):
@@ -193,7 +194,10 @@ def complete(
         radius = max(aim, shrink * radius) if deep else aim
         missing = _count(counter, known, radius)
         if missing == 0:
-            confirmed = radius
+            # One that is listed and is none makes up for one that is lacking, but not on the circles between them.
+            if any(_count(counter, known, circle) != 0 for circle in circles):
+                break
+            circles, sure = [*circles, radius], known
             if radius == aim:
                 return known, True
             continue
@@ -204,9 +208,9 @@ def complete(
             known = _drop_repeated(known)
         if len(known) == found:
             break
-    if np.isinf(confirmed) and _count(counter, known, NEAR_UNIT) == 0:
-        confirmed = NEAR_UNIT
-    return [m for m in known if abs(m.value) > confirmed] if np.isfinite(confirmed) else known, np.isfinite(confirmed)
+    if not circles and _count(counter, known, NEAR_UNIT) == 0:
+        circles, sure = [NEAR_UNIT], known
+    return [m for m in sure if abs(m.value) > min(circles)] if circles else known, bool(circles)
 
 
 def _choose_radius(moduli: Array, wanted: int) -> float:
@@ -261,11 +265,9 @@ def _drop_repeated(known: list[Refined]) -> list[Refined]:
     """Return a list without one that is in it twice, and its conjugate."""
     for i, m in enumerate(known):
         if any(_are_same(m, other) for other in known[:i]):
-            gone = next(
-                k
-                for k, other in enumerate(known)
-                if other.value == m.value.conjugate() and (k != i or not m.value.imag)
-            )
+            gone = i
+            if m.value.imag:
+                gone = next(k for k, other in enumerate(known) if other.value == m.value.conjugate())
             return [other for k, other in enumerate(known) if k not in (i, gone)]
     return known
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.continuation import row_maxima, scale_matrix
+from pddecont.continuation import scale_matrix
 from pddecont.errors import ConvergenceError
 from pddecont.stability.characteristic import Characteristic, Factors, factor_at
 
@@ -71,7 +71,7 @@ def refine(characteristic: Characteristic, value: complex) -> Refined | None:
 
 def _conclude(characteristic: Characteristic, z: complex, vector: Complex) -> Refined | None:
     matrix = characteristic.matrix(z)
-    residual = float(np.max(np.abs(matrix @ vector) / row_maxima(matrix)))
+    residual = float(np.max(np.abs(matrix @ vector) / characteristic.row_sizes(z)))
     return Refined(1.0 / z, residual, vector, False) if residual < RESIDUAL else None
 
 

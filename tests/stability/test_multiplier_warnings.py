@@ -9,6 +9,8 @@ from pddecont.errors import ConvergenceError
 from pddecont.results import read_results
 from pddecont.stability import find_multipliers
 from pddecont.stability import multipliers as module_of_multipliers
+from pddecont.stability.characteristic import MapCharacteristic
+from pddecont.stability.refinement import refine
 from pddecont.tables import describe_endings, make_table, summarise_step
 from tests.known_orbits import impact_oscillator
 from tests.orbits import settle_to_orbit
@@ -128,3 +130,19 @@ def test_residuals_stand_beside_the_multipliers(tmp_path):
     step = run({"model": "wall_oscillator", "steps": steps}, tmp_path / "a.h5").step("o")
     rows = make_table(step, "multipliers")
     assert len(rows) == 2 and all(0 <= row["residual"] < 1e-12 for row in rows)
+
+
+@pytest.mark.parametrize("times", [1, 2, 3, 4])
+def test_a_search_that_goes_astray_does_not_spoil_what_was_confirmed(monkeypatch, times):
+    """Of four multipliers two are known; where the next is looked for nothing but the first is found, several times.
+
+    What a count confirmed before is what remains.
+    """
+    characteristic = MapCharacteristic(np.diag([0.85, -0.37, 0.05, 0.02]))
+    known = [refine(characteristic, value) for value in (0.851, -0.371)]
+    monkeypatch.setattr(
+        module_of_multipliers, "_find_missing", lambda counter, known, radius: np.full(times, 0.85, dtype=complex)
+    )
+    found, counted = module_of_multipliers.complete(characteristic, known, 12, deep=True)
+    assert counted
+    assert [m.value.real for m in found] == pytest.approx([0.85, -0.37], abs=1e-12)

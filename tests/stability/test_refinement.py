@@ -47,3 +47,10 @@ def test_the_vector_is_that_of_the_nearest():
     vector = find_vector(characteristic, 0.69)
     assert characteristic.map @ vector == pytest.approx(0.7 * vector, abs=1e-12)
     assert np.max(np.abs(vector)) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("value", [0.85, -0.37])
+def test_a_state_that_nothing_else_acts_on_has_its_multiplier(value):
+    """Its row of the characteristic matrix has one entry, which is the one that vanishes."""
+    found = refine(MapCharacteristic(np.diag([0.85, -0.37, 0.05])), complex(value * 1.001))
+    assert found.value == pytest.approx(value, rel=1e-13)
