@@ -278,7 +278,8 @@ class Motion:
         for event, delay in self.clocks.get(exit_.what, ()):
             bisect.insort(self.pending, (self.at + delay, event))
         if before is not None:
-            self._refuse_sliding(exit_, np.sign(before))
+            # A slope says less than the direction listed: a step aside may reach over a jump of what the function reads.
+            self._refuse_sliding(exit_, exit_.direction or np.sign(before))
 
     def _slope(self, exit_, flow, z, side):
         """Return the rate of an event function along a flow at this moment, by a small step with it."""

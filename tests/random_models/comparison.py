@@ -191,11 +191,12 @@ def check_multiplier(model, orbit, multipliers, n_periods=10):
     """Return (claimed, measured, agrees) of the leading multiplier's modulus; None where nothing can be measured.
 
     Two motions on opposite sides of the orbit are followed; their distances after n periods obey a linear recurrence
-    whose roots are the leading multipliers. Autonomous orbits have 1 among them: differences of distances do not.
+    whose roots are the leading multipliers. In autonomous models 1 is a root too, of distances and not of their
+    differences; it is among the multipliers of orbits without events, whose phase nothing else fixes.
     """
     claimed = np.array(sorted(multipliers, key=abs, reverse=True))
     autonomous = model.period is None
-    if autonomous and len(claimed):
+    if autonomous and orbit.eventless and len(claimed):
         claimed = np.delete(claimed, np.argmin(np.abs(claimed - 1)))
     if not len(claimed) or not 0.05 < abs(claimed[0]) < 20:
         return None
