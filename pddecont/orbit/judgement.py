@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from pddecont.orbit.admissibility import SIGNS
+from pddecont.orbit.carried_events import list_carried_events, list_unlisted_carried_events
 from pddecont.orbit.event_profiles import find_event_profile
 from pddecont.orbit.examination import Examination, Window
 from pddecont.orbit.leaving import find_leaving_rate, list_sliding_ends
@@ -99,6 +100,8 @@ def is_undecided(examined: Examination, window: Window, record: MotionRecord) ->
     if record.failure is not None and record.failure.reason == FailureReason.SLIDING:
         return record.failure.event == segment.event and _hardly_leaves(examined, window.s)
     unexpected = find_unexpected(examined, window, record)
+    if _is_hardly_carried(examined, segment.event if unexpected is None else model.segments[unexpected[1]].event):
+        return True
     if unexpected is None:
         return False
     t, name = unexpected
@@ -141,6 +144,13 @@ def _hardly_leaves(examined: Examination, s: int) -> bool:
         return False
     largest = float(np.max(np.abs(find_event_profile(orbit, orbit.signature.segments[s].event).values)))
     return abs(find_leaving_rate(orbit, s)) * orbit.period <= CARRIED * find_allowed(examined) * largest
+
+
+def _is_hardly_carried(examined: Examination, event: str) -> bool:
+    """Return whether a jump that comes back carries an event's function just to its zero, as far as errors tell."""
+    orbit, allowed = examined.orbit, find_allowed(examined)
+    found = [*list_carried_events(orbit), *list_unlisted_carried_events(orbit)]
+    return any(carried.event == event and abs(carried.measure(orbit)) <= allowed for carried in found)
 
 
 def _misses_touch(examined: Examination, window: Window, record: MotionRecord) -> bool:

@@ -278,7 +278,7 @@ class Motion:
         for event, delay in self.clocks.get(exit_.what, ()):
             bisect.insort(self.pending, (self.at + delay, event))
         if before is not None:
-            # A slope says less than the direction listed: a step aside may reach over a jump of what the function reads.
+            # The direction listed says more than a slope: a step aside may reach over a jump of what it reads.
             self._refuse_sliding(exit_, exit_.direction or np.sign(before))
 
     def _slope(self, exit_, flow, z, side):
