@@ -133,6 +133,8 @@ def follow_branch(
         Sign given to the arclengths of this direction.
     home
         Where the branch began; it ends where it comes back. None: it is not looked for.
+    horizon
+        What may grow without bound; it ends along an asymptote. None: none is looked for.
     """
     before: TestValues | None = None
     n_unexplained = 0
@@ -149,46 +151,50 @@ def follow_branch(
             return Termination(exc.end, exc.reason, n_unexplained)
         except ConvergenceError as exc:
             return Termination(End.STEP_TOO_SMALL, make_reason("message", text=str(exc)), n_unexplained)
-        scaling = reached.system.scaling
-        chord = reached.x - reached.system.interpolate_from(system, start.x)
-        length = scaling.length(chord)
-        assert reached.solution is not None
-        comparable = _find_comparable(reached.system, reached.x - chord)
-        along = np.where(comparable, chord, 0.0)
-        direction = tangent_at(reached.solution, scaling, along)
-        reached = replace(reached, direction=direction)
+        reached, length, cosine = _turn_forward(start, reached)
         after = evaluate_tests(reached, functions)
         segment = BranchSegment(start, reached, settings.newton)
         specials, more = find_special_points(segment, functions, before, after, AT_START if state.is_start else 0.0)
         closing = find_return(segment, home) if home is not None and state.arclength != 0.0 else None
         n_unexplained += more
         for special in specials:
-            if closing is not None and special.fraction > closing + AT_START:
-                break
-            point = _make_special(special, state, sign * length)
-            emit(replace(point, n_unexplained=more) if special.test.end else point)
-            if special.test.end:
-                return _end_at(special, n_unexplained)
+            if closing is None or special.fraction <= closing + AT_START:
+                point = _make_special(special, state, sign * length)
+                emit(replace(point, n_unexplained=more) if special.test.end else point)
+                if special.test.end:
+                    return _end_at(special, n_unexplained)
         if closing is not None:
             emit(replace(_make_last(segment, closing, state, sign * length), n_unexplained=more))
             return Termination(End.CLOSED, NO_REASON, n_unexplained)
-        there = np.where(comparable, direction, 0.0)
-        cosine = scaling.dot(there, along) / (scaling.length(there) * scaling.length(along))
         next_step = _next_step(step, reached.n_iterations, cosine, settings)
         state = BranchState(reached, state.arclength + sign * length, next_step, state.n_points + 1, False)
-        limit = find_reached(boundaries, reached, direction)
-        if horizon is not None and not (limit or passed or after.violation):
+        assert reached.direction is not None
+        limit = find_reached(boundaries, reached, reached.direction)
+        if passed and not limit:
+            limit = passed[0].end, passed[0].reason(reached.at, passed[1])
+        if horizon is not None and not (limit or after.violation):
             grows = find_asymptote(horizon, start, reached, after, functions, boundaries, settings.newton)
             limit = (End.ASYMPTOTE, grows) if grows else None
-        emit(BranchPoint(state, END_POINT if limit or passed else "", reached.n_iterations, n_unexplained=more))
+        emit(BranchPoint(state, END_POINT if limit else "", reached.n_iterations, n_unexplained=more))
         if after.violation and not before.violation:
             return Termination(End.INVALID, after.violation, n_unexplained)
         if limit:
             return Termination(*limit, n_unexplained)
-        if passed:
-            return Termination(passed[0].end, passed[0].reason(reached.at, passed[1]), n_unexplained)
         before = after
     return Termination(End.MAX_POINTS, NO_REASON, n_unexplained)
+
+
+def _turn_forward(start: CurvePoint[E], reached: CurvePoint[E]) -> tuple[CurvePoint[E], float, float]:
+    """Return the end of a step with the branch's direction there, the step's length, and the cosine of its turn."""
+    scaling = reached.system.scaling
+    chord = reached.x - reached.system.interpolate_from(start.system, start.x)
+    assert reached.solution is not None
+    comparable = _find_comparable(reached.system, reached.x - chord)
+    along = np.where(comparable, chord, 0.0)
+    direction = tangent_at(reached.solution, scaling, along)
+    there = np.where(comparable, direction, 0.0)
+    cosine = scaling.dot(there, along) / (scaling.length(there) * scaling.length(along))
+    return replace(reached, direction=direction), scaling.length(chord), cosine
 
 
 def _end_at(special: SpecialPoint[E], n_unexplained: int) -> Termination:
