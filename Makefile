@@ -5,8 +5,9 @@ BIN := $(ENV)/bin
 OUT := out
 # Random models that `make reliability` tries; PDDECONT_SEED repeats those of an earlier run.
 MODELS ?= 90
+FIRST ?= 1000
 
-.PHONY: setup demo figures test reliability stress check docs reference layers bench cost tracking chain-order schema clean \
+.PHONY: setup demo figures test reliability random-models stress check docs reference layers bench cost tracking chain-order schema clean \
   distclean
 setup: $(ENV)/ready
 
@@ -28,7 +29,11 @@ test: setup          ## all but the two slowest tests, which `make reliability` 
 reliability: setup   ## docs/reliability.md, from the suite itself
 	mkdir -p $(OUT)
 	PDDECONT_KILLS=200 PDDECONT_ACCURACIES=200 PDDECONT_MODELS=$(MODELS) OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile --reliability $(OUT)/reliability.json
-	$(BIN)/python -m tests.reliability $(OUT)/reliability.json docs/reliability.md
+	$(BIN)/python -m tests.reliability $(OUT)/reliability.json docs/reliability.md $(wildcard $(OUT)/random_models/trials.jsonl)
+
+random-models: setup ## MODELS random models from seed FIRST on; `make reliability` counts them too
+	mkdir -p $(OUT)/random_models
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m tests.random_models $(FIRST) $(MODELS) $(OUT)/random_models
 
 stress: setup        ## a million random events against exact solutions; minutes
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest tests/simulate/test_random_events.py

@@ -1,7 +1,7 @@
 """What the suite reaches, as a table: tests hand in rows, and ``make reliability`` prints them as docs/reliability.md.
 
-Run as a module it turns the rows of a run of the suite into the page: ``python -m tests.reliability ROWS.json
-PAGE.md``.
+Run as a module it turns the rows of a run of the suite into the page: ``python -m tests.reliability ROWS.json PAGE.md
+[TRIALS.jsonl ...]``, with the random models that ``python -m tests.random_models`` wrote down besides.
 """
 
 from __future__ import annotations
@@ -41,7 +41,8 @@ compared with motions by an integrator written apart (SciPy's DOP853, the method
 *Periods*: recorded orbits simulated for one period from their own past, same events in the same order; the worst
 deviation is in parts of what the error estimate allows. *Multipliers*: the leading one against the growth of a small
 perturbation, relative deviation. *Given up*: too long for one
-model. *At a limit*: a change as small as the orbit's error changes its events. *Too
+model. *At a limit*: a labelled point at which the signature ends, or a change as small as the orbit's error changes
+its events. *Too
 sensitive*: a period magnifies the error to more than 1e-3. *Said to be none*: the program says itself that the orbit
 is no motion of the model; *refused, a motion*: it says so of one that is. *Wrong, unsaid*: none of that, and yet no
 motion, or another multiplier.""",
@@ -241,5 +242,16 @@ def _tallies(rows):
         yield _table(["what", "outcome", "number"], [*counts, ["all", "", f"{sum(sections[title].values()):,}"]])
 
 
+def read_trials(paths):
+    """Return the rows of random models that were tried outside the suite, each seed once."""
+    lines = [json.loads(line) for path in paths for line in Path(path).read_text().splitlines()]
+    return [{"section": RANDOM, "trial": trial} for trial in {trial["seed"]: trial for trial in lines}.values()]
+
+
+def main(rows, target, *trials):
+    """Write the page of a run of the suite, and of random models tried besides."""
+    Path(target).write_text(page([*json.loads(Path(rows).read_text()), *read_trials(trials)]))
+
+
 if __name__ == "__main__":
-    Path(sys.argv[2]).write_text(page(json.loads(Path(sys.argv[1]).read_text())))
+    main(*sys.argv[1:])

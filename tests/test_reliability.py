@@ -1,7 +1,9 @@
 """The page that the suite's own rows make."""
 
+import json
+
 from tests.conftest import ROOT
-from tests.reliability import CASES, ESTIMATES, MENDED, RANDOM, TALLIES, page
+from tests.reliability import CASES, ESTIMATES, MENDED, RANDOM, TALLIES, main, page
 
 
 def test_rows_become_tables():
@@ -51,3 +53,13 @@ def test_every_family_is_documented():
     page = (ROOT / "docs" / "hard_cases.md").read_text()
     for path in (ROOT / "tests" / "hard").glob("test_*.py"):
         assert f"`tests/hard/{path.name}`" in page, path.name
+
+
+def test_random_models_tried_besides_are_counted_once_each(tmp_path):
+    trial = {"family": "relay", "outcome": "no orbit", "n_points": 0, "n_multipliers": 0, "worst_orbit": 0.0}
+    trial |= {"worst_multiplier": 0.0, "at_limit": 0, "too_sensitive": 0, "warned": 0, "faults": [], "refused": []}
+    lines = [json.dumps({**trial, "attractors": {}, "seed": seed}) for seed in (1, 2, 2, 3)]
+    (tmp_path / "trials.jsonl").write_text("\n".join(lines) + "\n")
+    (tmp_path / "rows.json").write_text("[]")
+    main(tmp_path / "rows.json", tmp_path / "page.md", tmp_path / "trials.jsonl")
+    assert "| relay | 3 | 0 |" in (tmp_path / "page.md").read_text()

@@ -17,7 +17,7 @@ from tests.random_models.sweeps import explain_attractors
 from tests.runs import run
 
 # Points at which a signature's orbit is at its own limit: the next one may be as good.
-LIMITS = ("GR", "VS", "GG", "GD", "HB")
+LIMITS = ("GR", "VS", "MC", "GG", "GD", "HB")
 TOO_LONG = "too long"
 
 
