@@ -12,6 +12,7 @@ from pddecont.steps.execution import execute
 from pddecont.tables import describe_endings
 from tests.faults.runs import BRANCH, KINDS, LOOSE, MODEL, START, UP, contents
 from tests.runs import change, plan
+from tests.steps.test_asymptote import SADDLE
 
 FOLD = {
     "name": "folding",
@@ -88,16 +89,6 @@ ISLAND = {
         }
     },
     "initial": {"x": 1, "y": 0},
-}
-SADDLE = {
-    "name": "saddle",
-    "states": ["x"],
-    "parameters": {"p": 0.5},
-    "modes": {"up": {"x'": "x"}},
-    "events": {"top": "x - 1"},
-    "resets": {"down": {"x": "p - 0.3"}},
-    "segments": {"up": {"mode": "up", "event": "top", "direction": "rising", "reset": "down", "to": "up"}},
-    "initial": {"mode": "up", "x": 0.2},
 }
 STICKING = {
     "name": "sticking",
