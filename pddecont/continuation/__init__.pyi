@@ -19,6 +19,7 @@ from .linear import ScaledFactors as ScaledFactors
 from .linear import add_row as add_row
 from .linear import equilibrate as equilibrate
 from .linear import factor as factor
+from .linear import row_maxima as row_maxima
 from .linear import scale_matrix as scale_matrix
 from .newton import NewtonSettings as NewtonSettings
 from .newton import Solution as Solution

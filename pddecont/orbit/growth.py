@@ -8,13 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.orbit.boundaries import AtOrbit
-from pddecont.orbit.judgement import DRIFTS
 from pddecont.orbit.orbit import Orbit
+from pddecont.orbit.verdict import DRIFTS
 from pddecont.reasons import Reason, Scalar, make_reason
 
 Array = NDArray[np.float64]
 # Code of the reason why a branch ends along an asymptote.
 GROWS = "grows"
+# A state that is smaller than this part of the largest does not count: one that grows without bound becomes that.
+NEGLIGIBLE = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,8 +26,9 @@ class OrbitHorizon:
     origin: Array
 
     def sizes(self, at: AtOrbit) -> Array:
-        """Return the period and the states' largest moduli, shape (1 + n_states,)."""
-        return np.append(at.orbit.period, np.max(np.abs(at.orbit.values), axis=0))
+        """Return the period and the states' largest moduli, shape (1 + n_states,); 0 for a negligible state."""
+        largest = np.max(np.abs(at.orbit.values), axis=0)
+        return np.append(at.orbit.period, np.where(largest > NEGLIGIBLE * np.max(largest), largest, 0.0))
 
     def rows(self, at: AtOrbit) -> Array:
         """Return the rows whose products with the unknowns they are, shape (1 + n_states, n_unknowns)."""

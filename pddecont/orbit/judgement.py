@@ -15,12 +15,10 @@ from pddecont.orbit.carried_events import list_carried_events, list_unlisted_car
 from pddecont.orbit.event_profiles import find_event_profile
 from pddecont.orbit.examination import Examination, Window
 from pddecont.orbit.leaving import find_leaving_rate, list_sliding_ends
-from pddecont.orbit.verdict import NOT_DONE, Verification
+from pddecont.orbit.verdict import DRIFTS, NOT_DONE, Verification
 from pddecont.reasons import Reason, Scalar, make_reason
 from pddecont.simulate import FailureReason, MotionFailure, MotionRecord
 
-# Code of the reason that a simulation ends elsewhere than the orbit, after the same events.
-DRIFTS = "drifts"
 # How far simulation and orbit may be apart, relative to the size of the motion: what the errors of the simulation's
 # steps add up to, and so many times the orbit's own estimated error.
 SIMULATED, ESTIMATED = 1e-7, 30.0

@@ -8,6 +8,9 @@ from typing import Protocol
 from pddecont.orbit.orbit import Orbit
 from pddecont.reasons import NO_REASON, Reason
 
+# Code of the reason that a simulation ends elsewhere than the orbit, after the same events.
+DRIFTS = "drifts"
+
 
 @dataclass(frozen=True)
 class Verification:

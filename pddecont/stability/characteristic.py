@@ -25,7 +25,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg
 from numpy.typing import NDArray
 
-from pddecont.continuation import Matrix, scale_matrix
+from pddecont.continuation import Matrix, row_maxima, scale_matrix
 from pddecont.errors import ConvergenceError
 
 Array = NDArray[np.float64]
@@ -81,7 +81,7 @@ class Characteristic(Protocol):
         ...
 
     def row_sizes(self, z: complex) -> Array:
-        """Return the largest term of each row of M(z), before terms of one entry cancel (n_rows,); 1 for a row of 0."""
+        """Return the largest entry of each row (n_rows,), were all terms of an entry of one sign; 1 for a row of 0."""
         ...
 
 
@@ -131,10 +131,8 @@ class PeriodCharacteristic:
         return self._fill(self.values * slopes[self.powers])
 
     def row_sizes(self, z: complex) -> Array:
-        """Return the largest term of each row of M(z)."""
-        terms, sizes = np.abs(self.values) * (abs(z) ** self._exponents)[self.powers], np.zeros(self.size)
-        np.maximum.at(sizes, self.rows, terms)
-        return np.where(sizes > 0.0, sizes, 1.0)
+        """Return the largest entry of each row of M(z), were all its terms of one sign."""
+        return row_maxima(self._fill(np.abs(self.values) * (abs(z) ** self._exponents)[self.powers]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,8 +156,8 @@ class MapCharacteristic:
         return -self.map
 
     def row_sizes(self, z: complex) -> Array:
-        """Return the largest term of each row of I - z map."""
-        return np.asarray(np.maximum(1.0, abs(z) * np.max(np.abs(self.map), axis=1, initial=0.0)))
+        """Return the largest entry of each row of I + |z| |map|."""
+        return row_maxima(np.eye(self.size) + abs(z) * np.abs(self.map))
 
 
 def _simplify(z: complex) -> complex | float:

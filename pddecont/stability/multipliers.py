@@ -40,6 +40,8 @@ NEAR_UNIT = 0.95
 WIDE, BELOW = 1.0005, 0.7
 # With a long history circles shrink by so much that its earliest part does by this factor, at most by half.
 SHRINK = 0.1
+# Where counts fail they are asked for on circles wider by this factor.
+WIDER = 2.0
 # Rounds of counting, finding what is missing, and counting again.
 MAX_ROUNDS = 32
 # A first guess as near as this to a multiplier, relative to its size, came from a method that knows how often it is
@@ -208,8 +210,11 @@ def complete(
             known = _drop_repeated(known)
         if len(known) == found:
             break
-    if not circles and _count(counter, known, NEAR_UNIT) == 0:
-        circles, sure = [NEAR_UNIT], known
+    while not circles and radius < NEAR_UNIT:
+        # Farther out counts are easier, and fewer multipliers are left.
+        radius = min(WIDER * radius, NEAR_UNIT)
+        if _count(counter, known, radius) == 0:
+            circles, sure = [radius], known
     return [m for m in sure if abs(m.value) > min(circles)] if circles else known, bool(circles)
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from pddecont.bifurcation import branch_tests, grazing, period_doubling, vanishing
 from pddecont.errors import RunError
-from pddecont.orbit import Monitor, admissibility
+from pddecont.orbit import Monitor, event_profiles
 from pddecont.stability import MultiplierCache
 from tests.runs import labels, plan, run
 
@@ -133,7 +133,7 @@ def test_kinds_that_cannot_be_found_are_refused(detect, message):
 
 
 def test_event_functions_along_an_orbit_are_worked_out_once(tmp_path, monkeypatch):
-    made, whole = [], admissibility.make_profile
+    made, whole = [], event_profiles.make_profile
 
     def counting(orbit, *args, **kwargs):
         made.append(id(orbit))
@@ -141,7 +141,7 @@ def test_event_functions_along_an_orbit_are_worked_out_once(tmp_path, monkeypatc
         return whole(orbit, *args, **kwargs)
 
     orbits = []
-    monkeypatch.setattr(admissibility, "make_profile", counting)
+    monkeypatch.setattr(event_profiles, "make_profile", counting)
     step = branch(tmp_path, detect=[])
     # One event function, looked at for what is admissible, for the clearance and for its extrema.
     assert len(set(made)) == len(made) == len(step) + 1

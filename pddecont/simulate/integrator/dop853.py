@@ -99,7 +99,8 @@ def _estimate_error(c, new, h):
         sum5 += (e5 / allowed) ** 2
     if not math.isfinite(sum3 + sum5):
         return math.inf
-    if sum5 == 0.0 and sum3 == 0.0:
+    # Where sum5 is zero so is the error; sum3 may be so small that a hundredth of it is zero too.
+    if sum5 == 0.0:
         return 0.0
     return abs(h) * sum5 / math.sqrt((sum5 + 0.01 * sum3) * n)
 
