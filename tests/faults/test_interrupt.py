@@ -1,5 +1,6 @@
 """Ctrl-C and SIGTERM at random instants: a clean end, a message, the exit code, a file that --resume goes on with."""
 
+import contextlib
 import os
 import random
 import signal
@@ -10,6 +11,7 @@ import time
 import pytest
 
 from pddecont.cli.interrupt import end_on_signals
+from pddecont.errors import ResultsError
 from pddecont.results import read_results
 from pddecont.steps.execution import execute
 from tests.cli.test_cli import call
@@ -49,6 +51,16 @@ def started(folder, *options):
     line = process.stderr.readline()
     assert "..." in line, line
     return process
+
+
+def wait_for_step(path, name):
+    """Wait until a run has begun a step; the compiler may come first."""
+    for _ in range(1200):
+        with contextlib.suppress(ResultsError):
+            if name in read_results(path).steps:
+                return
+        time.sleep(0.1)
+    pytest.fail(f"step '{name}' has not begun after two minutes")
 
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
@@ -119,7 +131,8 @@ def test_integrations_are_interrupted_in_machine_code_without_harm(tally):
 def test_machine_code_and_workers_do_not_hold_a_signal_up(tmp_path, workers, tally):
     (tmp_path / "quick.yaml").write_text(LONG)
     process = started(tmp_path, "--workers", str(workers))
-    time.sleep(2.0)
+    wait_for_step(tmp_path / "q.h5", "last")
+    time.sleep(0.5)
     assert process.poll() is None
     begun = time.perf_counter()
     process.send_signal(signal.SIGINT)
