@@ -142,8 +142,7 @@ def follow_branch(
     if reached_at_start:
         return Termination(*reached_at_start)
     while state.n_points < settings.max_points:
-        system = state.point.system.update_reference(state.point.at)
-        start = CurvePoint(system, system.at(state.x), None, state.tangent)
+        start = _begin_step(state)
         before = find_values_at_start(start, functions, before)
         try:
             reached, step, passed = _find_next(start, state.step, settings, boundaries)
@@ -168,10 +167,7 @@ def follow_branch(
             return Termination(End.CLOSED, NO_REASON, n_unexplained)
         next_step = _next_step(step, reached.n_iterations, cosine, settings)
         state = BranchState(reached, state.arclength + sign * length, next_step, state.n_points + 1, False)
-        assert reached.direction is not None
-        limit = find_reached(boundaries, reached, reached.direction)
-        if passed and not limit:
-            limit = passed[0].end, passed[0].reason(reached.at, passed[1])
+        limit = _find_limit(boundaries, reached, passed)
         if horizon is not None and not (limit or after.violation):
             grows = find_asymptote(horizon, start, reached, after, functions, boundaries, settings.newton)
             limit = (End.ASYMPTOTE, grows) if grows else None
@@ -182,6 +178,24 @@ def follow_branch(
             return Termination(*limit, n_unexplained)
         before = after
     return Termination(End.MAX_POINTS, NO_REASON, n_unexplained)
+
+
+def _begin_step(state: BranchState[E]) -> CurvePoint[E]:
+    """Return the last point as the one that a step starts from and takes as its reference."""
+    system = state.point.system.update_reference(state.point.at)
+    return CurvePoint(system, system.at(state.x), None, state.tangent)
+
+
+def _find_limit(
+    boundaries: Sequence[Boundary[E]], reached: CurvePoint[E], passed: tuple[Boundary[E], int, float] | None
+) -> tuple[str, Reason] | None:
+    """Return how the branch ends at a boundary that a point lies on, or was taken back to; None if it goes on."""
+    assert reached.direction is not None
+    limit = find_reached(boundaries, reached, reached.direction)
+    if limit is None and passed is not None:
+        boundary, k, _ = passed
+        return boundary.end, boundary.reason(reached.at, k)
+    return limit
 
 
 def _turn_forward(start: CurvePoint[E], reached: CurvePoint[E]) -> tuple[CurvePoint[E], float, float]:
