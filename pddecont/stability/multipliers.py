@@ -169,12 +169,10 @@ def _find_of_lines(monodromy: MonodromyOperator, orbit: Orbit, wanted: int) -> t
     values = values[stays & (np.abs(values) > spurious)][: wanted + 1]
     if spurious > UNRELIABLE:
         return [Refined(v, float("nan"), np.zeros(0, dtype=complex), True) for v in values.tolist()], spurious, True
-    if not len(values):
-        return [], spurious, True
     found = _add(monodromy.characteristic, [], _upper_half(values))
     if is_mapped_whole(monodromy, wanted):
         return found, spurious, True
-    radius = min(NEAR_UNIT, max(SMALL, BELOW * abs(values[-1])))
+    radius = min(NEAR_UNIT, max(SMALL, BELOW * float(np.min(np.abs(values), initial=np.inf))))
     return found, spurious, _count(Counter(monodromy.characteristic), found, radius) == 0
 
 

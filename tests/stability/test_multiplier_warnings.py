@@ -7,6 +7,7 @@ from pddecont.collocation import MeshRule
 from pddecont.delay import Chain
 from pddecont.errors import ConvergenceError
 from pddecont.results import read_results
+from pddecont.stability import candidates as module_of_candidates
 from pddecont.stability import find_multipliers
 from pddecont.stability import multipliers as module_of_multipliers
 from pddecont.stability.characteristic import MapCharacteristic
@@ -116,13 +117,24 @@ def test_what_a_list_lacks_is_found_by_counting(monkeypatch):
         assert found.counted and found.values == pytest.approx(whole.values, abs=1e-12)
 
 
+def test_a_line_of_which_no_multiplier_is_found_is_counted_all_the_same(monkeypatch):
+    """Wright's orbit has its trivial multiplier, at least, outside the circle: an empty list is not confirmed."""
+    orbit = settle_to_orbit("wright", delay={"method": "chain", "order": 2, "n": 8})
+    assert find_multipliers(orbit).counted
+    monkeypatch.setattr(module_of_candidates, "DENSE", 0)
+    monkeypatch.setattr(module_of_candidates, "DENSE_LINES", 0)
+    monkeypatch.setattr(module_of_multipliers, "find_candidates", lambda *_: np.zeros(0, dtype=complex))
+    found = find_multipliers(orbit)
+    assert not len(found.values) and not found.counted and not found.says_stability
+
+
 def test_what_no_count_confirms_says_nothing_of_stability(monkeypatch, tmp_path):
     monkeypatch.setattr(module_of_multipliers.Counter, "count_missing", lambda *_: None)
     steps = [{"name": "t", "simulate": {"t_end": 120}}, {"name": "o", "orbit": {"from": "t", "stability": True}}]
     step = run({"model": "wall_oscillator", "steps": steps}, tmp_path / "a.h5").step("o")
     assert step.points["stable"][0] == -1 and step.points["n_unstable"][0] == -1
     assert "WARNING: the count of multipliers" in describe_endings(step)[0]
-    assert "count of multipliers" in summarise_step(step).get("warning", describe_endings(step)[0])
+    assert "count of multipliers" in summarise_step(step)["termination"][0]
 
 
 def test_residuals_stand_beside_the_multipliers(tmp_path):
