@@ -3,7 +3,7 @@ PYTHON ?= python3
 ENV := .venv
 BIN := $(ENV)/bin
 OUT := out
-# Random models that `make reliability` tries; PDDECONT_SEED repeats those of an earlier run.
+# So many random models are tried; `make random-models` begins with seed FIRST, `make reliability` with PDDECONT_SEED where it is set.
 MODELS ?= 90
 FIRST ?= 1000
 
@@ -23,7 +23,7 @@ demo: setup          ## figure 4.6 of the paper, from its YAML file to a picture
 	$(BIN)/pddecont export $(OUT)/fig4_6.h5 --table special
 	$(BIN)/pddecont plot $(OUT)/fig4_6.h5 -o $(OUT)/fig4_6.png
 
-test: setup          ## all but the two slowest tests, which `make reliability` runs too
+test: setup          ## all but the slow tests, which `make reliability` runs too
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile -m "not slow"
 
 reliability: setup   ## docs/reliability.md, from the suite itself

@@ -24,7 +24,7 @@ from scipy.optimize import linprog
 ROOT = Path(__file__).parent.parent
 PACKAGE = ROOT / "pddecont"
 PICTURE = ROOT / "docs" / "images" / "layers.svg"
-# Single modules that nearly all import and that import none, and those that only lead to others.
+# Single modules that nearly all import, which import at most one another, and those that only lead to others.
 FOUNDATION = ("errors", "output", "reasons", "version")
 ENTRIES = ("__init__", "__main__")
 # Boxes of their own inside other folders.

@@ -33,8 +33,8 @@ True error over `error_estimate`, for every model that has an orbit: on meshes o
 delay read directly (tracked or not) or through delay lines, and along branches. The true error is measured against a
 solution of far higher order, itself confirmed on a second mesh.""",
     MENDED: """\
-Runs that went wrong without a word (`tests/cases`): what was said, what is said now, and what is known, from closed
-forms or an integrator written apart.""",
+Runs that went wrong without a word (`tests/cases`): what was said before they were mended, as written down then; what
+this run of the tests found; and what is known, from closed forms or an integrator written apart.""",
     RANDOM: """\
 Models drawn at random (`tests/random_models`): simulated, solved, followed in a parameter, swept over its range; then
 compared with motions by an integrator written apart (SciPy's DOP853, the method of steps, events by root finding).
@@ -169,7 +169,8 @@ def page(rows):
 
 def _table(head: Iterable[str], lines: Iterable[Iterable[str]]) -> str:
     head = list(head)
-    return "\n".join("| " + " | ".join(cells) + " |" for cells in [head, ["---"] * len(head), *lines])
+    rows = [head, ["---"] * len(head), *([cell.replace("|", "\\|") for cell in cells] for cells in lines)]
+    return "\n".join("| " + " | ".join(cells) + " |" for cells in rows)
 
 
 def _cases(rows):

@@ -61,5 +61,8 @@ StabilityChoice = Annotated[
     ),
 ]
 Verify = Annotated[
-    bool | None, Field(description="simulate each orbit for one period from its own past, and compare (default: true)")
+    bool | None,
+    Field(
+        description="simulate each orbit for one period, from its own past in each segment, and compare (default: true)"
+    ),
 ]

@@ -12,7 +12,7 @@ from pddecont.orbit.motion import list_started_events, simulate_onwards
 from tests.orbit.exact import TURN, circle
 from tests.orbits import settle_to_orbit
 
-# A relay with hysteresis: at delta its states know no difference, beyond 1 it switches no more.
+# A neuron that fires, each time followed by a kick.
 KICKED = {
     "name": "kicked",
     "states": ["x"],

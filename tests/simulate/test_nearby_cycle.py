@@ -1,4 +1,4 @@
-"""Cycles of about a known period in trajectories of a bouncing ball and of an oscillator that meets nothing."""
+"""Cycles of about a known period in trajectories of a clock."""
 
 import numpy as np
 import pytest

@@ -17,11 +17,12 @@ def test_swings_that_shrink_by_one_factor_are_a_decay():
     decay = find_decay(trajectory_of(OSCILLATOR, 400.0, c=0.05))
     assert decay is not None
     assert decay.length == pytest.approx(40)
-    assert decay.factor == pytest.approx(np.exp(-0.05 * 40 / 2), rel=0.1)
+    # Tops come half a turn apart, so that they may lie so much earlier or later in one stretch than in the next.
+    assert abs(np.log(decay.factor) + 0.05 * 40 / 2) < 0.05 * np.pi / 2
 
 
 @pytest.mark.parametrize("c", [0.0, 1e-3, -0.05])
-def test_a_motion_that_goes_on_or_hardly_shrinks_does_not_decay(c):
+def test_a_motion_that_goes_on_hardly_shrinks_or_grows_does_not_decay(c):
     assert find_decay(trajectory_of(OSCILLATOR, 400.0, c=c)) is None
 
 

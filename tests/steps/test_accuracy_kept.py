@@ -1,4 +1,7 @@
-"""The accuracy asked for is met, on random orbits and by the estimate of the orbit that is recorded."""
+"""The accuracy asked for is met, on random orbits and by the estimate of the orbit that is recorded.
+
+References are the program's own solutions on meshes a thousand times finer in error.
+"""
 
 import os
 
