@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -46,6 +46,7 @@ class Examination:
     orbit: Orbit
     simulators: Sequence[Simulator]
     driven: bool
+    _values: dict[Simulator, ParameterValues] = field(default_factory=dict)
 
     @cached_property
     def sizes(self) -> Array:
@@ -57,11 +58,12 @@ class Examination:
         """The orbit's estimated error, relative to its size."""
         return float(np.max(estimate_interval_errors(self.orbit)))
 
-    @cached_property
-    def values(self) -> list[ParameterValues]:
-        """The model's numbers at the orbit's parameters, for each of the simulators."""
-        atol = ATOL * float(np.min(self.sizes))
-        return [s.values(self.orbit.parameters)._replace(atol=atol) for s in self.simulators]
+    def find_values(self, simulator: Simulator) -> ParameterValues:
+        """Return the model's numbers at the orbit's parameters, for one of the simulators."""
+        if simulator not in self._values:
+            atol = ATOL * float(np.min(self.sizes))
+            self._values[simulator] = simulator.values(self.orbit.parameters)._replace(atol=atol)
+        return self._values[simulator]
 
     @cached_property
     def past(self) -> Past:
@@ -99,7 +101,8 @@ class Examination:
         pending = [(orbit.start + t, name) for t, since, name in self.started if since < window.begin < t <= window.end]
         mode = orbit.signature.segments[window.s].mode
         states = window.states + moved * self.sizes
-        for simulator, values in zip(self.simulators, self.values, strict=True):
+        for simulator in self.simulators:
+            values = self.find_values(simulator)
             if self.driven:
                 ago = (window.end - window.begin) * (1.0 + REACH)
                 values = values._replace(tau=np.array([ago]), longest=ago, max_step=min(ago, values.max_step))
