@@ -128,6 +128,20 @@ def test_a_line_of_which_no_multiplier_is_found_is_counted_all_the_same(monkeypa
     assert not len(found.values) and not found.counted and not found.says_stability
 
 
+def test_a_multiplier_of_a_line_that_is_not_corrected_is_missed_by_the_count(monkeypatch):
+    """All eigenvalues of a small map are computed, but not all need be there after their correction."""
+    orbit = settle_to_orbit("wright", delay={"method": "chain", "order": 2, "n": 8})
+    whole = find_multipliers(orbit)
+    first = max(whole.values.tolist(), key=abs)
+
+    def lose(characteristic, value):
+        return None if abs(value - first) < 1e-6 else refine(characteristic, value)
+
+    monkeypatch.setattr(module_of_multipliers, "refine", lose)
+    found = find_multipliers(orbit)
+    assert len(found.values) < len(whole.values) and not found.counted
+
+
 def test_what_no_count_confirms_says_nothing_of_stability(monkeypatch, tmp_path):
     monkeypatch.setattr(module_of_multipliers.Counter, "count_missing", lambda *_: None)
     steps = [{"name": "t", "simulate": {"t_end": 120}}, {"name": "o", "orbit": {"from": "t", "stability": True}}]
