@@ -104,6 +104,8 @@ class Motion:
     breaks: list = field(default_factory=list)
     start: np.ndarray | None = None
     max_events: int = 100_000
+    # Tolerances of the integration, in the usual ones.
+    accuracy: float = 1.0
     edges: list = field(default_factory=list)
     pieces: list = field(default_factory=list)
     events: list = field(default_factory=list)
@@ -174,7 +176,16 @@ class Motion:
         longest = min(self.delays, default=np.inf)
         # The step before is tried first: what scipy would choose is nothing where the state is zero to rounding.
         first = min(self._step, longest, stop - self.at)
-        solver = DOP853(flow, self.at, self.z, stop, rtol=RTOL, atol=ATOL, max_step=longest, first_step=first)
+        solver = DOP853(
+            flow,
+            self.at,
+            self.z,
+            stop,
+            rtol=self.accuracy * RTOL,
+            atol=self.accuracy * ATOL,
+            max_step=longest,
+            first_step=first,
+        )
         while solver.status == "running":
             if message := solver.step():
                 raise MotionError(message)

@@ -142,7 +142,9 @@ def _check_rows(model, step, rows, where, trial):
             )
             trial.faults.append((place, said, verdict.fault + measured))
         else:
-            if not admissible:
+            if not admissible and step.kind_of(row).startswith(LIMITS):
+                trial.at_limit += 1
+            elif not admissible:
                 trial.refused.append((place, f"no motion of the model, [{' '.join(orbit.names)}]", "it is one"))
             trial.worst_orbit = max(trial.worst_orbit, verdict.deviation / verdict.allowed)
 
