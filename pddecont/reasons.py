@@ -11,6 +11,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 Scalar = str | int | float | bool
+# The value of a point that could not be located better than to this part of a step.
+WITHIN = "within_step"
 
 
 @dataclass(frozen=True)

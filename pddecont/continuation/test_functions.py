@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Generic
@@ -11,14 +12,18 @@ from pddecont.continuation.locate import BranchSegment
 from pddecont.continuation.system import E
 from pddecont.continuation.termination import End
 from pddecont.errors import ConvergenceError
-from pddecont.reasons import NO_REASON, Reason
+from pddecont.reasons import NO_REASON, WITHIN, Reason
 
 # How often a step is halved to tell changes of counts apart that came together.
 MAX_CUTS = 10
 # How often a step is halved for the point at which its problem ceases to be solved.
 MAX_HALVINGS = 36
+# Where in between is tried in turn; a point within this part of a step is located.
+PARTS, LOCATED = (0.5, 0.3, 0.7, 0.1, 0.9), 1e-6
 # How far short of a point that ends the branch its counts are taken, as a fraction of the way there.
 SHORT = 1e-6
+# At this fraction of its first step a branch has left the special point that it comes from.
+PAST_START = 0.05
 # Zeros nearer than so many decimals of a step fall together; the one that ends the branch comes first.
 TOGETHER_DECIMALS = 6
 
@@ -152,8 +157,12 @@ def find_special_points(
         counts = after.counts if last == 1.0 else functions.counts.count(segment.at(last))
         counted = _explain_counts(segment, functions.counts, 0.0, last, before.counts, counts, MAX_CUTS)
         found += [f for f in counted if f is not None]
-        # At the start of a branch the special point that it comes from may still show.
-        n_unexplained = 0 if from_ else len([f for f in counted if f is None])
+        n_unexplained = len([f for f in counted if f is None])
+        if n_unexplained and from_:
+            # At the start of a branch the special point that it comes from may still show.
+            later = functions.counts.count(segment.at(PAST_START * last))
+            counted = _explain_counts(segment, functions.counts, PAST_START * last, last, later, counts, MAX_CUTS)
+            n_unexplained = len([f for f in counted if f is None])
     if _is_violated(functions, before, after) and not any(f.test.end for f in found):
         last_valid = _find_last_valid(segment, functions, after.violation)
         found = [*(f for f in found if round(f.fraction - last_valid.fraction, TOGETHER_DECIMALS) <= 0.0), last_valid]
@@ -179,14 +188,27 @@ def _find_last_valid(segment: BranchSegment[E], functions: TestFunctions[E], vio
     """
     low, high = 0.0, 1.0
     for _ in range(MAX_HALVINGS):
-        middle = 0.5 * (low + high)
-        try:
-            found = functions.find_strictly(segment.at(middle))
-        except ConvergenceError:
+        tried = _try_between(segment, functions, low, high)
+        if tried is None:
             break
+        middle, found = tried
         low, high, violation = (low, middle, found) if found else (middle, high, violation)
+    if high - low > LOCATED:
+        # No point can be found between the two; how far apart they are is told.
+        violation = Reason(violation.code, {**violation.values, WITHIN: high - low})
     test: TestFunction[E] = TestFunction(functions.violation_kind, lambda _: 0.0, End.INVALID, violation)
     return SpecialPoint(test, segment.at(low), low)
+
+
+def _try_between(
+    segment: BranchSegment[E], functions: TestFunctions[E], low: float, high: float
+) -> tuple[float, Reason] | None:
+    """Return a fraction between two others and why the point there is no solution; None where none can be found."""
+    for part in PARTS:
+        middle = low + part * (high - low)
+        with contextlib.suppress(ConvergenceError):
+            return middle, functions.find_strictly(segment.at(middle))
+    return None
 
 
 def _only_at_start(segment: BranchSegment[E], test: TestFunction[E], f0: float, f1: float, from_: float) -> bool:

@@ -32,7 +32,7 @@ class CarriedEvent:
     segment: int | None
 
     def find_time(self, orbit: Orbit) -> float:
-        """Return when the jump comes back, in (0, period] after the orbit's start."""
+        """Return when the jump comes back, within a period after the orbit's start."""
         if self.segment is not None:
             return float(orbit.event_times[self.segment + 1])
         delay = float(orbit.numeric.delays.value(orbit.parameters)[self.lag])

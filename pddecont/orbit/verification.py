@@ -64,20 +64,23 @@ class Referee:
         if not np.all(orbit.durations > INSTANT * orbit.period) or not orbit.period > 0.0:
             return Verification(0, reason=make_reason("no_time"))
         examined = Examination(orbit, self.simulators, self.is_driven)
-        # All windows begin at the same place, so that together they hold the whole orbit.
-        found = [_judge_all(examined, PLACES[0], strict=strict)]
-        while found[-1].verified == 0 and len(found) < len(PLACES):
-            found.append(_judge_all(examined, PLACES[len(found)], strict=strict))
-        return found[0] if found[-1].verified == 0 else found[-1]
+        found: list[Verification] = []
+        for place in PLACES:
+            # All windows begin at the same place, so that together they hold the whole orbit.
+            found.append(_judge_all(examined, place, strict=strict))
+            if found[-1].verified == 1:
+                return found[-1]
+        return next((verification for verification in found if verification.verified == 0), found[0])
 
 
 def _judge_all(examined: Examination, place: float, *, strict: bool) -> Verification:
     """Return whether the motion goes on as the orbit does from a place in each segment to that in the next one."""
-    deviations = []
+    deviations, undone = [], None
     for window in examined.list_windows(place):
         found = judge(examined, window, examined.simulate(window), strict=strict)
-        if found.verified != 1:
+        if found.verified == 0:
             return found
+        undone = found if found.verified < 0 else undone
         deviations.append(found.deviation)
     # Of an orbit at a border the deviation is not known.
-    return Verification(1, float(np.max(deviations)))
+    return undone or Verification(1, float(np.max(deviations)))

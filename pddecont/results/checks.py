@@ -122,10 +122,10 @@ def check_meta(step_format: StepFormat, meta: Any) -> None:
         if not isinstance(texts, dict) or not all(isinstance(text, str) for text in texts.values()):
             raise ResultsError(f"'{key}' is not a mapping of names to texts")
     _check_settings(json.loads(meta.get("settings") or "{}"))
-    for key in ("x", "y", "changes", "delayed"):
-        wanted = str if key == "delayed" else int | float
+    for key in ("x", "y", "changes", "delayed", "asked"):
+        wanted = str if key in ("delayed", "asked") else int | float
         if not isinstance(meta.get(key, []), list) or not all(isinstance(x, wanted) for x in meta.get(key, [])):
-            raise ResultsError(f"'{key}' is not a list of {'texts' if key == 'delayed' else 'numbers'}")
+            raise ResultsError(f"'{key}' is not a list of {'texts' if wanted is str else 'numbers'}")
     if not isinstance(meta.get("ends", []), list):
         raise ResultsError("'ends' is not a list of states")
     for end in meta.get("ends", []):

@@ -11,8 +11,8 @@
     /steps/<name>/orbits/<column>_end              ... and where each point's rows end
     /steps/<name>/special_points/{label, index}    written when the step is done
 
-Rows beyond ``finished`` are room for points to come and hold nothing; a step that is closed has none. Version 2 held
-sentences where version 3 holds reasons; it is still read.
+Rows beyond ``finished`` are room for points to come and hold nothing; a step that is closed has none. Versions 2 and 3
+are still read (``results.upgrade``).
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from typing import Any, TypeAlias
 
 from numpy.typing import NDArray
 
-FORMAT_VERSION = 3
+FORMAT_VERSION = 4
 OLDEST_VERSION = 2
 # Bytes of one direction's ending, and directions.
 TEXT_BYTES = 4000

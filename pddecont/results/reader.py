@@ -18,7 +18,7 @@ from pddecont.reasons import NO_REASON, Reason, reason_from_json
 from pddecont.results.checks import NAME, check_columns, check_contents, check_endings, check_meta, child, rows, text
 from pddecont.results.format import FORMAT_VERSION, N_TERMINATIONS, OLDEST_VERSION, StepFormat
 from pddecont.results.step_formats import find_format
-from pddecont.results.upgrade import upgrade_step
+from pddecont.results.upgrade import add_columns, upgrade_step
 
 
 class Fields(dict[str, Any]):
@@ -239,10 +239,11 @@ def _read_step(name: str, group: h5py.Group, room: list[int], version: int) -> S
             orbits[key[:-4]] = rows(arrays, key[:-4], room, int(orbits[key][-1]) if n else 0)
     full = all(len(columns[key]) == n for key in points) and all(len(arrays[key]) == len(orbits[key]) for key in orbits)
     lines = [line for line in rows(group, "termination", room, N_TERMINATIONS) if line]
-    if version < FORMAT_VERSION:
+    if version == OLDEST_VERSION:
         points, orbits, endings = upgrade_step(kind, meta, points, orbits, lines)
     else:
         endings = tuple(reason_from_json(line.decode()) for line in lines)
+        points, orbits = add_columns(kind, points, orbits) if version < FORMAT_VERSION else (points, orbits)
     check_endings(endings)
     check_columns(meta, points, step_format.points)
     check_columns(meta, orbits, step_format.orbits)

@@ -1,6 +1,6 @@
-"""Steps of results files of format 2, which held sentences, as format 3 holds them.
+"""Steps of results files of earlier formats as this one holds them.
 
-This is the only place that reads sentences; it is for old files alone.
+Format 2 held sentences, and this is the only place that reads them; both it and format 3 lack columns.
 """
 
 from __future__ import annotations
@@ -31,10 +31,25 @@ _FAILURES = {
 _CHAIN = re.compile(r"chain of order (\d+)(, explicit states)?")
 
 
+def add_columns(kind: str, points: Arrays, orbits: Arrays) -> tuple[Arrays, Arrays]:
+    """Return the arrays of a step of format 2 or 3 with the columns that they lack: nothing is known of what they say.
+
+    No orbit was simulated from its own past, and what was not located was counted only where the branch ended.
+    """
+    if "multipliers" in orbits and "residual" not in orbits:
+        residuals = np.full(len(orbits["multipliers"]), np.nan)
+        orbits = {**orbits, "residual": residuals, "residual_end": orbits["multipliers_end"]}
+    if kind in ("orbit", "continue") and "arclength" in points:
+        n = len(points["arclength"])
+        unknown: Arrays = {"verified": np.full(n, -1, dtype="i1"), "deviation": np.full(n, np.nan)}
+        points = {**unknown, **({"unexplained": np.zeros(n, dtype="i4")} if kind == "continue" else {}), **points}
+    return points, orbits
+
+
 def upgrade_step(
     kind: str, meta: Mapping[str, Any], points: Arrays, orbits: Arrays, lines: Sequence[bytes]
 ) -> tuple[Arrays, Arrays, tuple[Reason, ...]]:
-    """Return the arrays of a step of format 2, and how its directions ended, as format 3 holds them."""
+    """Return the arrays of a step of format 2, and how its directions ended, as this format holds them."""
     endings = tuple(_upgrade_ending(line.decode(errors="replace")) for line in lines)
     if "note" in points:
         labels = points.get("kind", np.zeros(len(points["note"]), dtype="S1"))
@@ -48,19 +63,9 @@ def upgrade_step(
         ]
         points = {name: values for name, values in points.items() if name != "note"}
         orbits = {**orbits, **_pack([reason.to_json().encode() for reason in reasons])}
-    if "multipliers" in orbits:
-        residuals = np.full(len(orbits["multipliers"]), np.nan)
-        orbits = {**orbits, "residual": residuals, "residual_end": orbits["multipliers_end"]}
     if kind == "precision" and "family" in points:
         points = _upgrade_settings(points)
-    if kind == "continue" and "arclength" in points:
-        # What was not located was counted only where the branch ended.
-        points = {**points, "unexplained": np.zeros(len(points["arclength"]), dtype="i4")}
-    if kind in ("orbit", "continue") and "arclength" in points:
-        # No orbit was simulated from its own past.
-        n = len(points["arclength"])
-        points = {**points, "verified": np.full(n, -1, dtype="i1"), "deviation": np.full(n, np.nan)}
-    return points, orbits, endings
+    return *add_columns(kind, points, orbits), endings
 
 
 def _upgrade_ending(text: str) -> Reason:

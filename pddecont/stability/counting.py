@@ -11,6 +11,7 @@ Reference: Delves, Lyness, Math. Comp. 21 (1967).
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,9 @@ Complex = NDArray[np.complex128]
 # Points on half the circle at first (the other half is its mirror image), and more for each further period of history:
 # as many more times the determinant may turn.
 FEW, MORE = 5, 4
+# A circle on which the logarithm of the modulus of the quotient is farther from zero than this in the mean has zeros or
+# poles inside; a count that says nothing of them needs twice the points, so many times at most.
+MEAN, DOUBLINGS = 1.0, 8
 # Between neighbours the logarithm of the quotient changes by less than this; else a point is put between them.
 CHANGE = 0.7
 # Neighbours nearer than this part of a turn: the circle goes through a zero.
@@ -58,13 +62,31 @@ class Counter:
     def count_missing(self, listed: Complex, radius: float) -> int | None:
         """Return how many multipliers outside |mu| = ``radius`` a list lacks; None if the circle goes through one.
 
+        Of more than six that are lacking it may count fewer, but never none.
+
         Raises
         ------
         ConvergenceError
             If the determinant is not defined on the circle.
         """
         angles = list(np.linspace(0.0, np.pi, FEW + MORE * max(0, self.characteristic.depth - 1)))
-        values = [self._at(angle, listed, radius) for angle in angles]
+        for _ in range(DOUBLINGS):
+            values = [self._at(angle, listed, radius) for angle in angles]
+            turns = self._count_turns(angles, values, listed, radius)
+            # By Jensen's formula the mean is the sum of log |mu| / radius over what the list lacks, less that over what
+            # is none: where so many are lacking that whole turns between neighbours go unseen it is large.
+            mean = float(np.trapezoid([value.real for value in values], angles)) / np.pi
+            if turns is None or abs(mean) < MEAN or turns * mean > 0.0:
+                return turns
+            between = [0.5 * (a + b) for a, b in pairwise(angles)]
+            angles = sorted([*angles, *between])
+        return None
+
+    def _count_turns(self, angles: list[float], values: list[complex], listed: Complex, radius: float) -> int | None:
+        """Return how often the quotient turns about zero on half the circle; None if that goes through a zero.
+
+        Points that this takes between others are put into ``angles`` and ``values``.
+        """
         total, i = 0.0, 0
         while i + 1 < len(angles):
             change = values[i + 1] - values[i]

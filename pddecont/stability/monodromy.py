@@ -25,7 +25,7 @@ from pddecont.errors import ConvergenceError
 from pddecont.orbit import Assembly, Linearisation, Orbit, OrbitProblem, measure_orbit
 from pddecont.stability.characteristic import Characteristic, MapCharacteristic, PeriodCharacteristic
 from pddecont.stability.lagged_columns import LaggedColumns
-from pddecont.stability.moving_edges import find_still_edges
+from pddecont.stability.moving_edges import Edge, find_still_edges
 from pddecont.stability.period_line import PeriodLine, make_period_line
 
 Array = NDArray[np.float64]
@@ -148,10 +148,9 @@ def linearise_period(orbit: Orbit, assembly: Assembly | None = None) -> Monodrom
         replace(op, weights=FullWeights(lines[k].weights)) if k in lines else op for k, op in enumerate(reads.operators)
     ]
     reads = replace(reads, operators=operators)
-    if assembly is None or lines or not assembly.serves(orbit.problem, operators):
-        assembly = Assembly(
-            orbit.problem, operators, LaggedColumns(orbit.problem, operators, lines, find_still_edges(orbit))
-        )
+    still = find_still_edges(orbit)
+    if assembly is None or lines or not (assembly.serves(orbit.problem, operators) and _lets_stand(assembly, still)):
+        assembly = Assembly(orbit.problem, operators, LaggedColumns(orbit.problem, operators, lines, still))
     columns = assembly.columns
     assert isinstance(columns, LaggedColumns)
     at, n = assembly.linearise(orbit, reads), columns.n_columns
@@ -176,6 +175,11 @@ def linearise_period(orbit: Orbit, assembly: Assembly | None = None) -> Monodrom
     return MonodromyOperator(
         orbit.problem, factors, past, kept, couplings, assembly, sizes, _characteristic_of(wide, sizes)
     )
+
+
+def _lets_stand(assembly: Assembly, still: frozenset[Edge]) -> bool:
+    """Return whether the edges that stand still in an assembly are just these."""
+    return isinstance(assembly.columns, LaggedColumns) and assembly.columns.lags.still == still
 
 
 def _measure_columns(orbit: Orbit) -> Array:

@@ -169,8 +169,9 @@ def _find_of_lines(monodromy: MonodromyOperator, orbit: Orbit, wanted: int) -> t
     values = values[stays & (np.abs(values) > spurious)][: wanted + 1]
     if spurious > UNRELIABLE:
         return [Refined(v, float("nan"), np.zeros(0, dtype=complex), True) for v in values.tolist()], spurious, True
-    found = _add(monodromy.characteristic, [], _upper_half(values))
-    if is_mapped_whole(monodromy, wanted):
+    upper = _upper_half(values)
+    found = _add(monodromy.characteristic, [], upper)
+    if is_mapped_whole(monodromy, wanted) and len(found) == len(upper) + np.sum(upper.imag > 0.0):
         return found, spurious, True
     radius = min(NEAR_UNIT, max(SMALL, BELOW * float(np.min(np.abs(values), initial=np.inf))))
     return found, spurious, _count(Counter(monodromy.characteristic), found, radius) == 0

@@ -29,7 +29,7 @@ MAX_CORRECTIONS = 12
 # Rounding moves a multiplier of larger condition by more than this: it is one of several that (nearly) coincide, whose
 # sum is well conditioned where they come from one map. They are left as they are.
 CLUSTERED = 1e-9
-# Multipliers nearer than this, relative to their size, are the same found twice, unless they are clustered.
+# Multipliers nearer than this, relative to their size, may be one found twice; a count says whether one is too many.
 SAME = 1e-8
 ROUNDING = float(np.finfo(float).eps)
 

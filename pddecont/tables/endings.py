@@ -46,6 +46,11 @@ UNCOUNTED = (
     "the count of multipliers outside the unit circle does not confirm those that were found, and whether the orbit is "
     "stable is not known: use a finer mesh, or parameters a little apart"
 )
+# Of many points, either.
+UNSTATED = (
+    "the multipliers do not tell whether the orbit is stable: a count does not confirm them, or they are lost among "
+    "those of a delay line's own stages; use a finer mesh, or parameters a little apart"
+)
 # Values of an ending that are not those of its detail.
 _OWN = ("direction", "unexplained", "detail", "next_signature")
 
@@ -162,6 +167,8 @@ def _describe_stability(step: Step, values: Mapping[str, Any]) -> str:
     leading = [(values[f"re{k}"], values[f"im{k}"]) for k in (1, 2) if f"re{k}" in values]
     shown = ", ".join(f"{re:.6g}" if im == 0.0 else f"{re:.6g} {im:+.6g}i" for re, im in leading)
     stable = f"unstable ({n_unstable} multipliers outside the unit circle)" if n_unstable else "stable"
+    if not n_unstable and step.points["stable"][0] != 1:
+        stable = "no multiplier outside the unit circle"
     text = f"{stable}, leading {shown or 'none'}"
     if np.isfinite(error):
         text += f", trivial multiplier off by {error:.1e}"
@@ -200,10 +207,18 @@ def _describe_precision(step: Step, ending: Reason) -> str:
     return f"{len(step) - 1} settings against {describe_reference(step)}"
 
 
-def count_doubtful(step: Step) -> int:
-    """Return at how many points multipliers were computed that do not tell whether the orbit is stable."""
-    ends = step.orbits.get("multipliers_end", np.zeros(0))
-    return int(np.sum((np.diff(ends, prepend=0) > 0) & (step.points["stable"] < 0))) if len(ends) else 0
+def count_unknown(step: Step, column: str) -> int:
+    """Return at how many points ``stable`` or ``verified`` is unknown though it was asked for."""
+    return int(np.sum(step.points[column] < 0)) if column in step.meta.get("asked", ()) else 0
+
+
+def list_warnings(step: Step) -> list[str]:
+    """Return what is not known, or wrong, at points of a branch."""
+    unstated, undone = count_unknown(step, "stable"), count_unknown(step, "verified")
+    wrong = int(np.sum(step.points["verified"] == 0)) if "verified" in step.points else 0
+    found = [f"{wrong} of its orbits are no motions of the model: see the column 'verified'"] if wrong else []
+    found += [f"{undone} of its orbits could not be verified by a simulation"] if undone else []
+    return found + ([f"at {unstated} of the points {UNSTATED}"] if unstated else [])
 
 
 def describe_done(step: Step) -> str:
@@ -220,12 +235,7 @@ def _summarise_branch(step: Step, texts: Sequence[str]) -> str:
     errors = step.points["trivial_error"]
     poor = bool(np.any(errors > TRIVIAL_ERROR))
     doubt = f"; WARNING: the trivial multiplier is off by up to {np.nanmax(errors):.1e}: refine 'mesh'" if poor else ""
-    wrong = int(np.sum(step.points["verified"] == 0)) if "verified" in step.points else 0
-    if wrong:
-        doubt += f"; WARNING: {wrong} of its orbits are no motions of the model: see the column 'verified'"
-    unknown = count_doubtful(step)
-    if unknown:
-        doubt += f"; WARNING: at {unknown} of the points {UNCOUNTED}"
+    doubt += "".join(f"; WARNING: {warning}" for warning in list_warnings(step))
     special = ", ".join(sorted(label for label in step.labels if label)) or "none"
     return f"{len(step)} points; special: {special}; {'; '.join(texts)}{doubt}"
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from pddecont.results import Results, Step
 from pddecont.tables.attractors import name_motion
-from pddecont.tables.endings import TRIVIAL_ERROR, UNCOUNTED, count_doubtful, describe_endings
+from pddecont.tables.endings import TRIVIAL_ERROR, UNSTATED, count_unknown, describe_endings
 from pddecont.tables.orbits import find_signature
 from pddecont.tables.precision import describe_cheapest
 from pddecont.tables.words import name_kind
@@ -72,7 +72,7 @@ def summarise_step(step: Step) -> dict[str, Any]:
 def count_verified(step: Step) -> dict[str, Any]:
     """Return how many orbits their simulations confirmed, and how far these ended away; empty where none was asked."""
     verified = step.points.get("verified", np.empty(0))
-    if not np.any(verified >= 0):
+    if not np.any(verified >= 0) and not count_unknown(step, "verified"):
         return {}
     counts = {name: int(np.sum(verified == value)) for name, value in (("yes", 1), ("no", 0), ("not done", -1))}
     deviation = step.points["deviation"]
@@ -86,7 +86,7 @@ def count_stable(step: Step) -> dict[str, Any]:
     The mapping is empty if they were not computed.
     """
     stable = step.points.get("stable", np.empty(0))
-    if not np.any(stable >= 0):
+    if not np.any(stable >= 0) and not count_unknown(step, "stable"):
         return {}
     counts = {
         "stable": int(np.sum(stable == 1)),
@@ -94,18 +94,19 @@ def count_stable(step: Step) -> dict[str, Any]:
         "unknown": int(np.sum(stable < 0)),
     }
     result: dict[str, Any] = {"stability": counts}
-    if count_doubtful(step):
-        result["warning"] = f"at {count_doubtful(step)} of the points {UNCOUNTED}"
+    warnings = []
+    if count_unknown(step, "stable"):
+        warnings.append(f"at {count_unknown(step, 'stable')} of the points {UNSTATED}")
     errors = step.points.get("trivial_error", np.empty(0))
     if np.any(np.isfinite(errors)):
         worst = int(np.nanargmax(errors))
         result["trivial_error"] = float(errors[worst])
         if errors[worst] > TRIVIAL_ERROR:
-            result["warning"] = (
+            warnings.append(
                 f"the trivial multiplier is off by {errors[worst]:.2g} at index {worst} (more than {TRIVIAL_ERROR:g}): "
                 "its stability may be wrong; use a finer mesh (smaller tol, or more intervals)"
             )
-    return result
+    return result | ({"warning": "; ".join(warnings)} if warnings else {})
 
 
 def shorten_signature(text: str, longest: int = 44) -> str:

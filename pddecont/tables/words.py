@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import TypeAlias
 
 from pddecont.errors import ResultsError
-from pddecont.reasons import Reason, Scalar
+from pddecont.reasons import WITHIN, Reason, Scalar
 from pddecont.results import Step
 from pddecont.simulate import FailureReason, describe_failure, failure_from_reason
 
@@ -86,7 +86,8 @@ def describe_reason(reason: Reason) -> str:
     if not reason:
         return ""
     try:
-        return _describe(reason)
+        within = f" (located only within {reason.values[WITHIN]:.2%} of a step)" if WITHIN in reason.values else ""
+        return _describe(reason) + within
     except (KeyError, TypeError, ValueError, OverflowError) as exc:
         raise ResultsError(
             f"what belongs to the reason '{reason.code[:40]}' is not there; the file is damaged"

@@ -20,7 +20,8 @@ from pddecont.continuation import (
 from pddecont.continuation.locate import BranchSegment
 from pddecont.continuation.test_functions import evaluate_tests, find_special_points
 from pddecont.errors import ConvergenceError
-from pddecont.reasons import NO_REASON, make_reason
+from pddecont.reasons import NO_REASON, WITHIN, make_reason
+from pddecont.tables import describe_reason
 from tests.continuation.systems import line
 
 
@@ -107,8 +108,34 @@ def test_each_change_of_a_count_is_explained_however_many_fall_in_one_step(place
 def test_changes_that_cannot_be_told_apart_are_counted():
     """Two places nearer than the smallest cut, 2^-10 of the step: one change that nothing explains."""
     assert Step(TestFunctions(counts=count_places(0.3, 0.3 + 1e-5))).find() == ([], 1)
-    # On the first step of a branch it is the point that the branch comes from.
-    assert Step(TestFunctions(counts=count_places(0.3, 0.3 + 1e-5))).find(1e-4) == ([], 0)
+    # Near the beginning of a branch's first step it is the point that the branch comes from, and not farther on.
+    assert Step(TestFunctions(counts=count_places(0.01, 0.01 + 1e-5))).find(1e-4) == ([], 0)
+    assert Step(TestFunctions(counts=count_places(0.3, 0.3 + 1e-5))).find(1e-4) == ([], 1)
+
+
+def violated(start, holes=()):
+    """Return functions that no point beyond ``start`` fulfils, without points within the ``holes``."""
+
+    def find(point):
+        if any(low < point.x[0] < high for low, high in holes):
+            raise ConvergenceError("no point here")
+        return make_reason("slides") if point.x[0] > start else NO_REASON
+
+    return TestFunctions(find_violation=find, violation_kind="V", find_strictly=find)
+
+
+@pytest.mark.parametrize("holes", [(), ((0.49, 0.51),), ((0.49, 0.51), (0.29, 0.31))])
+def test_the_last_valid_point_is_located_past_places_without_points(holes):
+    ((special,), _) = Step(violated(1 / 3, holes)).find()
+    assert special.fraction == pytest.approx(1 / 3, abs=1e-9)
+    assert special.reason == make_reason("slides")
+
+
+def test_where_no_point_is_found_it_is_said_how_well_the_last_valid_one_is_known():
+    ((special,), _) = Step(violated(0.75, ((0.01, 0.99),))).find()
+    assert special.fraction == 0.0
+    assert special.reason.values == {WITHIN: 1.0}
+    assert describe_reason(make_reason("no_time", **{WITHIN: 0.25})).endswith("(located only within 25.00% of a step)")
 
 
 def test_a_change_may_be_no_special_point_at_all():

@@ -8,6 +8,7 @@ import pytest
 from pddecont.collocation import MeshRule
 from pddecont.delay import Chebyshev, Direct
 from pddecont.orbit import Orbit, Referee, Verification, find_violation, solve_orbit
+from pddecont.orbit import verification as module
 from tests.orbit.exact import circle
 from tests.orbits import settle_to_orbit
 
@@ -104,6 +105,33 @@ def test_an_orbit_as_poor_as_its_mesh_is_still_one():
     found = verify(orbit)
     assert found.verified == 1
     assert found.deviation > 1e-6
+
+
+@pytest.mark.parametrize(
+    ("said", "verified"),
+    [
+        # By place in a segment, then by segment: what is wrong is wrong wherever another simulation gave up.
+        ([(-1, 0), (-1, 0), (-1, 0)], 0),
+        ([(0, 1), (-1, 1), (-1, 1)], 0),
+        ([(-1, -1), (0, 1), (-1, 1)], 0),
+        ([(-1, 1), (1, -1), (1, 1)], 1),
+        ([(-1, 1), (1, -1), (-1, -1)], -1),
+    ],
+)
+def test_a_simulation_that_gave_up_hides_no_other_that_went_another_way(monkeypatch, said, verified):
+    answers = iter(verdict for place in said for verdict in place)
+    places = iter(said)
+
+    def judge_all(*_, **__):
+        nonlocal answers
+        answers = iter(next(places))
+        return real(*_, **__)
+
+    real = module._judge_all
+    monkeypatch.setattr(module, "_judge_all", judge_all)
+    monkeypatch.setattr(module, "judge", lambda *_, **__: Verification(next(answers), 0.0))
+    monkeypatch.setattr(module.Examination, "simulate", lambda *_: None)
+    assert verify(circle("s", "s", level=0.5)).verified == verified
 
 
 @pytest.mark.parametrize(("tau", "happens"), [(0.2, False), (0.39999, False), (0.40001, True), (1.0, True)])

@@ -17,6 +17,7 @@ import yaml
 
 from pddecont.plot import ViewRequest, draw_picture, list_views
 from pddecont.results import StepWriter, read_results
+from pddecont.results.format import FORMAT_VERSION
 from pddecont.tables import list_tables, make_table
 from tests.cli.test_cli import call
 from tests.runs import run
@@ -214,7 +215,7 @@ def test_a_run_that_was_killed_goes_on_where_it_was_and_its_file_becomes_one_of_
     assert code == 0, err
     assert written == {"branch": 3, "diagram": 2, "map": 3, "compared": 7}
     found = read_results(partial)
-    assert found.version == 3
+    assert found.version == FORMAT_VERSION
     assert list_differences(found, fresh) == []
     assert read_structure(partial) == read_structure(fresh.path)
     for key, values in left.step("branch").points.items():

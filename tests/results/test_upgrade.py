@@ -2,12 +2,17 @@
 
 import itertools
 
+import h5py
 import numpy as np
 import pytest
 
 from pddecont.reasons import Reason, make_reason, reason_from_json
+from pddecont.results import read_results
+from pddecont.results.format import FORMAT_VERSION
 from pddecont.results.upgrade import upgrade_step
+from pddecont.results.writer import upgrade_results
 from pddecont.simulate import FailureReason, MotionFailure, failure_from_reason
+from tests.runs import run
 from tests.simulate.test_failure import SENTENCES
 
 USERS = '{"step": {"continue": {"events_along": {"a_user_function_whose_name_is_longer_than_32_bytes": "x"}}}}'
@@ -52,6 +57,30 @@ def test_failures_of_motions_keep_their_reason_event_and_sentence(reason):
 )
 def test_notes_of_special_points(kind, note, reason):
     assert reasons_of("continue", [kind], [note], {"settings": USERS}) == [reason]
+
+
+def test_a_file_of_format_3_says_of_no_orbit_that_it_is_none(tmp_path):
+    """It lacks what was not known then; gone on with it says that it is not known."""
+    path = tmp_path / "a.h5"
+    branch = {"from": "o", "free": ["omega"], "range": {"omega": [1.9, 2.1]}, "stability": True}
+    steps = [{"name": "t", "simulate": {"t_end": 120}}, {"name": "o", "orbit": {"from": "t", "stability": True}}]
+    steps.append({"name": "b", "continue": {**branch, "max_points": 3}})
+    new = run({"model": "wall_oscillator", "steps": steps}, path).step("b")
+    with h5py.File(path, "r+") as file:
+        file.attrs["format_version"] = 3
+        for name in ("o", "b"):
+            for key in ("verified", "deviation", "unexplained"):
+                file[f"steps/{name}/points"].pop(key, None)
+            for key in ("residual", "residual_end"):
+                del file[f"steps/{name}/orbits/{key}"]
+    for upgraded in (False, True):
+        step = read_results(path).step("b")
+        assert np.all(step.points["verified"] == -1) and np.all(np.isnan(step.points["deviation"]))
+        assert np.all(np.isnan(step.orbits["residual"])) and len(step.orbits["residual"])
+        assert np.all(step.points["unexplained"] == 0)
+        assert np.array_equal(step.points["parameters"], new.points["parameters"])
+        assert (read_results(path).version == FORMAT_VERSION) == upgraded
+        upgrade_results(path)
 
 
 def test_endings_keep_their_direction():

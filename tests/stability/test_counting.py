@@ -35,6 +35,16 @@ def test_what_a_list_lacks_is_counted_and_found(gone):
         assert value.imag < 0 or np.min(np.abs(found - value)) < 1e-9
 
 
+@pytest.mark.parametrize("n", [7, 8, 9, 16, 32, 100])
+@pytest.mark.parametrize("radius", [1e-3, 0.05])
+def test_many_far_outside_are_seen_though_they_turn_by_whole_turns_between_neighbours(n, radius):
+    """At first points lie an eighth of a turn apart: of 8 multipliers each makes as much of one."""
+    values = np.linspace(0.4, 2.0, n)
+    for listed in (values[:0], values[8:], values[:1]):
+        assert 0 < Counter(MapCharacteristic(np.diag(values))).count_missing(listed, radius) <= n - len(listed)
+    assert Counter(MapCharacteristic(np.diag(values))).count_missing(values, radius) == 0
+
+
 def test_what_a_list_holds_and_is_none_counts_less():
     assert counter().count_missing(np.append(VALUES, 1.2), 0.6) == -1
 

@@ -1,11 +1,32 @@
 """Edges that move are those at which the slope of the orbit jumps."""
 
-import numpy as np
+from dataclasses import replace
 
+import numpy as np
+import pytest
+
+from pddecont.orbit import Orbit, solve_on_mesh
 from pddecont.stability.monodromy import linearise_period
 from pddecont.stability.moving_edges import find_still_edges
+from pddecont.stability.multipliers import multipliers_of_map
 from tests.known_orbits import hard_wall, impact_oscillator, mackey_glass
+from tests.orbits import settle_to_orbit
 from tests.stability.long_delays import damped_wall
+
+# An integrate-and-fire neuron that hears itself K times after 1.5 time units.
+NEURON = {
+    "name": "neuron",
+    "states": ["x"],
+    "parameters": {"a": 1.5, "K": 0, "tau": 1.5},
+    "modes": {"m": {"x'": "a - x + K*x(t - tau)"}},
+    "events": {"fire": "x - 1"},
+    "resets": {"zero": {"x": 0}},
+    "segments": {"s": {"mode": "m", "event": "fire", "direction": "rising", "reset": "zero", "to": "m"}},
+}
+
+
+def firing_neuron():
+    return settle_to_orbit(NEURON, mesh={"degree": 6, "intervals": 6})
 
 
 def returned_edges(orbit):
@@ -33,6 +54,19 @@ def test_without_feedback_no_returned_edge_moves_and_no_history_is_left():
     edges = returned_edges(orbit)
     assert 1 in edges.values() and find_still_edges(orbit) == set(edges)
     assert len(linearise_period(orbit).kept) == 1
+
+
+def test_a_map_of_an_orbit_whose_edges_stand_still_does_not_serve_one_whose_edges_move():
+    """Without feedback nothing jumps; with a little of it the motion is y_k+1 = a map that no mesh may change."""
+    orbit = firing_neuron()
+    assembly = linearise_period(orbit).assembly
+    for K in (0.002, 0.03):
+        p = orbit.parameters.copy()
+        p[orbit.numeric.parameter_index("K")] = K
+        other = solve_on_mesh(Orbit(replace(orbit.problem, parameters=p), orbit.x)).at.orbit
+        assert other.mesh is orbit.mesh and find_still_edges(other) < find_still_edges(orbit)
+        whole = [multipliers_of_map(linearise_period(other, known), other, 3).values[:3] for known in (None, assembly)]
+        assert whole[1] == pytest.approx(whole[0], abs=1e-12)
 
 
 def test_an_orbit_without_events_has_no_edges():

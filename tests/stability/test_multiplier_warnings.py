@@ -6,13 +6,14 @@ import pytest
 from pddecont.collocation import MeshRule
 from pddecont.delay import Chain
 from pddecont.errors import ConvergenceError
+from pddecont.orbit.examination import Examination
 from pddecont.results import read_results
 from pddecont.stability import candidates as module_of_candidates
 from pddecont.stability import find_multipliers
 from pddecont.stability import multipliers as module_of_multipliers
 from pddecont.stability.characteristic import MapCharacteristic
 from pddecont.stability.refinement import refine
-from pddecont.tables import describe_endings, make_table, summarise_step
+from pddecont.tables import describe_done, describe_endings, make_table, summarise_step
 from tests.known_orbits import impact_oscillator
 from tests.orbits import settle_to_orbit
 from tests.runs import change, run
@@ -128,6 +129,20 @@ def test_a_line_of_which_no_multiplier_is_found_is_counted_all_the_same(monkeypa
     assert not len(found.values) and not found.counted and not found.says_stability
 
 
+def test_a_multiplier_of_a_line_that_is_not_corrected_is_missed_by_the_count(monkeypatch):
+    """All eigenvalues of a small map are computed, but not all need be there after their correction."""
+    orbit = settle_to_orbit("wright", delay={"method": "chain", "order": 2, "n": 8})
+    whole = find_multipliers(orbit)
+    first = max(whole.values.tolist(), key=abs)
+
+    def lose(characteristic, value):
+        return None if abs(value - first) < 1e-6 else refine(characteristic, value)
+
+    monkeypatch.setattr(module_of_multipliers, "refine", lose)
+    found = find_multipliers(orbit)
+    assert len(found.values) < len(whole.values) and not found.counted
+
+
 def test_what_no_count_confirms_says_nothing_of_stability(monkeypatch, tmp_path):
     monkeypatch.setattr(module_of_multipliers.Counter, "count_missing", lambda *_: None)
     steps = [{"name": "t", "simulate": {"t_end": 120}}, {"name": "o", "orbit": {"from": "t", "stability": True}}]
@@ -158,3 +173,19 @@ def test_a_search_that_goes_astray_does_not_spoil_what_was_confirmed(monkeypatch
     found, counted = module_of_multipliers.complete(characteristic, known, 12, deep=True)
     assert counted
     assert [m.value.real for m in found] == pytest.approx([0.85, -0.37], abs=1e-12)
+
+
+def test_what_was_asked_for_and_is_not_known_is_told(monkeypatch, tmp_path):
+    """A branch none of whose orbits could be simulated in time, and none of whose multipliers a count confirms."""
+    monkeypatch.setattr(module_of_multipliers.Counter, "count_missing", lambda *_: None)
+    monkeypatch.setattr(Examination, "simulate", lambda *_, **__: None)
+    follow = {"from": "o", "free": ["omega"], "range": {"omega": [1.9, 2.1]}, "stability": True, "max_points": 3}
+    steps = [{"name": "t", "simulate": {"t_end": 120}}, {"name": "o", "orbit": {"from": "t"}}]
+    for given, unknown in (({}, True), ({"verify": False}, False)):
+        branch = {"name": "b", "continue": {**follow, **given}}
+        step = run({"model": "wall_oscillator", "steps": [*steps, branch]}, tmp_path / "a.h5").step("b")
+        line, summary = describe_done(step), summarise_step(step)
+        assert f"WARNING: at {len(step)} of the points the multipliers do not tell" in line
+        assert summary["stability"]["unknown"] == len(step) and "do not tell" in summary["warning"]
+        assert (f"WARNING: {len(step)} of its orbits could not be verified" in line) == unknown
+        assert ("verified" in summary) == unknown

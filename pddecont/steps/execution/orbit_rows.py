@@ -30,6 +30,11 @@ def make_orbit_meta(plan: Plan, step: PlannedStep[Any]) -> dict[str, Any]:
         "kinds": {kind.label: kind.name for kind in list_kinds()},
         "mesh_settings": step.mesh_settings,
         "units": find_units(plan),
+        # What was to be known of each orbit, though it may not have been found.
+        "asked": [
+            *(["verified"] if step.settings.verifies else []),
+            *(["stable"] if step.settings.multipliers.wanted else []),
+        ],
         **describe_choice(plan, step),
     }
 
