@@ -32,7 +32,8 @@ class System(NamedTuple):
         How many segments, from this one on, it may turn out to be when it ends: the first whose guard holds
         (n_segments,).
     crossing_first, crossing_segment
-        The segments of mode m that end at event functions, one of alternatives each: crossing_segment[crossing_first[m]:crossing_first[m + 1]].
+        The segments of mode m that end at event functions: crossing_segment[crossing_first[m]:crossing_first[m + 1]].
+        Of alternatives the first stands for all.
     ending_first, ending_segment
         All segments of a mode, likewise.
     clock_first, clock_event
