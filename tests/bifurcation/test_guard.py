@@ -6,7 +6,7 @@ import pytest
 from pddecont.tables import describe_endings
 from tests.bifurcation.runs import follow, settle
 from tests.guarded import LOW, MIDDLE, RAMP, SATURATION
-from tests.runs import labels, parameter, run
+from tests.runs import labels, monitor, parameter, run
 
 
 @pytest.fixture(scope="module")
@@ -26,7 +26,8 @@ def test_where_a_condition_fails_is_located_and_said(tmp_path):
     step = run({**RAMP, "run": {"steps": [*settle(60), branch]}}, tmp_path / "a.h5").step("b")
     assert sorted(labels(step)) == ["GD1", "GD2"]
     assert [parameter(step, "ramp", label) for label in ("GD1", "GD2")] == pytest.approx([LOW, MIDDLE], abs=1e-12)
-    assert [step.reason(step.row(label)).values["number"] for label in ("GD1", "GD2")] == [3, 2]
+    names = [step.reason(step.row(label)).values["segment"] for label in ("GD1", "GD2")]
+    assert names == ["tock>feed", "tock>idle"]
     # The other mode goes on to something else at once: nothing joins, and nothing is recorded beyond.
     assert all("next signature was not found" in text for text in describe_endings(step))
     assert np.all(step.points["verified"] == 1)
@@ -37,7 +38,7 @@ def test_where_both_modes_agree_the_branch_goes_through(saturation):
     step = saturation.step("b")
     place = 0.5 * (0.5 + 0.8)
     assert parameter(step, "F", "GD1") == pytest.approx(place, abs=1e-12)
-    F, x = parameter(step, "F"), step.points["monitors"][:, 0]
+    F, x = parameter(step, "F"), monitor(step, "top")
     exact = np.where(place > F, F / 1.3, (F - 0.4) / 0.5)
     assert x == pytest.approx(exact, abs=1e-12)
     assert [min(F), max(F)] == [0.1, 2]
@@ -57,4 +58,4 @@ def test_without_gd_wanted_the_branch_goes_on_and_its_orbits_are_no_motions(tmp_
     branch = follow("b", "o", {"ramp": [0.4, 1]}, detect=[])
     step = run({**RAMP, "run": {"steps": [*settle(60), branch]}}, tmp_path / "a.h5").step("b")
     ramp = parameter(step, "ramp")
-    assert ((ramp > LOW) & (ramp < MIDDLE)).tolist() == (step.points["admissible"] == 1).tolist()
+    assert ((ramp > LOW) & (ramp < MIDDLE)).tolist() == (step.points["admissible"][step.order] == 1).tolist()
