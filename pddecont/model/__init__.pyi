@@ -40,5 +40,6 @@ from .transitions import may_slide as may_slide
 from .validation import UNION_TAG as UNION_TAG
 from .validation import Formula as Formula
 from .validation import Identifier as Identifier
+from .validation import SegmentName as SegmentName
 from .validation import Strict as Strict
 from .validation import validate as validate

@@ -34,7 +34,7 @@ from pddecont.model.system import (
     make_symbol,
 )
 from pddecont.model.transitions import list_leaders
-from pddecont.model.validation import validate
+from pddecont.model.validation import ALTERNATIVE, validate
 
 
 def load_model(path: str) -> tuple[Model, list[Problem]]:
@@ -296,7 +296,7 @@ class _Builder:
                 "'when'",
             )
         for mode, guard in guards.items():
-            yield Segment(f"{name}>{mode}", *parts, mode, name, guard)
+            yield Segment(f"{name}{ALTERNATIVE}{mode}", *parts, mode, name, guard)
 
     def condition(self, path: KeyPath, text: str | float) -> Boolean:
         """Return the condition that a text writes; note a problem and return one that always holds where it is none."""

@@ -1,12 +1,14 @@
 """Segments that may lead to several modes: which there are, and what is wrong with their lists."""
 
+import math
+
 import pytest
 import sympy
 
-from pddecont.errors import ModelError
+from pddecont.errors import ModelError, RunError
 from pddecont.model import leave_out_effects, list_alternatives, parse_document, parse_model
-from tests.guarded import RAMP
-from tests.runs import change, to_yaml
+from tests.guarded import RAMP, TOP
+from tests.runs import change, monitor, plan, run, to_yaml
 
 
 def parse(mapping):
@@ -77,3 +79,16 @@ def test_without_an_effect_a_condition_may_hold_always_or_never():
     assert "tick>idle" not in model.segments
     assert model.segments["tick>feed"].guard == sympy.true
     assert "its condition never holds" in str(model.left_out.as_data())
+
+
+def test_runs_name_segments_by_the_modes_they_lead_to(tmp_path):
+    steps = [
+        {"name": "t", "simulate": {"t_end": 30}},
+        {"name": "o", "orbit": {"from": "t", "signature": ["tock>feed", "tick>idle", "tock>idle"]}},
+    ]
+    monitors = {"fed": "at(tick>idle, v)", "any": "at(tick, v)", "never": "at(tick>feed, v)"}
+    step = run({**RAMP, "run": {"monitors": monitors, "steps": steps}}, tmp_path / "a.h5").step("o")
+    assert [monitor(step, name)[0] for name in ("fed", "any")] == pytest.approx([TOP, TOP], abs=1e-12)
+    assert math.isnan(monitor(step, "never")[0])
+    with pytest.raises(RunError, match="'tick>idel' is not a segment"):
+        plan({**RAMP, "run": {"steps": [steps[0], {"name": "o", "orbit": {"from": "t", "signature": ["tick>idel"]}}]}})
