@@ -5,6 +5,7 @@ from __future__ import annotations
 from pddecont.bifurcation.branch_point import BRANCH_POINT
 from pddecont.bifurcation.fold import CUSP, FOLD
 from pddecont.bifurcation.grazing import DOUBLE_GRAZING, GRAZING
+from pddecont.bifurcation.guard import GUARD
 from pddecont.bifurcation.hopf import HOPF_BIFURCATION, HOPF_HOPF
 from pddecont.bifurcation.kinds import SpecialPointKind
 from pddecont.bifurcation.motion_change import MOTION_CHANGE
@@ -34,6 +35,7 @@ BUILTIN = (
     GRAZING,
     VANISHING,
     MOTION_CHANGE,
+    GUARD,
     USER_FUNCTION,
     HOPF_BIFURCATION,
     CUSP,

@@ -73,7 +73,9 @@ def model_info(file: str, without: tuple[str, ...]) -> dict[str, Any]:
         "events": list(model.events),
         "resets": list(model.resets),
         "segments": [
-            f"{s.name}: {s.mode} -- {s.event} ({s.direction}) / {s.reset} -> {s.to}" for s in model.segments.values()
+            f"{s.name}: {s.mode} -- {s.event} ({s.direction}) / {s.reset} -> {s.to}"
+            + (f" when {s.guard}" if s.written else "")
+            for s in model.segments.values()
         ],
         "effects": list(model.effects),
         "steps": steps,

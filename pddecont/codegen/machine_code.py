@@ -79,6 +79,14 @@ class ModelFunctions:
         return self._address([list(g) for g in self.model.resets.values()])
 
     @cached_property
+    def guard(self) -> int:
+        """The address of the segments' conditions, 1 where they hold; ``which`` is the segment. 0 if there are none."""
+        guards = [segment.guard for segment in self.model.segments.values()]
+        if all(guard == sympy.true for guard in guards):
+            return 0
+        return self._address([[sympy.Piecewise((1, guard), (0, True))] for guard in guards])
+
+    @cached_property
     def history(self) -> int:
         """The address of the history; ``which`` is the order of its derivative."""
         exprs = self.history_exprs or self.model.history

@@ -11,6 +11,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import sympy
+from sympy.core.relational import Relational
 from sympy.printing.codeprinter import CodePrinter
 from sympy.printing.numpy import NumPyPrinter
 from sympy.printing.pycode import PythonCodePrinter
@@ -61,10 +62,17 @@ def print_assignments(targets: Iterable[tuple[str, sympy.Expr]], printer: Printe
         If an expression is something that there is no code for.
     """
     written = [(target, expr) for target, expr in targets if expr != 0]
-    check_codable(expr for _, expr in written)
+    check_codable(part for _, expr in written for part in _list_smooth_parts(expr))
     shared, exprs = sympy.cse([expr for _, expr in written], symbols=sympy.numbered_symbols("c"), order="canonical")
     lines = [f"{s.name} = {printer.doprint(e)}" for s, e in shared]
     return lines + [f"{target} = {printer.doprint(e)}" for (target, _), e in zip(written, exprs, strict=True)]
+
+
+def _list_smooth_parts(expr: sympy.Expr) -> list[sympy.Expr]:
+    """Return the expressions that a choice between numbers compares; any other expression is one itself."""
+    if not isinstance(expr, sympy.Piecewise):
+        return [expr]
+    return [side for comparison in expr.atoms(Relational) for side in comparison.args]
 
 
 def check_codable(exprs: Iterable[sympy.Expr]) -> None:

@@ -1,6 +1,8 @@
 from .builder import load_model as load_model
 from .builder import parse_model as parse_model
 from .chain_states import add_chain_states as add_chain_states
+from .conditions import combine_differences as combine_differences
+from .conditions import list_differences as list_differences
 from .document import MAX_BYTES as MAX_BYTES
 from .document import Document as Document
 from .document import KeyPath as KeyPath
@@ -29,12 +31,15 @@ from .system import Model as Model
 from .system import Segment as Segment
 from .system import check_signature as check_signature
 from .transitions import Transitions as Transitions
+from .transitions import list_alternatives as list_alternatives
 from .transitions import list_carriers as list_carriers
 from .transitions import list_clocks as list_clocks
+from .transitions import list_leaders as list_leaders
 from .transitions import list_transitions as list_transitions
 from .transitions import may_slide as may_slide
 from .validation import UNION_TAG as UNION_TAG
 from .validation import Formula as Formula
 from .validation import Identifier as Identifier
+from .validation import SegmentName as SegmentName
 from .validation import Strict as Strict
 from .validation import validate as validate

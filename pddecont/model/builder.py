@@ -6,12 +6,14 @@ Expressions are parsed, names resolved, cross-references checked, and all proble
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import sympy
+from sympy.logic.boolalg import Boolean
 
 from pddecont.errors import ModelError, Problem, suggest
+from pddecont.model.conditions import list_differences, parse_condition
 from pddecont.model.document import Document, KeyPath, parse_document, read_text
 from pddecont.model.evaluation import count_terms, evaluate
 from pddecont.model.expression import MAX_SIZE, TIME, Scope, parse_expression, substitute
@@ -19,6 +21,7 @@ from pddecont.model.names import collect_symbols, find_clashes, find_strange_uni
 from pddecont.model.periodicity import explain_non_periodic
 from pddecont.model.reachability import find_shadowed, find_unreached
 from pddecont.model.schema import DelayedEvent, ModelFile
+from pddecont.model.schema import Segment as SegmentBody
 from pddecont.model.syntax import ExpressionError
 from pddecont.model.system import (
     IDENTITY,
@@ -30,7 +33,8 @@ from pddecont.model.system import (
     make_delayed_symbol,
     make_symbol,
 )
-from pddecont.model.validation import validate
+from pddecont.model.transitions import list_leaders
+from pddecont.model.validation import ALTERNATIVE, validate
 
 
 def load_model(path: str) -> tuple[Model, list[Problem]]:
@@ -97,20 +101,17 @@ class _Builder:
         events = {name: self.event(name, body) for name, body in file.events.items()}
         resets = {name: self.reset(name, body) for name, body in file.resets.items()}
         resets.setdefault(IDENTITY, tuple(map(make_symbol, file.states)))
-        segments = {
-            name: Segment(name, *(getattr(body, key) for key in ("mode", "event", "direction", "reset", "to")))
-            for name, body in file.segments.items()
-        }
+        segments = {s.name: s for name, body in file.segments.items() for s in self.alternatives(name, body)}
         self.check_segments(segments, resets)
         effects = {name: self.effect(name, body.set, body.drop) for name, body in file.effects.items()}
         mode, history = self.initial()
-        used = collect_symbols(modes, events, resets, period)
+        used = collect_symbols(modes, events, resets, segments.values(), period)
         self.check_time(period, used)
         for path, message in find_unused_parameters(
             file, set().union(*used.values(), *(d.free_symbols for d in self.delays))
         ):
             self.add_warning(path, message)
-        self.check_repeats(period, modes, events, resets)
+        self.check_repeats(period, modes, events, resets, segments)
         return Model(
             file.name,
             file.reference,
@@ -269,10 +270,47 @@ class _Builder:
             self.expression((*path, s), body[s], self.scope) if s in body else make_symbol(s) for s in self.file.states
         )
 
+    def alternatives(self, name: str, body: SegmentBody) -> Iterator[Segment]:
+        """Yield a segment of the file, once for each mode that it may lead to, with what has to hold then."""
+        parts = body.mode, body.event, body.direction, body.reset
+        if isinstance(body.to, str):
+            yield Segment(name, *parts, body.to)
+            return
+        guards: dict[str, Boolean] = {}
+        left, known = sympy.true, len(self.problems)
+        for i, alternative in enumerate(body.to):
+            path = ("segments", name, "to", i)
+            when = sympy.true if alternative.when is None else self.condition((*path, "when"), alternative.when)
+            own, left = sympy.And(left, when), sympy.And(left, sympy.Not(when))
+            if own == sympy.false and len(self.problems) == known:
+                self.add_error(
+                    path,
+                    f"segment '{name}' never leads to mode '{alternative.mode}' here: one of the conditions above "
+                    "holds wherever this one does, or it contradicts itself; remove it or change their order",
+                )
+            guards[alternative.mode] = sympy.Or(guards.get(alternative.mode, sympy.false), own)
+        if left != sympy.false and len(self.problems) == known:
+            self.add_error(
+                ("segments", name, "to"),
+                f"segment '{name}' leads nowhere where none of its conditions holds; end the list with a mode without "
+                "'when'",
+            )
+        for mode, guard in guards.items():
+            yield Segment(f"{name}{ALTERNATIVE}{mode}", *parts, mode, name, guard)
+
+    def condition(self, path: KeyPath, text: str | float) -> Boolean:
+        """Return the condition that a text writes; note a problem and return one that always holds where it is none."""
+        try:
+            return parse_condition(text, self.scope)
+        except ExpressionError as exc:
+            self.add_error(path, str(exc), offset=exc.offset)
+            return sympy.true
+
     def check_segments(self, segments: Mapping[str, Segment], resets: Mapping[str, Any]) -> None:
         """Check that segments name what there is, and that all there is is named."""
         file = self.file
-        for name, segment in segments.items():
+        for segment in segments.values():
+            name = segment.written or segment.name
             for key, given, known, what in (
                 ("mode", segment.mode, file.modes, "runs in mode"),
                 ("event", segment.event, file.events, "ends at event"),
@@ -303,7 +341,7 @@ class _Builder:
         for name in file.resets:
             if name != IDENTITY and name not in {s.reset for s in segments.values()}:
                 self.add_warning(("resets", name), f"reset '{name}' is not used by any segment")
-        for name, message in find_shadowed(segments.values()):
+        for name, message in find_shadowed(list_leaders(segments.values())):
             self.add_error(("segments", name), message, key=True)
         first = str(file.initial.get("mode", next(iter(file.modes))))
         for name, message in find_unreached(first, file.modes, segments.values()):
@@ -362,6 +400,7 @@ class _Builder:
         modes: Mapping[str, Any],
         events: Mapping[str, Event],
         resets: Mapping[str, Any],
+        segments: Mapping[str, Segment],
     ) -> None:
         """Check that the model repeats after the forcing period, at the parameters' values."""
         if period is None or self.problems:
@@ -373,6 +412,9 @@ class _Builder:
         named += [(f"event '{e.name}'", e.function) for e in events.values() if e.function is not None]
         named += [
             (f"{s} of reset '{name}'", g) for name, body in resets.items() for s, g in zip(states, body, strict=True)
+        ]
+        named += [
+            (f"a condition of segment '{s.written}'", g) for s in segments.values() for g in list_differences(s.guard)
         ]
         found = explain_non_periodic(named, evaluate(period, self.numbers), self.numbers)
         if found:

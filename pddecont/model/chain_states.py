@@ -59,6 +59,7 @@ def add_chain_states(model: Model, order: int, n: int) -> Model:
         modes={k: body(v, tuple(equations)) for k, v in model.modes.items()},
         events=events,
         resets={k: body(v, stages) for k, v in model.resets.items()},
+        segments={k: replace(s, guard=s.guard.xreplace(delayed)) for k, s in model.segments.items()},
         delays=(),
         delayed=(),
         history=(*model.history, *(sympy.Integer(0) for _ in names)),

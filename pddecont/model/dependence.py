@@ -13,9 +13,9 @@ Reads = Mapping[str, set[str]]
 
 
 def find_reads(model: Model) -> tuple[Reads, set[str]]:
-    """Return the states that each state's equations and resets read, and those that event functions read.
+    """Return the states that each state's equations and resets read, and those that decide what happens.
 
-    They are read now or delayed.
+    Those are in event functions and conditions. They are read now or delayed.
     """
     owner = {make_symbol(name): name for name in model.states}
     owner |= {s: model.states[d.state] for d, s in zip(model.delayed, model.delayed_symbols, strict=True)}
@@ -25,7 +25,8 @@ def find_reads(model: Model) -> tuple[Reads, set[str]]:
 
     bodies = [*model.modes.values(), *model.resets.values()]
     by_state = {name: states_in(body[i] for body in bodies) - {name} for i, name in enumerate(model.states)}
-    return by_state, states_in(e.function for e in model.events.values() if e.function is not None)
+    functions = [e.function for e in model.events.values() if e.function is not None]
+    return by_state, states_in([*functions, *(s.guard for s in model.segments.values())])
 
 
 def find_unread_states(full: Model, left: Model, named: Collection[str]) -> list[str]:

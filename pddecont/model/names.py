@@ -11,7 +11,7 @@ from pddecont.errors import suggest
 from pddecont.model.document import KeyPath
 from pddecont.model.expression import TIME
 from pddecont.model.schema import ModelFile
-from pddecont.model.system import Event
+from pddecont.model.system import Event, Segment
 
 
 def find_clashes(file: ModelFile) -> Iterator[tuple[KeyPath, str]]:
@@ -43,11 +43,15 @@ def find_unused_parameters(file: ModelFile, symbols: Collection[sympy.Symbol]) -
     used = {s.name for s in symbols} | {name for effect in file.effects.values() for name in effect.set}
     for name in file.parameters:
         if name not in used:
-            yield ("parameters", name), f"parameter '{name}' is not used in any mode, event, reset or delay"
+            yield ("parameters", name), f"parameter '{name}' is not used in any mode, event, reset, condition or delay"
 
 
 def collect_symbols(
-    modes: Mapping[str, Any], events: Mapping[str, Event], resets: Mapping[str, Any], period: sympy.Expr | None
+    modes: Mapping[str, Any],
+    events: Mapping[str, Event],
+    resets: Mapping[str, Any],
+    segments: Iterable[Segment],
+    period: sympy.Expr | None,
 ) -> dict[KeyPath, set[sympy.Symbol]]:
     """Return the symbols in each expression of the model, by the path of the expression's mapping."""
     used: dict[KeyPath, set[sympy.Symbol]] = {}
@@ -56,5 +60,8 @@ def collect_symbols(
             used[(group, name)] = set().union(*(e.free_symbols for e in exprs))
     for name, event in events.items():
         used[("events", name)] = set().union(*(e.free_symbols for e in (event.function, event.delay) if e is not None))
+    for segment in segments:
+        if segment.written:
+            used.setdefault(("segments", segment.written), set()).update(segment.guard.free_symbols)
     used[("forcing",)] = set(period.free_symbols) if period is not None else set()
     return used

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 
 import sympy
 
+from pddecont.model.conditions import list_differences, substitute_in
 from pddecont.model.dependence import find_unread_states
 from pddecont.model.expression import TIME, require_finite, substitute
 from pddecont.model.syntax import ExpressionError
@@ -91,6 +92,7 @@ def _values(cut: Reduction, fixed: Mapping[str, sympy.Expr]) -> Reduction:
             modes=in_all(model.modes),
             events=events,
             resets=in_all(model.resets),
+            segments={k: replace(s, guard=substitute_in(s.guard, values)) for k, s in model.segments.items()},
             fixed=fixed,
             parameters=numbers,
             delays=delays,
@@ -126,7 +128,7 @@ def _events_and_modes(cut: Reduction, dropped: Collection[str]) -> Reduction:
         *(cut.named.modes & set(model.modes)),
     }
     while True:
-        segments = {k: s for k, s in model.segments.items() if s.event not in never}
+        segments = {k: s for k, s in model.segments.items() if s.event not in never and s.guard != sympy.false}
         reached = _reachable(starts, segments.values())
         segments = {k: s for k, s in segments.items() if s.mode in reached}
         ending = {s.event for s in segments.values()}
@@ -142,11 +144,7 @@ def _events_and_modes(cut: Reduction, dropped: Collection[str]) -> Reduction:
         k: "no segment left ends at it" for k in model.events if k not in never and k not in ending
     }
     why["modes"] |= {k: "no segment left leads to it" for k in model.modes if k not in reached}
-    why["segments"] |= {
-        k: f"its event '{s.event}' never happens" if s.event in never else f"its mode '{s.mode}' is not reached"
-        for k, s in model.segments.items()
-        if k not in segments
-    }
+    why["segments"] |= {k: _explain_segment(s, never) for k, s in model.segments.items() if k not in segments}
     unused = set(model.resets) - {IDENTITY, *(s.reset for s in segments.values())}
     why["resets"] |= {k: "no segment left applies it" for k in model.resets if k in unused}
     return cut.to(
@@ -158,6 +156,13 @@ def _events_and_modes(cut: Reduction, dropped: Collection[str]) -> Reduction:
             resets={k: v for k, v in model.resets.items() if k not in unused},
         )
     )
+
+
+def _explain_segment(segment: Segment, never: Collection[str]) -> str:
+    """Return why a segment is left out."""
+    if segment.event in never:
+        return f"its event '{segment.event}' never happens"
+    return "its condition never holds" if segment.guard == sympy.false else f"its mode '{segment.mode}' is not reached"
 
 
 def _reachable(starts: Iterable[str], segments: Iterable[Segment]) -> set[str]:
@@ -242,9 +247,10 @@ def _timed(model: Model) -> bool:
 
 
 def _expressions(model: Model) -> list[sympy.Expr]:
-    """Return all that is evaluated along a motion: vector fields, resets, event functions."""
+    """Return all that is evaluated along a motion: vector fields, resets, event functions, conditions."""
     bodies = [e for group in (model.modes, model.resets) for body in group.values() for e in body]
-    return bodies + [e.function for e in model.events.values() if e.function is not None]
+    bodies += [e.function for e in model.events.values() if e.function is not None]
+    return bodies + [e for s in model.segments.values() for e in list_differences(s.guard)]
 
 
 def check_finite(model: Model) -> None:

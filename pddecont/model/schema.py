@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field, TypeAdapter, model_validator
 from pydantic_core import PydanticCustomError
 
 from pddecont.model.validation import Formula, Identifier, NewName, Strict
@@ -23,6 +23,23 @@ class DelayedEvent(Strict):
     delay: Formula = Field(description="time from that event to this one")
 
 
+class Alternative(Strict):
+    """One of the modes that a segment may lead to."""
+
+    when: Formula | None = Field(None, description="condition on the states after the reset; without it: always")
+    mode: Identifier = Field(description="mode that follows then")
+
+
+Alternatives = Annotated[list[Alternative], Field(min_length=1)]
+
+
+def _target(value: Any) -> Any:
+    return TypeAdapter(Alternatives).validate_python(value) if isinstance(value, list) else value
+
+
+Target = Annotated[Identifier | Alternatives, BeforeValidator(_target)]
+
+
 class Segment(Strict):
     """A smooth arc: where it runs, what ends it, what happens then, where it leads."""
 
@@ -30,7 +47,7 @@ class Segment(Strict):
     event: Identifier = Field(description="event that ends the segment")
     direction: Literal["rising", "falling", "any"] = Field("any", description="how the event function passes zero")
     reset: Identifier = Field("identity", description="reset applied at the event")
-    to: Identifier = Field(description="mode that follows")
+    to: Target = Field(description="mode that follows; or a list of {when: condition, mode}, of which the first holds")
 
 
 class Effect(Strict):

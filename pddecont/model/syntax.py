@@ -13,6 +13,7 @@ from pddecont.model.mistakes import find_derivative
 # whose last letter stands for nothing else.
 _MASK = {word: word[:-1] + chr(0x250 + i) for i, word in enumerate(keyword.kwlist)}
 _UNMASK = {mask: word for word, mask in _MASK.items()}
+LOGICAL = ("and", "or", "not")
 _KEYWORD = re.compile(r"\b(" + "|".join(keyword.kwlist) + r")\b")
 
 
@@ -24,9 +25,15 @@ class ExpressionError(Exception):
         super().__init__(message)
 
 
-def parse_syntax(text: str) -> ast.expr:
-    """Return the syntax tree of ``text``; raise :class:`ExpressionError` with an offset into it."""
-    masked = _KEYWORD.sub(lambda m: _MASK[m.group()], text.replace("\n", " ").replace("\t", " "))
+def parse_syntax(text: str, *, logical: bool = False) -> ast.expr:
+    """Return the syntax tree of ``text``; raise :class:`ExpressionError` with an offset into it.
+
+    ``logical``: and, or, not are operators there, else they may be names as other words are.
+    """
+    kept = LOGICAL if logical else ()
+    masked = _KEYWORD.sub(
+        lambda m: m.group() if m.group() in kept else _MASK[m.group()], text.replace("\n", " ").replace("\t", " ")
+    )
     stripped = masked.lstrip()
     shift = len(masked) - len(stripped)
     if not stripped:

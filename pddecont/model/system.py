@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import Any
 
 import sympy
+from sympy.logic.boolalg import Boolean
 
 from pddecont.errors import SignatureError, suggest
 from pddecont.model.evaluation import evaluate
@@ -48,6 +49,10 @@ class Segment:
     direction: str
     reset: str
     to: str
+    # Of a segment that may lead to several modes: its name in the file, and when it leads to this one, judged by the
+    # states after the reset.
+    written: str = ""
+    guard: Boolean = sympy.true
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ not a signature lists it.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -56,6 +57,21 @@ def list_transitions(model: Model, mode: str) -> Transitions:
     segments = tuple(segment for segment in model.segments.values() if segment.mode == mode)
     crossings = tuple(s for s in segments if model.events[s.event].function is not None)
     return Transitions(segments, crossings, tuple(s for s in segments if s not in crossings))
+
+
+def list_leaders(segments: Iterable[Segment]) -> tuple[Segment, ...]:
+    """Return the first of each segment's alternatives: what ends is the same for all of them."""
+    found: dict[str, Segment] = {}
+    for segment in segments:
+        found.setdefault(segment.written or segment.name, segment)
+    return tuple(found.values())
+
+
+def list_alternatives(model: Model, segment: Segment) -> tuple[Segment, ...]:
+    """Return the segments that one may be, as the states after its reset decide; itself alone without a condition."""
+    if not segment.written:
+        return (segment,)
+    return tuple(other for other in model.segments.values() if other.written == segment.written)
 
 
 def list_clocks(model: Model, event: str) -> tuple[str, ...]:

@@ -17,6 +17,8 @@ from pddecont.model.mistakes import is_infinite, suggest_point
 # Findings that are worked out with all that belongs to a message.
 MAX_FOUND = 1000
 RESERVED = {"t", PI_NAME, "mode", *FUNCTIONS}
+# Between the name of a segment that may lead to several modes and the one that it leads to.
+ALTERNATIVE = ">"
 # How tags of unions begin, as no key of a file does.
 UNION_TAG = "\0"
 
@@ -35,6 +37,12 @@ def _identifier(value: Any) -> str:
             "name", "'{name}' is not a name: letters, digits and _, not starting with a digit", {"name": value}
         )
     return value
+
+
+def _segment_name(value: Any) -> str:
+    if isinstance(value, str) and ALTERNATIVE in value:
+        return ALTERNATIVE.join(map(_identifier, value.split(ALTERNATIVE, 1)))
+    return _identifier(value)
 
 
 def _new_name(value: Any) -> str:
@@ -56,6 +64,7 @@ def _formula(value: Any) -> str | float:
 
 _FORMULA_SCHEMA = {"anyOf": [{"type": "number"}, {"type": "string"}]}
 Identifier = Annotated[str, BeforeValidator(_identifier)]
+SegmentName = Annotated[str, BeforeValidator(_segment_name)]
 NewName = Annotated[str, BeforeValidator(_new_name)]
 Formula = Annotated[str | float, BeforeValidator(_formula), WithJsonSchema(_FORMULA_SCHEMA)]
 

@@ -27,6 +27,9 @@ from .extrema import Extremum as Extremum
 from .extrema import Profile as Profile
 from .family import find_free_states as find_free_states
 from .growth import OrbitHorizon as OrbitHorizon
+from .guards import explain_guard as explain_guard
+from .guards import list_guarded as list_guarded
+from .guards import measure_guard as measure_guard
 from .guess import guess_from_cycle as guess_from_cycle
 from .images import list_images as list_images
 from .leaving import explain_sliding as explain_sliding

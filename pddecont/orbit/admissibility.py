@@ -12,6 +12,7 @@ from pddecont.orbit.carried_events import list_carried_events, list_unlisted_car
 from pddecont.orbit.clocks import list_unlisted_clocks
 from pddecont.orbit.event_profiles import find_event_profile, find_event_profiles
 from pddecont.orbit.extrema import Extremum, Profile
+from pddecont.orbit.guards import explain_guard, list_guarded, measure_guard
 from pddecont.orbit.leaving import explain_sliding, find_leaving_rate, list_sliding_ends
 from pddecont.orbit.orbit import Orbit
 from pddecont.orbit.problem import INSTANT
@@ -57,7 +58,7 @@ def _find_violations(orbit: Orbit) -> Iterator[Reason]:
 
 
 def _find_unlisted(orbit: Orbit) -> Iterator[Reason]:
-    """Yield the delayed events that happen though no segment ends at them, and the surfaces that hold the motion."""
+    """Yield what the motion does that no segment says: events that others make, other modes, sliding."""
     for clock in list_unlisted_clocks(orbit):
         if clock.measure(orbit) > RELATIVE_ZERO:
             yield clock.explain(orbit)
@@ -67,6 +68,9 @@ def _find_unlisted(orbit: Orbit) -> Iterator[Reason]:
     for carried in list_unlisted_carried_events(orbit):
         if carried.measure(orbit) > RELATIVE_ZERO:
             yield carried.explain(orbit)
+    for s in list_guarded(orbit.signature):
+        if measure_guard(orbit, s) < -RELATIVE_ZERO:
+            yield explain_guard(orbit.signature, s)
     for s in list_sliding_ends(orbit.signature):
         largest = float(np.max(np.abs(find_event_profile(orbit, orbit.signature.segments[s].event).values)))
         if find_leaving_rate(orbit, s) * orbit.period < -TANGENT * largest:

@@ -14,6 +14,7 @@ from pddecont.orbit.admissibility import SIGNS
 from pddecont.orbit.carried_events import list_carried_events, list_unlisted_carried_events
 from pddecont.orbit.event_profiles import find_event_profile
 from pddecont.orbit.examination import Examination, Window
+from pddecont.orbit.guards import explain_guard, is_alternative, measure_guard
 from pddecont.orbit.leaving import find_leaving_rate, list_sliding_ends
 from pddecont.orbit.verdict import DRIFTS, NOT_DONE, Verification
 from pddecont.reasons import Reason, Scalar, make_reason
@@ -103,6 +104,8 @@ def is_undecided(examined: Examination, window: Window, record: MotionRecord) ->
     if unexpected is None:
         return False
     t, name = unexpected
+    if is_alternative(orbit.signature, window.s, name):
+        return abs(measure_guard(orbit, window.s)) <= find_allowed(examined)
     if abs(t - window.event) <= find_allowed(examined) * orbit.period:
         return True
     event = model.segments[name].event
@@ -207,6 +210,8 @@ def _describe(examined: Examination, window: Window, record: MotionRecord) -> Re
     if unexpected is None:
         return Reason("missing", {"event": segment.event, **where})
     t, name = unexpected
+    if is_alternative(orbit.signature, window.s, name):
+        return explain_guard(orbit.signature, window.s)
     number = (window.s + int(t >= window.event)) % len(orbit.signature)
     return make_reason(
         "happens",

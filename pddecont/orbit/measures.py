@@ -53,10 +53,14 @@ def measure_time_in(orbit: Orbit, mode: str) -> float:
 
 
 def measure_at(orbit: Orbit, segment: str, function: ArrayFunction) -> float:
-    """Return an expression at the end of the first segment of a name; NaN if the orbit has none."""
-    if segment not in orbit.signature.names:
+    """Return an expression at the end of the first segment of a name; NaN if the orbit has none.
+
+    A name in the model file stands for all modes that such a segment may lead to.
+    """
+    found = [s for s, other in enumerate(orbit.signature.segments) if segment in (other.name, other.written)]
+    if not found:
         return float("nan")
-    interval = orbit.mesh.last_interval[[orbit.signature.names.index(segment)]]
+    interval = orbit.mesh.last_interval[found[:1]]
     reads = orbit.read(MeshPoints(interval, np.ones(1)), delays=function.uses_delayed)
     return float(function.value(reads.t, reads.x, reads.xd, orbit.parameters)[0, 0])
 

@@ -108,7 +108,8 @@ class _MeasureParser:
     def _at(self, node: ast.Call, _: Scope) -> sympy.Expr:
         if len(node.args) != 2:
             raise ExpressionError("at takes a segment and an expression: at(segment, expression)", node.col_offset)
-        segment = _find_name(self.model, node.args[0], self.model.segments, "segment")
+        written = (s.written for s in self.model.segments.values() if s.written)
+        segment = _find_name(self.model, node.args[0], [*self.model.segments, *dict.fromkeys(written)], "segment")
         function = self.numeric.function([translate_expression(node.args[1], self.inner)])
         return self.add(lambda orbit: measure_at(orbit, segment, function))
 
@@ -129,7 +130,8 @@ def _only_argument(node: ast.Call) -> ast.expr:
 
 
 def _find_name(model: Model, node: ast.expr, known: Collection[str], what: str) -> str:
-    name = ast.unparse(node)
+    # A segment's name may hold a >, which is written with blanks about it here.
+    name = ast.unparse(node).replace(" ", "")
     if name not in known:
         article = "an" if what == "event" else "a"
         raise ExpressionError(

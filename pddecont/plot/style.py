@@ -28,7 +28,15 @@ TITLE_SIZE, LEGEND_SIZE, INNER_LEGEND_SIZE = 9.5, 8.5, 8.0
 # Chosen by eye: alike in lightness, different in hue.
 COLOURS = ("#1f5fa8", "#c2402f", "#2f8f5b", "#8a5fb0", "#b8860b", "#3b3b3b", "#3aa0b5", "#c45f96")
 # Curves of special points in two parameters, by the kind of point.
-CURVE_COLOURS = {"GR": "#c2402f", "LP": "#1f5fa8", "PD": "#2f8f5b", "TR": "#8a5fb0", "VS": "#b8860b", "UF": "#3b3b3b"}
+CURVE_COLOURS = {
+    "GR": "#c2402f",
+    "LP": "#1f5fa8",
+    "PD": "#2f8f5b",
+    "TR": "#8a5fb0",
+    "VS": "#b8860b",
+    "UF": "#3b3b3b",
+    "GD": "#3aa0b5",
+}
 OTHER_CURVE_COLOUR = "0.45"
 # As matplotlib names them: (4, 1, 0) is a star of four points.
 MARKERS: dict[str, Any] = {
@@ -39,6 +47,7 @@ MARKERS: dict[str, Any] = {
     "TR": "*",
     "VS": "D",
     "MC": "+",
+    "GD": (5, 0, 0),
     "EP": "|",
     "UF": "v",
     "HB": "H",

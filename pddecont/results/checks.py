@@ -22,6 +22,8 @@ from pddecont.reasons import Reason, reason_from_json
 from pddecont.results.format import Arrays, Column, StepFormat
 
 NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*\Z")
+# A segment that may lead to several modes, with the one that it leads to.
+SEGMENT = re.compile(r"[A-Za-z_][A-Za-z0-9_]*(>[A-Za-z_][A-Za-z0-9_]*)?\Z")
 LABEL = re.compile(rb"[A-Z0-9]*\Z")
 # Lists of different names in the meta data of steps; all other lists are of texts or numbers.
 NAMES = (
@@ -106,7 +108,8 @@ def check_meta(step_format: StepFormat, meta: Any) -> None:
         raise ResultsError("'meta' is not a mapping")
     for key in NAMES:
         names = meta.get(key, [])
-        are_names = isinstance(names, list) and all(isinstance(x, str) and NAME.match(x) for x in names)
+        allowed = SEGMENT if key == "segments" else NAME
+        are_names = isinstance(names, list) and all(isinstance(x, str) and allowed.match(x) for x in names)
         if not are_names or len(set(names)) < len(names):
             raise ResultsError(f"'{key}' is not a list of different names")
     for key, (least, most) in step_format.name_lists.items():

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from pddecont.codegen import ModelFunctions, NumericModel
 from pddecont.delay import DelayMethod
-from pddecont.model import list_clocks, list_transitions
+from pddecont.model import Model, list_alternatives, list_clocks, list_leaders, list_transitions
 from pddecont.simulate.integrator import ParameterValues, System
 from pddecont.simulate.method import Method
 from pddecont.simulate.returns import ReturnSection
@@ -42,13 +42,18 @@ def make_system(
     after = [events.index(e.after) if e.after is not None else -1 for e in model.events.values()]
     segments, names = model.segments.values(), list(model.segments)
     ending = [list_transitions(model, mode) for mode in modes]
-    crossing_first, crossing_segment = _group([names.index(s.name) for s in found.crossings] for found in ending)
-    ending_first, ending_segment = _group([names.index(s.name) for s in found.segments] for found in ending)
+    crossing_first, crossing_segment = _group(
+        [names.index(s.name) for s in list_leaders(found.crossings)] for found in ending
+    )
+    ending_first, ending_segment = _group(
+        [names.index(s.name) for s in list_leaders(found.segments)] for found in ending
+    )
     clock_first, clock_event = _group([events.index(e) for e in list_clocks(model, event)] for event in events)
     return System(
         field=functions.field,
         event=functions.event,
         reset=functions.reset,
+        guard=functions.guard,
         history=functions.history,
         field_jacobian=functions.field_jacobian if tangent or method.stiff else 0,
         event_jacobian=functions.event_jacobian,
@@ -65,6 +70,7 @@ def make_system(
         segment_direction=_integers(DIRECTIONS[s.direction] for s in segments),
         segment_reset=_integers(resets.index(s.reset) for s in segments),
         segment_to=_integers(modes.index(s.to) for s in segments),
+        alternatives=_count_alternatives(model),
         crossing_first=crossing_first,
         crossing_segment=crossing_segment,
         ending_first=ending_first,
@@ -116,6 +122,11 @@ def make_values(
         longest=max(longest, float(max(tau, default=0.0))),
         stick=stick,
     )
+
+
+def _count_alternatives(model: Model) -> NDArray[np.int64]:
+    leaders = {s.name: len(list_alternatives(model, s)) for s in list_leaders(model.segments.values())}
+    return _integers(leaders.get(name, 0) for name in model.segments)
 
 
 def _group(lists: Iterable[Sequence[int]]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

@@ -9,7 +9,7 @@ from typing import Any, Literal
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from pddecont.model import Formula, Identifier, Strict
+from pddecont.model import Formula, Identifier, SegmentName, Strict
 from pddecont.orbit import Monitor
 from pddecont.results import CONTINUE
 from pddecont.runfile import From, Holding, StepInput, check_new_names, resolve_monitors
@@ -53,7 +53,7 @@ class Continue(Strict):
         "follow", description="what to do where an orbit grazes or a segment vanishes"
     )
     branch: Literal["same", "switch"] = Field("same", description="switch: onto the other branch at a PD or BP point")
-    signature: list[Identifier] | None = Field(
+    signature: list[SegmentName] | None = Field(
         None, min_length=1, description=("segments that the orbit must have; at a GR point those after it")
     )
     detect: list[Identifier] | None = Field(

@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import Field
 
 from pddecont.errors import SignatureError
-from pddecont.model import Identifier, Strict, check_signature
+from pddecont.model import SegmentName, Strict, check_signature
 from pddecont.results import ORBIT
 from pddecont.runfile import From, Holding, Path, StepInput
 from pddecont.steps.fields import Stability, StabilityChoice, Verify
@@ -20,7 +20,7 @@ class Orbit(Strict):
     """Find the periodic orbit that a trajectory has settled to, or solve a recorded orbit anew."""
 
     from_: From = Field(alias="from", description="a simulate step, an attractor of a sweep or basin, or an orbit")
-    signature: list[Identifier] | None = Field(None, description="segments that the orbit must have")
+    signature: list[SegmentName] | None = Field(None, description="segments that the orbit must have")
     stability: StabilityChoice = False
     verify: Verify = None
 

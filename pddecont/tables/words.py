@@ -61,6 +61,7 @@ _WORDS: dict[str, Callable[[Values], str]] = {
         f"{_name_segment(v)}: event '{v['event']}' happens there, at {v['time']:.8g} after the orbit's start "
         f"('{v['instead']}')"
     ),
+    "guard": lambda v: f"{_name_segment(v)}: its condition {v['condition']} does not hold",
     "slides": lambda v: (
         f"{_name_segment(v)}: beyond event '{v['event']}' the flow leads straight back: both fields point at its "
         "surface, and the motion slides along it"

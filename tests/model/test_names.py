@@ -40,7 +40,7 @@ def test_a_parameter_is_used_in_an_expression_or_by_an_effect():
 def test_symbols_are_those_of_functions_and_delays():
     x, a, b = sympy.symbols("x a b")
     events = {"hit": Event("hit", x - a), "late": Event("late", None, "hit", b)}
-    assert collect_symbols({"m": (a * x,)}, events, {}, None) == {
+    assert collect_symbols({"m": (a * x,)}, events, {}, [], None) == {
         ("modes", "m"): {a, x},
         ("events", "hit"): {a, x},
         ("events", "late"): {b},

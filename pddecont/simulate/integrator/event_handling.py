@@ -68,8 +68,9 @@ def find_start_crossing(c):
         for i in range(c.n):
             c.trial[i] = 0.0
         call(c.reset, c.segment_reset[segment], t, c.y, c.xd, c.p, c.trial)
-        after, _ = evaluate_event_slope(c, event, c.segment_to[segment], t, c.trial)
-        if after * direction <= 0.0 and c.segment_to[segment] == mode:
+        target = c.segment_to[_choose_alternative(c, segment, t, c.trial)]
+        after, _ = evaluate_event_slope(c, event, target, t, c.trial)
+        if after * direction <= 0.0 and target == mode:
             return segment, direction
     return -1, 0
 
@@ -140,7 +141,7 @@ def _apply_event(c, segment, pending):
     ``pending`` is the place of the delayed event in the queue, -1 for an event function.
     """
     t, n, mode = c.clock[T], c.n, c.count[MODE]
-    event, target = c.segment_event[segment], c.segment_to[segment]
+    event = c.segment_event[segment]
     shift = 0.0
     if pending >= 0:
         shift = c.pending_shift[pending]
@@ -153,15 +154,17 @@ def _apply_event(c, segment, pending):
     if crossing != 0:
         _, resolution = evaluate_event_slope(c, event, mode, t, c.y)
     read_delayed(c, t, c.y, c.xd, 0)
+    for i in range(n):
+        c.after_reset[i] = 0.0
+    call(c.reset, c.segment_reset[segment], t, c.y, c.xd, c.p, c.after_reset)
+    segment = _choose_alternative(c, segment, t, c.after_reset)
+    target = c.segment_to[segment]
     row = c.log_n[1]
     logged = row < c.log_events
     if logged:
         c.event_time[row], c.event_segment[row] = t, segment
         for i in range(n):
             c.event_before[row * n + i] = c.y[i]
-    for i in range(n):
-        c.after_reset[i] = 0.0
-    call(c.reset, c.segment_reset[segment], t, c.y, c.xd, c.p, c.after_reset)
     for i in range(n):
         c.y[i] = c.after_reset[i]
         if logged:
@@ -189,6 +192,22 @@ def _apply_event(c, segment, pending):
         c.clock[ZENO_TIME] = t
         return Status.ZENO
     return detect_accumulation(c, event, t)
+
+
+@internal
+def _choose_alternative(c, segment, t, y):
+    """Return the first alternative of a segment whose guard holds in the states ``y``; the last one if none does.
+
+    ``c.xd`` holds the delayed values.
+    """
+    last = segment + c.alternatives[segment] - 1
+    while segment < last:
+        c.gradient[0] = 0.0
+        call(c.guard, segment, t, y, c.xd, c.p, c.gradient)
+        if c.gradient[0] > 0.0:
+            break
+        segment += 1
+    return segment
 
 
 @internal

@@ -16,7 +16,7 @@ class System(NamedTuple):
 
     Attributes
     ----------
-    field, event, reset, history, field_jacobian, event_jacobian, reset_jacobian
+    field, event, reset, guard, history, field_jacobian, event_jacobian, reset_jacobian
         Addresses of the model's compiled functions; 0 for one that is not needed.
     n, n_full
         States, and states with the variables of a chain.
@@ -28,8 +28,12 @@ class System(NamedTuple):
         States whose past is kept (n_kept,), and where each state is among them (n,): -1 for one that is not kept.
     segment_mode, segment_event, segment_direction, segment_reset, segment_to
         The segments in declared order (n_segments,); a direction is 1 rising, -1 falling, 0 any.
+    alternatives
+        How many segments, from this one on, it may turn out to be when it ends: the first whose guard holds
+        (n_segments,).
     crossing_first, crossing_segment
         The segments of mode m that end at event functions: crossing_segment[crossing_first[m]:crossing_first[m + 1]].
+        Of alternatives the first stands for all.
     ending_first, ending_segment
         All segments of a mode, likewise.
     clock_first, clock_event
@@ -53,6 +57,7 @@ class System(NamedTuple):
     field: int
     event: int
     reset: int
+    guard: int
     history: int
     field_jacobian: int
     event_jacobian: int
@@ -69,6 +74,7 @@ class System(NamedTuple):
     segment_direction: Integers
     segment_reset: Integers
     segment_to: Integers
+    alternatives: Integers
     crossing_first: Integers
     crossing_segment: Integers
     ending_first: Integers

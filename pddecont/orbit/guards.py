@@ -1,0 +1,57 @@
+"""How far the conditions of an orbit's segments are from changing: which mode follows an event hangs on them.
+
+The distance is that of the comparisons' sides, counted in what they change by when each state, delayed value and time
+moves by its size, so that units do not matter; ``and`` takes the least, ``or`` the largest.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pddecont.model import combine_differences, list_alternatives, list_differences
+from pddecont.orbit.error import measure_states
+from pddecont.orbit.orbit import Orbit
+from pddecont.orbit.signature import Signature
+from pddecont.reasons import Reason, make_reason
+
+CODE = "guard"
+
+
+def list_guarded(signature: Signature) -> list[int]:
+    """Return the segments that lead where they do by a condition."""
+    return [s for s, segment in enumerate(signature.segments) if list_differences(segment.guard)]
+
+
+def measure_guard(orbit: Orbit, s: int) -> float:
+    """Return how far the condition of segment ``s`` is from changing: positive where it holds, zero where it begins to.
+
+    It is judged by the states after the reset at the segment's end.
+    """
+    signature, numeric = orbit.signature, orbit.numeric
+    guard, following = signature.segments[s].guard, (s + 1) % len(signature)
+    differences = list_differences(guard)
+    start = orbit.event_times[[following]]
+    reads = orbit.read(orbit.mesh.locate(orbit.theta, start, segment=following)[0])
+    function = numeric.function(differences)
+    found, where = function.derivatives(reads.t, reads.x, reads.xd, orbit.parameters), function.structure()
+    sizes = measure_states(orbit.values)
+    delayed = sizes[[read.state for read in numeric.model.delayed]]
+    change = np.zeros(len(differences))
+    np.add.at(change, where.dx[0], np.abs(found.dx[:, 0]) * sizes[where.dx[1]])
+    np.add.at(change, where.dxd[0], np.abs(found.dxd[:, 0]) * delayed[where.dxd[1]])
+    np.add.at(change, where.dt, np.abs(found.dt[:, 0]) * orbit.period)
+    # A comparison of parameters alone has no size; its own number tells the side.
+    relative = found.value[:, 0] / np.where(change > 0.0, change, 1.0)
+    return combine_differences(guard, dict(zip(differences, relative.tolist(), strict=True)))
+
+
+def is_alternative(signature: Signature, s: int, name: str) -> bool:
+    """Return whether the segment called ``name`` is another way in which segment ``s`` may end."""
+    model, own = signature.numeric.model, signature.segments[s]
+    return any(other.name == name != own.name for other in list_alternatives(model, own))
+
+
+def explain_guard(signature: Signature, s: int) -> Reason:
+    """Return the reason that says that the condition of segment ``s`` does not hold."""
+    segment = signature.segments[s]
+    return make_reason(CODE, number=s + 1, segment=segment.name, condition=str(segment.guard))
