@@ -124,7 +124,10 @@ def test_folds_alone_need_no_multipliers_though_points_may_have_them(tmp_path, c
     [
         (["TR"], "'TR' is seen from multipliers; add 'stability: true'"),
         (["GG"], "'GG' is not found with one free parameter"),
-        (["GT", "LR"], r"'LR' is not found with one free parameter \(there are: LP, BP, PD, TR, GR, VS, MC, GD, UF, HB\)"),
+        (
+            ["GT", "LR"],
+            r"'LR' is not found with one free parameter \(there are: LP, BP, PD, TR, GR, VS, MC, GD, UF, HB\)",
+        ),
     ],
 )
 def test_kinds_that_cannot_be_found_are_refused(detect, message):
