@@ -138,8 +138,8 @@ def test_events_that_commute_swap(tmp_path, mended):
 
 def test_files_here_are_used():
     """As a word of a test, or as the model of another file."""
-    tests = ast.parse((HERE / "test_cases.py").read_text())
-    words = {node.value for node in ast.walk(tests) if isinstance(node, ast.Constant)}
+    tests = [ast.parse(path.read_text()) for path in HERE.glob("test_*.py")]
+    words = {node.value for tree in tests for node in ast.walk(tree) if isinstance(node, ast.Constant)}
     models = {load(path.stem).get("model") for path in HERE.glob("*.yaml")}
     for path in HERE.glob("*.yaml"):
         assert path.stem in words or path.name in models, path.name
