@@ -107,6 +107,18 @@ def test_an_orbit_as_poor_as_its_mesh_is_still_one():
     assert found.deviation > 1e-6
 
 
+def test_errors_that_intervals_pass_on_are_allowed_for_too(monkeypatch):
+    """Without what each interval leaves the orbit drifts; its estimated error, some 1e-3, says that it may."""
+    orbit = settle_to_orbit(FRICTION, {"om": 0.9}, 400, mesh={"degree": 3, "intervals": 3})
+    monkeypatch.setattr(module.Examination, "error", 0.0)
+    assert verify(orbit).reason.code == "drifts"
+    found = verify(Orbit(orbit.problem, orbit.x), strict=False)
+    assert found.verified == 1 and found.deviation > 1e-6
+    for error in (1e-12, np.inf):
+        monkeypatch.setattr(module, "estimate_error", lambda _, error=error: error)
+        assert verify(Orbit(orbit.problem, orbit.x), strict=False).verified == 0
+
+
 @pytest.mark.parametrize(
     ("said", "verified"),
     [
