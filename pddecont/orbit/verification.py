@@ -69,7 +69,8 @@ class Referee:
         """
         if found.reason.code != DRIFTS:
             return found
-        error = estimate_error(orbit)
+        # Free parameters count relative to their own values: their ranges are not known here.
+        error = estimate_error(orbit, tuple(np.where(orbit.free != 0.0, np.abs(orbit.free), 1.0).tolist()))
         allowed = ESTIMATED * error if np.isfinite(error) else 0.0
         return Verification(1, found.deviation) if found.deviation <= allowed else found
 
