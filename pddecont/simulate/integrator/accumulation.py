@@ -7,7 +7,7 @@ import math
 from pddecont.simulate.integrator.calls import internal, offset
 from pddecont.simulate.integrator.event_functions import evaluate_event, evaluate_event_slope
 from pddecont.simulate.integrator.history import time_tolerance
-from pddecont.simulate.integrator.state import LAST_EVENT_TIME, MODE, SIMULTANEOUS, ZENO_TIME
+from pddecont.simulate.integrator.state import LAST_EVENT_TIME, SIMULTANEOUS, ZENO_TIME
 from pddecont.simulate.integrator.status import Status
 
 # More events at one moment than any model lists follow one another for ever.
@@ -57,10 +57,11 @@ def is_at_rest(c, event, crossing, mode, t, resolution):
 
 
 @internal
-def detect_accumulation(c, event, t):
+def detect_accumulation(c, event, mode, t):
     """Follow the gaps between an event's repetitions; return ZENO once their end is near, REACHED before.
 
-    Gaps that shrink by a ratio r each time end at t + gap r / (1 - r).
+    Gaps that shrink by a ratio r each time end at t + gap r / (1 - r). ``mode`` is the one that the event ended: in the
+    next one its function may stand still.
     """
     row = offset(c.accumulation, 4 * event)
     c.count[SIMULTANEOUS] = c.count[SIMULTANEOUS] + 1 if abs(t - c.clock[LAST_EVENT_TIME]) <= time_tolerance(t) else 0
@@ -74,7 +75,7 @@ def detect_accumulation(c, event, t):
     row[0], row[1], row[2] = t, gap, ratio
     if row[3] >= SAME_RATIOS:
         rest = gap * ratio / (1.0 - ratio)
-        slope, size = evaluate_event_slope(c, event, c.count[MODE], t, c.y) if c.after[event] < 0 else (math.inf, 0.0)
+        slope, size = evaluate_event_slope(c, event, mode, t, c.y) if c.after[event] < 0 else (math.inf, 0.0)
         # Below some gap nothing but rounding is left in the event function.
         if rest <= NEAR_END * max(1.0, abs(t)) or abs(slope) * gap <= UNSEEN * size:
             c.clock[ZENO_TIME] = t + rest

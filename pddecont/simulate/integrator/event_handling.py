@@ -191,7 +191,7 @@ def _apply_event(c, segment, pending):
     if is_at_rest(c, event, crossing, target, t, resolution):
         c.clock[ZENO_TIME] = t
         return Status.ZENO
-    return detect_accumulation(c, event, t)
+    return detect_accumulation(c, event, mode, t)
 
 
 @internal

@@ -10,14 +10,28 @@ from pddecont.errors import ConvergenceError
 from pddecont.simulate import Method, simulate
 from pddecont.simulate.integrator import ZENO_TIME, Status
 from tests.conftest import numeric_from
+from tests.runs import to_yaml
 from tests.simulate.motions import BALL, COUNTER, RELAY, TIGHT, trajectory_of
+
+WAITING = {
+    "name": "waiting",
+    "states": ["x", "c", "d"],
+    "modes": {"go": {"x'": 1, "c'": 0, "d'": 0}, "hold": {"x'": 0, "c'": 1, "d'": 0}},
+    "events": {"reach": "x - 1", "free": "c - 1"},
+    "resets": {"wait": {"c": 0}, "back": {"x": "-d", "d": "d/2"}},
+    "segments": {
+        "hit": {"mode": "go", "event": "reach", "direction": "rising", "reset": "wait", "to": "hold"},
+        "leave": {"mode": "hold", "event": "free", "direction": "rising", "reset": "back", "to": "go"},
+    },
+    "initial": {"x": 0, "d": 0.5},
+}
 
 
 @pytest.mark.parametrize("ratio", [0.2, 0.5, 0.9])
 def test_gaps_that_shrink_by_a_ratio_end_at_the_sum_of_their_series(interpreted, ratio):
     run = interpreted.start(COUNTER.replace("H}", "c - 1}").replace("DIR", "any"), [1.0, 0.0])
     detect, t, gap = interpreted.accumulation.detect_accumulation, 0.0, 1.0
-    while detect(run.core, 0, t) != Status.ZENO:
+    while detect(run.core, 0, 0, t) != Status.ZENO:
         t, gap = t + gap, gap * ratio
         assert gap > 1e-30
     assert run.core.clock[ZENO_TIME] == pytest.approx(1 / (1 - ratio), abs=1e-9)
@@ -27,12 +41,23 @@ def test_gaps_that_shrink_by_a_ratio_end_at_the_sum_of_their_series(interpreted,
 def test_gaps_that_do_not_shrink_for_ever_are_no_accumulation(interpreted, gaps):
     run = interpreted.start(COUNTER.replace("H}", "c - 1}").replace("DIR", "any"), [1.0, 0.0])
     for t in np.cumsum(gaps):
-        assert interpreted.accumulation.detect_accumulation(run.core, 0, t) == Status.REACHED
+        assert interpreted.accumulation.detect_accumulation(run.core, 0, 0, t) == Status.REACHED
+
+
+def test_gaps_that_shrink_towards_a_rest_of_their_own_are_no_accumulation():
+    """A motion waits at the surface, one time unit each time, and comes back to it after 1 + 2^-n.
+
+    Ratios of gaps come near to 1, and while it waits the event function stands still.
+    """
+    trajectory = trajectory_of(to_yaml(WAITING), 59.0)
+    hits = trajectory.events.t[[name == "hit" for name in trajectory.events.segment]]
+    assert np.diff(hits) == pytest.approx(2.0 + 0.5 ** np.arange(1, len(hits)), abs=1e-9)
+    assert len(hits) == 29
 
 
 def test_events_without_end_at_one_moment_accumulate(interpreted):
     run = interpreted.start(COUNTER.replace("H}", "c - 1}").replace("DIR", "any"), [1.0, 0.0])
-    found = [interpreted.accumulation.detect_accumulation(run.core, 0, 3.0) for _ in range(1100)]
+    found = [interpreted.accumulation.detect_accumulation(run.core, 0, 0, 3.0) for _ in range(1100)]
     assert found.index(Status.ZENO) > 900
 
 
