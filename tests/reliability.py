@@ -156,7 +156,10 @@ def tally(request):
 
 def page(rows):
     """Return the page that the rows make."""
-    parts = ["# Reliability", "Made by `make reliability` from what the tests record."]
+    parts = [
+        "# Reliability",
+        "Made from what a run of the tests records (`make reliability`); random models besides (`make random-models`).",
+    ]
     parts += [
         *_cases([r for r in rows if r["section"] == CASES]),
         *_estimates([r for r in rows if r["section"] == ESTIMATES]),

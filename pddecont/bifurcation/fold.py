@@ -100,14 +100,20 @@ def define_fold(at: OrbitEvaluation) -> FoldFunction:
 
 
 def cusp_function(point: CurvePoint[ExtendedEvaluation]) -> float:
-    """Return how the fold function changes along the null vector: zero at a cusp."""
+    """Return how the fold function changes along the null vector: zero at a cusp.
+
+    The vector's sign comes from orbits before; with the other one the value is the same to the last bit, but for its
+    own sign, so that a branch which is resumed locates the same point.
+    """
     at = point.at
     assert isinstance(at.system.defining, FoldFunction)
     null, _ = at.system.defining.find_null(at.inner)
     scaling = at.system.scaling
     direction = np.zeros(len(at.x))
     direction[: len(null)] = null * scaling.scale[: len(null)]
-    return float(at.rates_along(scaling.normalise(direction)[None])[0])
+    along = scaling.normalise(direction)
+    forth, back = at.rates_along(np.stack([along, -along]))
+    return float(0.5 * (forth - back))
 
 
 def _define(at: OrbitEvaluation, settings: BranchSettings, reason: Reason) -> DefiningFunction:
