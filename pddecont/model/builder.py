@@ -6,22 +6,21 @@ Expressions are parsed, names resolved, cross-references checked, and all proble
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import sympy
-from sympy.logic.boolalg import Boolean
 
 from pddecont.errors import ModelError, Problem, suggest
-from pddecont.model.conditions import list_differences, parse_condition
+from pddecont.model.conditions import list_differences
 from pddecont.model.document import Document, KeyPath, parse_document, read_text
 from pddecont.model.evaluation import count_terms, evaluate
-from pddecont.model.expression import MAX_SIZE, TIME, Scope, parse_expression, substitute
+from pddecont.model.expression import MAX_SIZE, TIME, Scope, substitute
+from pddecont.model.findings import Findings
 from pddecont.model.names import collect_symbols, find_clashes, find_strange_units, find_unused_parameters
 from pddecont.model.periodicity import explain_non_periodic
-from pddecont.model.reachability import find_shadowed, find_unreached
 from pddecont.model.schema import DelayedEvent, ModelFile
-from pddecont.model.schema import Segment as SegmentBody
+from pddecont.model.segments import check_segments, make_segments
 from pddecont.model.syntax import ExpressionError
 from pddecont.model.system import (
     IDENTITY,
@@ -33,8 +32,7 @@ from pddecont.model.system import (
     make_delayed_symbol,
     make_symbol,
 )
-from pddecont.model.transitions import list_leaders
-from pddecont.model.validation import ALTERNATIVE, validate
+from pddecont.model.validation import validate
 
 
 def load_model(path: str) -> tuple[Model, list[Problem]]:
@@ -54,33 +52,15 @@ def parse_model(document: Document) -> tuple[Model, list[Problem]]:
     return model, sorted(builder.warnings)
 
 
-class _Builder:
+class _Builder(Findings):
     """Collects problems while it turns a validated file into a Model."""
 
     def __init__(self, document: Document, file: ModelFile):
-        self.document, self.file = document, file
-        self.problems: list[Problem] = []
-        self.warnings: list[Problem] = []
+        super().__init__(document)
+        self.file = file
         self.delays: list[sympy.Expr] = []
         self.delayed: list[DelayedValue] = []
-        self.used: set[str] = set()
         self.numbers = {make_symbol(k): v for k, v in file.parameters.items()}
-
-    def add_error(self, path: KeyPath, message: str, *, offset: int = 0, key: bool = False) -> None:
-        """Note a problem at a place of the file."""
-        self.problems.append(self.document.problem(path, message, offset=offset, key=key))
-
-    def add_warning(self, path: KeyPath, message: str) -> None:
-        """Note a warning at a place of the file."""
-        self.warnings.append(self.document.problem(path, message, key=True))
-
-    def expression(self, path: KeyPath, text: str | float, scope: Scope) -> sympy.Expr:
-        """Return the expression that a text writes; note a problem and return 0 where it writes none."""
-        try:
-            return parse_expression(text, scope)
-        except ExpressionError as exc:
-            self.add_error(path, str(exc), offset=exc.offset)
-            return sympy.Integer(0)
 
     def build(self) -> Model | None:
         """Return the model, or None where its names clash."""
@@ -101,8 +81,8 @@ class _Builder:
         events = {name: self.event(name, body) for name, body in file.events.items()}
         resets = {name: self.reset(name, body) for name, body in file.resets.items()}
         resets.setdefault(IDENTITY, tuple(map(make_symbol, file.states)))
-        segments = {s.name: s for name, body in file.segments.items() for s in self.alternatives(name, body)}
-        self.check_segments(segments, resets)
+        segments = make_segments(file, self.scope, self)
+        check_segments(file, segments, resets, self)
         effects = {name: self.effect(name, body.set, body.drop) for name, body in file.effects.items()}
         mode, history = self.initial()
         used = collect_symbols(modes, events, resets, segments.values(), period)
@@ -269,83 +249,6 @@ class _Builder:
         return tuple(
             self.expression((*path, s), body[s], self.scope) if s in body else make_symbol(s) for s in self.file.states
         )
-
-    def alternatives(self, name: str, body: SegmentBody) -> Iterator[Segment]:
-        """Yield a segment of the file, once for each mode that it may lead to, with what has to hold then."""
-        parts = body.mode, body.event, body.direction, body.reset
-        if isinstance(body.to, str):
-            yield Segment(name, *parts, body.to)
-            return
-        guards: dict[str, Boolean] = {}
-        left, known = sympy.true, len(self.problems)
-        for i, alternative in enumerate(body.to):
-            path = ("segments", name, "to", i)
-            when = sympy.true if alternative.when is None else self.condition((*path, "when"), alternative.when)
-            own, left = sympy.And(left, when), sympy.And(left, sympy.Not(when))
-            if own == sympy.false and len(self.problems) == known:
-                self.add_error(
-                    path,
-                    f"segment '{name}' never leads to mode '{alternative.mode}' here: one of the conditions above "
-                    "holds wherever this one does, or it contradicts itself; remove it or change their order",
-                )
-            guards[alternative.mode] = sympy.Or(guards.get(alternative.mode, sympy.false), own)
-        if left != sympy.false and len(self.problems) == known:
-            self.add_error(
-                ("segments", name, "to"),
-                f"segment '{name}' leads nowhere where none of its conditions holds; end the list with a mode without "
-                "'when'",
-            )
-        for mode, guard in guards.items():
-            yield Segment(f"{name}{ALTERNATIVE}{mode}", *parts, mode, name, guard)
-
-    def condition(self, path: KeyPath, text: str | float) -> Boolean:
-        """Return the condition that a text writes; note a problem and return one that always holds where it is none."""
-        try:
-            return parse_condition(text, self.scope)
-        except ExpressionError as exc:
-            self.add_error(path, str(exc), offset=exc.offset)
-            return sympy.true
-
-    def check_segments(self, segments: Mapping[str, Segment], resets: Mapping[str, Any]) -> None:
-        """Check that segments name what there is, and that all there is is named."""
-        file = self.file
-        for segment in segments.values():
-            name = segment.written or segment.name
-            for key, given, known, what in (
-                ("mode", segment.mode, file.modes, "runs in mode"),
-                ("event", segment.event, file.events, "ends at event"),
-                ("reset", segment.reset, resets, "applies reset"),
-                ("to", segment.to, file.modes, "leads to mode"),
-            ):
-                if given not in known:
-                    kind = what.split()[-1]
-                    self.add_error(
-                        ("segments", name, key),
-                        f"segment '{name}' {what} '{given}', which is not defined "
-                        f"({kind}s: {', '.join(known) or 'none'}){suggest(given, known)}",
-                    )
-        used = {s.event for s in segments.values()} | {
-            e.after for e in file.events.values() if isinstance(e, DelayedEvent)
-        }
-        for name in file.events:
-            if name not in used:
-                self.add_error(
-                    ("events", name),
-                    f"event '{name}' ends no segment; add a segment with 'event: {name}' or remove it",
-                    key=True,
-                )
-        if not segments and len(file.modes) > 1:
-            self.add_error(
-                ("modes",), f"{len(file.modes)} modes but no segments lead from one to another; add segments", key=True
-            )
-        for name in file.resets:
-            if name != IDENTITY and name not in {s.reset for s in segments.values()}:
-                self.add_warning(("resets", name), f"reset '{name}' is not used by any segment")
-        for name, message in find_shadowed(list_leaders(segments.values())):
-            self.add_error(("segments", name), message, key=True)
-        first = str(file.initial.get("mode", next(iter(file.modes))))
-        for name, message in find_unreached(first, file.modes, segments.values()):
-            self.add_warning(("modes", name), message)
 
     def effect(self, name: str, values: Mapping[str, str | float], drop: Sequence[str]) -> Effect:
         """Return what leaving an effect out changes."""
