@@ -2,6 +2,13 @@
 
 import math
 
+
+def decide(names, event, reset, when, yes, no):
+    """Return one segment for each name and its mode; whether ``when`` holds after the reset decides what follows."""
+    rest = {"event": event, "direction": "rising", "reset": reset, "to": [{"when": when, "mode": yes}, {"mode": no}]}
+    return {name: {"mode": mode, **rest} for name, mode in names.items()}
+
+
 # At each tick what was fed in decides whether feeding goes on; exponentials between ticks.
 RAMP = {
     "name": "ramp",
@@ -10,16 +17,7 @@ RAMP = {
     "modes": {"feed": {"v'": "up - leak*v", "c'": 1}, "idle": {"v'": "-down*v", "c'": 1}},
     "events": {"tick": "c - T"},
     "resets": {"restart": {"c": 0}},
-    "segments": {
-        name: {
-            "mode": mode,
-            "event": "tick",
-            "direction": "rising",
-            "reset": "restart",
-            "to": [{"when": "v > ramp", "mode": "idle"}, {"mode": "feed"}],
-        }
-        for name, mode in (("tick", "feed"), ("tock", "idle"))
-    },
+    "segments": decide({"tick": "feed", "tock": "idle"}, "tick", "restart", "v > ramp", "idle", "feed"),
     "initial": {"mode": "feed", "v": 0, "c": 0},
 }
 # A controller that samples a delayed state and cannot give more than cap: on both sides of cap the field is the same.
@@ -33,16 +31,7 @@ SATURATION = {
     },
     "events": {"sample": "c - T"},
     "resets": {"take": {"s": "x(t - tau)", "c": 0}},
-    "segments": {
-        name: {
-            "mode": mode,
-            "event": "sample",
-            "direction": "rising",
-            "reset": "take",
-            "to": [{"when": "s > cap", "mode": "capped"}, {"mode": "linear"}],
-        }
-        for name, mode in (("tick", "linear"), ("tock", "capped"))
-    },
+    "segments": decide({"tick": "linear", "tock": "capped"}, "sample", "take", "s > cap", "capped", "linear"),
     "initial": {"mode": "linear", "x": 0, "s": 0, "c": 0},
 }
 # The lowest and the middle value of the orbit that feeds one tick in three, T = 1.

@@ -7,6 +7,7 @@ leads to another mode; the branch goes on there if what the motion does then joi
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from pddecont.bifurcation.branch_start import StartError
 from pddecont.bifurcation.extended_system import DefiningFunction, ExtendedEvaluation
@@ -35,15 +36,15 @@ class GuardFunction:
         return self
 
 
-def _branch_tests(at: OrbitEvaluation, settings: BranchSettings) -> list[OrbitTest]:
-    return [_test(at.orbit.signature, s) for s in list_guarded(at.orbit.signature)]
-
-
-def _test(signature: Signature, s: int) -> OrbitTest:
-    def value(point: CurvePoint[OrbitEvaluation]) -> float:
+def _make_test(signature: Signature, s: int) -> TestFunction[Any]:
+    def value(point: CurvePoint[Any]) -> float:
         return measure_guard(point.at.orbit, s)
 
     return TestFunction(LABEL, value, End.SPECIAL, explain_guard(signature, s))
+
+
+def _branch_tests(at: OrbitEvaluation, settings: BranchSettings) -> list[OrbitTest]:
+    return [_make_test(at.orbit.signature, s) for s in list_guarded(at.orbit.signature)]
 
 
 def _curve_tests(at: ExtendedEvaluation, settings: BranchSettings) -> list[CurveTest]:
@@ -51,14 +52,7 @@ def _curve_tests(at: ExtendedEvaluation, settings: BranchSettings) -> list[Curve
     defining = at.system.defining
     own = defining.segment if isinstance(defining, GuardFunction) else -1
     signature = at.orbit.signature
-    return [_curve_test(signature, s) for s in list_guarded(signature) if s != own]
-
-
-def _curve_test(signature: Signature, s: int) -> CurveTest:
-    def value(point: CurvePoint[ExtendedEvaluation]) -> float:
-        return measure_guard(point.at.orbit, s)
-
-    return TestFunction(LABEL, value, End.SPECIAL, explain_guard(signature, s))
+    return [_make_test(signature, s) for s in list_guarded(signature) if s != own]
 
 
 def _define(at: OrbitEvaluation, settings: BranchSettings, reason: Reason) -> DefiningFunction:
@@ -73,7 +67,7 @@ def _good_side(defining: DefiningFunction) -> float:
     return 1.0
 
 
-def _go_on(
+def _leave_to_motion(
     last: BranchPoint[OrbitEvaluation], state: BranchState[OrbitEvaluation], settings: BranchSettings
 ) -> CurvePoint[OrbitEvaluation] | None:
     """Return None: which segments follow in the other mode is what the motion says."""
@@ -89,5 +83,5 @@ GUARD = SpecialPointKind(
     curve_tests=_curve_tests,
     define=_define,
     good_side=_good_side,
-    go_on=_go_on,
+    go_on=_leave_to_motion,
 )

@@ -160,9 +160,9 @@ def find_special_points(
         n_unexplained = len([f for f in counted if f is None])
         if n_unexplained and from_:
             # At the start of a branch the special point that it comes from may still show.
-            later = functions.counts.count(segment.at(PAST_START * last))
-            counted = _explain_counts(segment, functions.counts, PAST_START * last, last, later, counts, MAX_CUTS)
-            n_unexplained = len([f for f in counted if f is None])
+            n_unexplained = _count_unexplained(
+                segment, functions.counts, PAST_START * last, last, counts, n_unexplained
+            )
     if _is_violated(functions, before, after) and not any(f.test.end for f in found):
         last_valid = _find_last_valid(segment, functions, after.violation)
         found = [*(f for f in found if round(f.fraction - last_valid.fraction, TOGETHER_DECIMALS) <= 0.0), last_valid]
@@ -256,6 +256,17 @@ def _locate_smoothly(
     f_low, f_high = test.smooth(segment.at(low)), test.smooth(segment.at(high))
     smooth = replace(test, value=test.smooth)
     return _locate(segment, smooth, low, high, f_low, f_high) if f_low * f_high < 0.0 else []
+
+
+def _count_unexplained(
+    segment: BranchSegment[E], counts: CountFunction[E], low: float, high: float, after: Counts, otherwise: int
+) -> int:
+    """Return how many changes between two fractions nothing explains; ``otherwise`` if there is no point at ``low``."""
+    try:
+        before = counts.count(segment.at(low))
+    except ConvergenceError:
+        return otherwise
+    return len([f for f in _explain_counts(segment, counts, low, high, before, after, MAX_CUTS) if f is None])
 
 
 def _explain_counts(

@@ -50,7 +50,7 @@ class Continue(Strict):
     stability: StabilityChoice = False
     verify: Verify = None
     signature_change: Literal["follow", "stop"] = Field(
-        "follow", description="what to do where an orbit grazes or a segment vanishes"
+        "follow", description="what to do where an orbit grazes, a segment vanishes or a condition changes"
     )
     branch: Literal["same", "switch"] = Field("same", description="switch: onto the other branch at a PD or BP point")
     signature: list[SegmentName] | None = Field(

@@ -1,5 +1,7 @@
 """Points at which a condition changes: located, gone through where what follows joins, followed in two parameters."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -52,6 +54,20 @@ def test_the_point_is_followed_in_two_parameters(saturation):
     F, k = parameter(step, "F"), parameter(step, "k")
     assert [min(k), max(k)] == pytest.approx([0.1, 1.5], abs=1e-14)
     assert pytest.approx(0.5 * (0.5 + k), abs=1e-12) == F
+
+
+def test_along_a_curve_of_another_point_it_is_located(tmp_path):
+    """Along v = 10 up (1 - e^-0.1) / (1 - e^-1.1) = 1.2 up is fixed; ramp passes the lowest and the middle value."""
+    top = {"level": "top - 1.2"}
+    steps = [
+        *settle(60),
+        follow("b", "o", {"up": [0.5, 1.6]}, events_along=top),
+        follow("c", ("b", "UF1"), {"ramp": [0.1, 3], "up": [0.5, 1.6]}, events_along=top),
+    ]
+    step = run({**RAMP, "run": {"monitors": {"top": "max(v)"}, "steps": steps}}, tmp_path / "a.h5").step("c")
+    assert step.meta["curve"] == "UF" and sorted(labels(step)) == ["GD1", "GD2"]
+    exact = [1.2 * math.exp(-1.0), 1.2 * math.exp(-0.5)]
+    assert [parameter(step, "ramp", label) for label in ("GD1", "GD2")] == pytest.approx(exact, abs=1e-12)
 
 
 def test_without_gd_wanted_the_branch_goes_on_and_its_orbits_are_no_motions(tmp_path):

@@ -18,7 +18,7 @@ from pddecont.continuation import (
     TestFunctions,
 )
 from pddecont.continuation.locate import BranchSegment
-from pddecont.continuation.test_functions import evaluate_tests, find_special_points
+from pddecont.continuation.test_functions import PAST_START, evaluate_tests, find_special_points
 from pddecont.errors import ConvergenceError
 from pddecont.reasons import NO_REASON, WITHIN, make_reason
 from pddecont.tables import describe_reason
@@ -111,6 +111,19 @@ def test_changes_that_cannot_be_told_apart_are_counted():
     # Near the beginning of a branch's first step it is the point that the branch comes from, and not farther on.
     assert Step(TestFunctions(counts=count_places(0.01, 0.01 + 1e-5))).find(1e-4) == ([], 0)
     assert Step(TestFunctions(counts=count_places(0.3, 0.3 + 1e-5))).find(1e-4) == ([], 1)
+
+
+def test_where_no_count_can_be_taken_later_the_change_stays_unexplained():
+    """The special point that a branch comes from may show on its first step; a twentieth along it there is no point."""
+
+    def count(point):
+        if abs(point.x[0] - PAST_START) < 1e-9:
+            raise ConvergenceError("no point here")
+        return exact.count(point)
+
+    exact = count_places(0.01, 0.01 + 1e-5)
+    counts = CountFunction(count, exact.explain)
+    assert Step(TestFunctions(counts=counts)).find(1e-4) == ([], 1)
 
 
 def violated(start, holes=()):
