@@ -6,22 +6,34 @@ Expressions are parsed, names resolved, cross-references checked, and all proble
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import sympy
 
 from pddecont.errors import ModelError, Problem, suggest
 from pddecont.model.conditions import list_differences
+from pddecont.model.derived_modes import DerivedModes
 from pddecont.model.document import Document, KeyPath, parse_document, read_text
-from pddecont.model.evaluation import count_terms, evaluate
-from pddecont.model.expression import MAX_SIZE, TIME, Scope, substitute
+from pddecont.model.equations import check_kind, read_equations
+from pddecont.model.evaluation import evaluate
+from pddecont.model.expression import TIME, Scope
 from pddecont.model.findings import Findings
-from pddecont.model.names import collect_symbols, find_clashes, find_strange_units, find_unused_parameters
+from pddecont.model.initial_digits import find_start_mode
+from pddecont.model.names import (
+    collect_from_equations,
+    collect_symbols,
+    find_clashes,
+    find_strange_units,
+    find_unused_parameters,
+)
+from pddecont.model.nonsmooth import SwitchCollector
 from pddecont.model.periodicity import explain_non_periodic
 from pddecont.model.schema import DelayedEvent, ModelFile
 from pddecont.model.segments import check_segments, make_segments
-from pddecont.model.syntax import ExpressionError
+from pddecont.model.sliding import UndecidedSlidingError, find_surfaces
+from pddecont.model.syntax import ExpressionError, find_names
 from pddecont.model.system import (
     IDENTITY,
     DelayedValue,
@@ -33,6 +45,10 @@ from pddecont.model.system import (
     make_symbol,
 )
 from pddecont.model.validation import validate
+
+Exprs = tuple[sympy.Expr, ...]
+# Modes, events, resets, segments, and what they were made of.
+Parts = tuple[dict[str, Exprs], dict[str, Event], dict[str, Exprs], dict[str, Segment], DerivedModes | None]
 
 
 def load_model(path: str) -> tuple[Model, list[Problem]]:
@@ -60,6 +76,11 @@ class _Builder(Findings):
         self.file = file
         self.delays: list[sympy.Expr] = []
         self.delayed: list[DelayedValue] = []
+        # What changes along a motion, with the state it belongs to.
+        self.variables: dict[sympy.Symbol, str] = {}
+        self.collector = SwitchCollector(
+            self.variables, {*file.states, *file.parameters, *file.definitions, *file.jumps}
+        )
         self.numbers = {make_symbol(k): v for k, v in file.parameters.items()}
 
     def build(self) -> Model | None:
@@ -67,6 +88,7 @@ class _Builder(Findings):
         file = self.file
         for path, message in (*find_clashes(file), *find_strange_units(file)):
             self.add_error(path, message, key=True)
+        check_kind(file, self)
         if self.problems:
             return None
         parameters = {name: make_symbol(name) for name in file.parameters}
@@ -75,17 +97,21 @@ class _Builder(Findings):
         if file.forcing:
             period = self.positive(("forcing", "period"), file.forcing.period, "the forcing period")
         base = {name: make_symbol(name) for name in file.states} | parameters
+        self.variables.update({make_symbol(name): name for name in file.states})
         definitions = self.definitions(base)
-        self.scope = Scope(base | definitions, states=file.states, delayed=self.delayed_value, place="the model")
-        modes = {name: self.mode(name, body) for name, body in file.modes.items()}
-        events = {name: self.event(name, body) for name, body in file.events.items()}
-        resets = {name: self.reset(name, body) for name, body in file.resets.items()}
-        resets.setdefault(IDENTITY, tuple(map(make_symbol, file.states)))
-        segments = make_segments(file, self.scope, self)
-        check_segments(file, segments, resets, self)
+        self.scope = self.make_scope(base | definitions, "the model")
+        parts = self.derive() if file.equations else self.parts_by_hand()
+        if parts is None:
+            return None
+        modes, events, resets, segments, derived = parts
         effects = {name: self.effect(name, body.set, body.drop) for name, body in file.effects.items()}
-        mode, history = self.initial()
-        used = collect_symbols(modes, events, resets, segments.values(), period)
+        history = self.history()
+        mode = self.initial_mode(modes) if derived is None else self.start_of(derived, history)
+        used = (
+            collect_symbols(modes, events, resets, segments.values(), period)
+            if derived is None
+            else collect_from_equations(derived.equations, period)
+        )
         self.check_time(period, used)
         for path, message in find_unused_parameters(
             file, set().union(*used.values(), *(d.free_symbols for d in self.delays))
@@ -109,7 +135,43 @@ class _Builder(Findings):
             history,
             definitions,
             units=dict(file.units),
+            derived=derived,
         )
+
+    def make_scope(self, symbols: Mapping[str, sympy.Expr], place: str) -> Scope:
+        """Return the names that an expression of the model may use; laws that are not smooth only in equations."""
+        scope = Scope(symbols, states=self.file.states, delayed=self.delayed_value, place=place)
+        return replace(scope, builtins=self.collector.builtins, logical=True) if self.file.equations else scope
+
+    def parts_by_hand(self) -> Parts:
+        """Return modes, events, resets and segments as the file writes them."""
+        file = self.file
+        modes = {name: self.mode(name, body) for name, body in file.modes.items()}
+        events = {name: self.event(name, body) for name, body in file.events.items()}
+        resets = {name: self.reset(name, body) for name, body in file.resets.items()}
+        resets.setdefault(IDENTITY, tuple(map(make_symbol, file.states)))
+        segments = make_segments(file, self.scope, self)
+        check_segments(file, segments, resets, self)
+        return modes, events, resets, segments, None
+
+    def derive(self) -> Parts | None:
+        """Return modes, events, resets and segments made of the file's equations; None where they cannot be."""
+        delays = {
+            name: self.positive(("jumps", name, "delay"), body.delay, "the delay of this jump", zero=True)
+            for name, body in self.file.jumps.items()
+            if body.delay is not None
+        }
+        equations = read_equations(self.file, self.scope, self.collector, self, delays)
+        if self.problems:
+            return None
+        delayed = frozenset(s for s, name in self.variables.items() if s.name != name)
+        try:
+            derived = DerivedModes(find_surfaces(equations, delayed))
+            derived.build_all()
+        except UndecidedSlidingError as exc:
+            self.add_error(("equations",), str(exc), key=True)
+            return None
+        return derived.modes, derived.events, derived.resets, derived.segments, derived
 
     def positive(self, path: KeyPath, text: str | float, what: str, *, zero: bool = False) -> sympy.Expr:
         """Return an expression in the parameters, and check that it is positive (or zero) at their values."""
@@ -156,16 +218,14 @@ class _Builder(Findings):
         read = DelayedValue(self.file.states.index(state), self.delays.index(delay))
         if read not in self.delayed:
             self.delayed.append(read)
-        return make_delayed_symbol(state, delay)
+        symbol = make_delayed_symbol(state, delay)
+        self.variables[symbol] = state
+        return symbol
 
     def definitions(self, base: Mapping[str, sympy.Expr]) -> dict[str, sympy.Expr]:
         """Return the definitions, in any order of writing, each expanded to states and parameters."""
         texts = self.file.definitions
         place_holders = {name: make_symbol(name) for name in texts}
-        scope = Scope(
-            {**base, **place_holders}, states=self.file.states, delayed=self.delayed_value, place="a definition"
-        )
-        raw = {name: self.expression(("definitions", name), text, scope) for name, text in texts.items()}
         done: dict[str, sympy.Expr] = {}
 
         def expand(name: str, above: tuple[str, ...]) -> sympy.Expr:
@@ -176,48 +236,19 @@ class _Builder(Findings):
                     )
                 return sympy.Integer(0)
             if name not in done:
-                inner = {
-                    make_symbol(n): expand(n, (*above, name)) for n in texts if make_symbol(n) in raw[name].free_symbols
-                }
-                done[name] = self.put_in(("definitions", name), raw[name], inner)
+                inner = {n: expand(n, (*above, name)) for n in find_names(texts[name]) if n in texts}
+                scope = self.make_scope({**base, **place_holders, **inner}, "a definition")
+                done[name] = self.expression(("definitions", name), texts[name], scope)
             return done[name]
 
         return {name: expand(name, ()) for name in texts}
 
-    def put_in(self, path: KeyPath, expr: sympy.Expr, values: Mapping[sympy.Symbol, sympy.Expr]) -> sympy.Expr:
-        """Return a definition with others put in.
-
-        Note a problem and return 0 where it grows too large or is not finite.
-        """
-        try:
-            if count_terms(expr, {s: count_terms(e) for s, e in values.items()}) > MAX_SIZE:
-                raise ExpressionError(f"more than {MAX_SIZE} terms with the definitions put in")
-            return substitute(expr, values)
-        except ExpressionError as exc:
-            self.add_error(path, str(exc))
-            return sympy.Integer(0)
-
     def mode(self, name: str, body: Mapping[str, str | float]) -> tuple[sympy.Expr, ...]:
         """Return the vector field of a mode, one expression a state."""
         path = ("modes", name)
-        wanted = {f"{state}'": state for state in self.file.states}
-        for key in body:
-            if key not in wanted:
-                hint = f"; write {key}'" if key in self.file.states else suggest(key, wanted)
-                self.add_error(
-                    (*path, key),
-                    f"'{key}' is not the derivative of a state{hint} (states: {', '.join(self.file.states)})",
-                    key=True,
-                )
-        for key in wanted:
-            if key not in body:
-                self.add_error(
-                    path,
-                    f"mode '{name}' does not say what {key} is; every mode gives the derivative of every state",
-                    key=True,
-                )
         return tuple(
-            self.expression((*path, key), body[key], self.scope) if key in body else sympy.Integer(0) for key in wanted
+            self.expression((*path, key), given, self.scope) if given is not None else sympy.Integer(0)
+            for key, given in self.body(path, body, self.file.states, f"mode '{name}'")
         )
 
     def event(self, name: str, body: Any) -> Event:
@@ -238,14 +269,7 @@ class _Builder(Findings):
     def reset(self, name: str, body: Mapping[str, str | float]) -> tuple[sympy.Expr, ...]:
         """Return a reset, one expression a state."""
         path = ("resets", name)
-        for key in body:
-            if key not in self.file.states:
-                self.add_error(
-                    (*path, key),
-                    f"reset '{name}' sets '{key}', which is not a state{suggest(key, self.file.states)} "
-                    f"(states: {', '.join(self.file.states)})",
-                    key=True,
-                )
+        self.check_reset(path, body, self.file.states, f"reset '{name}'")
         return tuple(
             self.expression((*path, s), body[s], self.scope) if s in body else make_symbol(s) for s in self.file.states
         )
@@ -259,29 +283,51 @@ class _Builder(Findings):
                     (*path, "set", key), f"'{key}' is not a parameter{suggest(key, self.file.parameters)}", key=True
                 )
         for i, event in enumerate(drop):
-            if event not in self.file.events:
-                self.add_error((*path, "drop", i), f"event '{event}' is not defined{suggest(event, self.file.events)}")
+            known = self.file.jumps if self.file.equations else self.file.events
+            if event not in known:
+                what = "jump" if self.file.equations else "event"
+                self.add_error((*path, "drop", i), f"{what} '{event}' is not defined{suggest(event, known)}")
         return Effect(
             {key: self.expression((*path, "set", key), v, self.parameter_scope) for key, v in values.items()},
             tuple(drop),
         )
 
-    def initial(self) -> tuple[str, tuple[sympy.Expr, ...]]:
-        """Return the initial mode and the history."""
+    def initial_mode(self, modes: Collection[str]) -> str:
+        """Return the initial mode of a model by hand: the first one unless the file names another."""
+        mode = str(self.file.initial.get("mode", next(iter(modes), "")))
+        if mode not in modes:
+            self.add_error(("initial", "mode"), f"mode '{mode}' is not defined (modes: {', '.join(modes)})")
+        return mode
+
+    def start_of(self, derived: DerivedModes, history: Exprs) -> str:
+        """Return the initial mode of a model given by its equations: that of the states at t = 0."""
+        if "mode" in self.file.initial:
+            return self.initial_mode(derived.modes)
+        numbers = {**self.numbers, TIME: 0.0}
+        known = dict(numbers)
+        for name, past in zip(self.file.states, history, strict=True):
+            known[make_symbol(name)] = evaluate(past, numbers)
+        for read in self.delayed:
+            name, delay = self.file.states[read.state], self.delays[read.delay]
+            then = {**numbers, TIME: -evaluate(delay, numbers)}
+            known[make_delayed_symbol(name, delay)] = evaluate(history[read.state], then)
+        try:
+            return find_start_mode(derived, known)
+        except UndecidedSlidingError as exc:
+            self.add_error(("initial",), str(exc), key=True)
+            return next(iter(derived.modes))
+
+    def history(self) -> Exprs:
+        """Return the states for t <= 0."""
         given = self.file.initial
-        first = next(iter(self.file.modes))
-        mode = given.get("mode", first)
-        if mode not in self.file.modes:
-            self.add_error(("initial", "mode"), f"mode '{mode}' is not defined (modes: {', '.join(self.file.modes)})")
         for key in given:
             if key != "mode" and key not in self.file.states:
                 self.add_error(("initial", key), f"'{key}' is not a state{suggest(key, self.file.states)}", key=True)
         scope = Scope(self.parameter_scope.symbols, place="the initial history")
-        history = (
+        return tuple(
             self.expression(("initial", s), given[s], scope) if s in given else sympy.Integer(0)
             for s in self.file.states
         )
-        return str(mode), tuple(history)
 
     def check_time(self, period: sympy.Expr | None, used: Mapping[KeyPath, set[sympy.Symbol]]) -> None:
         """Check that t is used where there is forcing, and only there."""

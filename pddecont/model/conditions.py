@@ -15,6 +15,7 @@ import sympy
 from sympy.core.relational import Relational
 from sympy.logic.boolalg import Boolean
 
+from pddecont.model.evaluation import evaluate
 from pddecont.model.expression import Scope, substitute, translate_expression
 from pddecont.model.syntax import ExpressionError, parse_syntax
 
@@ -32,15 +33,16 @@ def parse_condition(text: str | float, scope: Scope) -> Boolean:
     """Return the condition that ``text`` writes; raise :class:`ExpressionError` with an offset into it."""
     if not isinstance(text, str):
         raise ExpressionError(f"{text} is a number; {EXAMPLE}")
-    return _translate(parse_syntax(text, logical=True), scope)
+    return translate_condition(parse_syntax(text, logical=True), scope)
 
 
-def _translate(node: ast.expr, scope: Scope) -> Boolean:
+def translate_condition(node: ast.expr, scope: Scope) -> Boolean:
+    """Return the condition of a syntax node (used by built-in functions for their arguments)."""
     if isinstance(node, ast.BoolOp):
         join = sympy.And if isinstance(node.op, ast.And) else sympy.Or
-        return join(*(_translate(part, scope) for part in node.values))
+        return join(*(translate_condition(part, scope) for part in node.values))
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not):
-        return sympy.Not(_translate(node.operand, scope))
+        return sympy.Not(translate_condition(node.operand, scope))
     if isinstance(node, ast.Compare):
         sides = [node.left, *node.comparators]
         return sympy.And(*map(lambda op, a, b: _compare(op, a, b, scope), node.ops, sides, sides[1:]))
@@ -68,6 +70,17 @@ def combine_differences(condition: Boolean, values: Mapping[sympy.Expr, float]) 
         return -combine_differences(condition.args[0], values)
     parts = [combine_differences(part, values) for part in condition.args]
     return min(parts) if isinstance(condition, sympy.And) else max(parts)
+
+
+def holds(condition: Boolean, numbers: Mapping[sympy.Symbol, float]) -> bool:
+    """Return whether a condition holds where its symbols have ``numbers``."""
+    if isinstance(condition, Relational):
+        difference = evaluate(_subtract(condition), numbers)
+        return difference > 0.0 or (difference == 0.0 and condition.func in (sympy.Ge, sympy.Le))
+    parts = [holds(part, numbers) for part in condition.args]
+    if isinstance(condition, sympy.Not):
+        return not parts[0]
+    return any(parts) if isinstance(condition, sympy.Or) else all(parts) and condition != sympy.false
 
 
 def substitute_in(condition: Boolean, values: Mapping[sympy.Symbol, sympy.Expr]) -> Boolean:

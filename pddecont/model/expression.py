@@ -75,8 +75,8 @@ class Scope:
 
     ``symbols`` maps names to what they stand for; ``delayed(state, delay)`` returns the symbol of a delayed value, or
     is None where delays are not allowed; ``time`` says whether ``t`` may appear; ``builtins`` are functions of syntax
-    nodes (for monitors); ``place`` names the scope in messages; ``missing`` says why a name that once was there is not
-    any more.
+    nodes (of monitors, of laws that are not smooth); ``place`` names the scope in messages; ``missing`` says why a name
+    that once was there is not any more; ``logical`` says whether conditions may stand among arguments.
     """
 
     symbols: Mapping[str, sympy.Expr]
@@ -87,6 +87,7 @@ class Scope:
     place: str = "this expression"
     no_delay_because: str = "delayed values are not allowed here"
     missing: Callable[[str], str] = lambda _: ""
+    logical: bool = False
 
 
 def parse_expression(text: str | float | int, scope: Scope) -> sympy.Expr:
@@ -108,7 +109,7 @@ def parse_expression(text: str | float | int, scope: Scope) -> sympy.Expr:
     hint = suggest_point(text)
     if hint:
         raise ExpressionError(f"'{text.strip()}' is not a number{hint}")
-    tree = parse_syntax(text)
+    tree = parse_syntax(text, logical=scope.logical)
     return translate_expression(tree, scope)
 
 
@@ -312,8 +313,8 @@ class _Translator:
             return self.placed(lambda: apply_symbolic(function, args), node)
         if name in NONSMOOTH:
             raise ExpressionError(
-                f"'{name}' is not smooth: write one mode for each side of its corner and an event "
-                "function that is zero there",
+                f"'{name}' is not smooth: give the model as 'equations', where it is allowed, or write one mode for "
+                "each side of its corner and an event function that is zero there",
                 node.col_offset,
             )
         if name in self.scope.symbols:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
+from collections.abc import Iterator, Mapping, Sequence
+
 import sympy
 from sympy.logic.boolalg import Boolean
 
-from pddecont.errors import Problem
+from pddecont.errors import Problem, suggest
 from pddecont.model.conditions import parse_condition
 from pddecont.model.document import Document, KeyPath
 from pddecont.model.expression import Scope, parse_expression
@@ -43,3 +46,41 @@ class Findings:
         except ExpressionError as exc:
             self.add_error(path, str(exc), offset=exc.offset)
             return sympy.true
+
+    @contextlib.contextmanager
+    def noting(self, path: KeyPath) -> Iterator[None]:
+        """Note an expression's error within the ``with`` block as a problem at a place of the file."""
+        try:
+            yield
+        except ExpressionError as exc:
+            self.add_error(path, str(exc), offset=exc.offset)
+
+    def body(
+        self, path: KeyPath, given: Mapping[str, str | float], states: Sequence[str], what: str
+    ) -> list[tuple[str, str | float | None]]:
+        """Return the derivatives of all states as they are given, None where one is missing; note what is wrong."""
+        wanted = {f"{state}'": state for state in states}
+        for key in given:
+            if key not in wanted:
+                hint = f"; write {key}'" if key in states else suggest(key, wanted)
+                self.add_error(
+                    (*path, key),
+                    f"'{key}' is not the derivative of a state{hint} (states: {', '.join(states)})",
+                    key=True,
+                )
+        for key in wanted:
+            if key not in given:
+                self.add_error(
+                    path, f"{what} does not say what {key} is; the derivative of every state is needed", key=True
+                )
+        return [(key, given.get(key)) for key in wanted]
+
+    def check_reset(self, path: KeyPath, given: Mapping[str, str | float], states: Sequence[str], what: str) -> None:
+        """Note what a reset sets that is no state."""
+        for key in given:
+            if key not in states:
+                self.add_error(
+                    (*path, key),
+                    f"{what} sets '{key}', which is not a state{suggest(key, states)} (states: {', '.join(states)})",
+                    key=True,
+                )

@@ -11,6 +11,7 @@ from pddecont.errors import suggest
 from pddecont.model.document import KeyPath
 from pddecont.model.expression import TIME
 from pddecont.model.schema import ModelFile
+from pddecont.model.switches import Equations
 from pddecont.model.system import Event, Segment
 
 
@@ -44,6 +45,23 @@ def find_unused_parameters(file: ModelFile, symbols: Collection[sympy.Symbol]) -
     for name in file.parameters:
         if name not in used:
             yield ("parameters", name), f"parameter '{name}' is not used in any mode, event, reset, condition or delay"
+
+
+def collect_from_equations(equations: Equations, period: sympy.Expr | None) -> dict[KeyPath, set[sympy.Symbol]]:
+    """Return the symbols in each equation, switch and jump, by where they stand in a file."""
+    used: dict[KeyPath, set[sympy.Symbol]] = {}
+    for state, f in zip(equations.states, equations.field, strict=True):
+        used["equations", f"{state}'"] = set(f.free_symbols)
+    for switch in equations.switches:
+        exprs = (switch.argument, switch.low, switch.high, switch.grip)
+        readers = [path for path, symbols in used.items() if switch.digit in symbols] or [("equations",)]
+        for path in readers:
+            used.setdefault(path, set()).update(*(e.free_symbols for e in exprs))
+    for jump in equations.jumps:
+        exprs = (*jump.reset, jump.when, *(e for e in (jump.function, jump.delay) if e is not None))
+        used["jumps", jump.name] = set().union(*(e.free_symbols for e in exprs))
+    used[("forcing",)] = set(period.free_symbols) if period is not None else set()
+    return used
 
 
 def collect_symbols(

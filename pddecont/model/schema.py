@@ -50,6 +50,34 @@ class Segment(Strict):
     to: Target = Field(description="mode that follows; or a list of {when: condition, mode}, of which the first holds")
 
 
+class Jump(Strict):
+    """An event that changes states, in a model given by its equations."""
+
+    at: Formula | None = Field(None, description="function whose zero the event is")
+    direction: Literal["rising", "falling", "any"] = Field("any", description="how that passes zero")
+    after: Identifier | None = Field(None, description="jump or switch that starts the clock")
+    delay: Formula | None = Field(None, description="time from that event to this one")
+    every: Formula | None = Field(None, description="time between two of them; in forced models, at multiples of it")
+    reset: dict[Identifier, Formula] = Field(min_length=1, description="states after the event")
+    only: dict[Identifier, Literal["+", "-", "0"]] = Field(
+        default_factory=dict, alias="in", description="signs of switches with which it happens (0: sliding)"
+    )
+    when: Formula | None = Field(None, description="condition under which it happens")
+
+    @model_validator(mode="after")
+    def _says_when(self) -> Jump:
+        ways = [self.at is not None, self.after is not None, self.every is not None]
+        if sum(ways) != 1:
+            raise PydanticCustomError(
+                "jump", "a jump has one of 'at' (function), 'after' (event) and 'every' (time)", {}
+            )
+        if (self.after is None) != (self.delay is None):
+            raise PydanticCustomError("jump", "'after' and 'delay' belong together", {})
+        if self.direction != "any" and self.at is None:
+            raise PydanticCustomError("jump", "'direction' belongs to 'at'", {})
+        return self
+
+
 class Effect(Strict):
     """A part of the model that a run may leave out, and what leaving it out means."""
 
@@ -82,7 +110,17 @@ class ModelFile(Strict):
     )
     definitions: dict[NewName, Formula] = Field(default_factory=dict, description="named parts of expressions")
     forcing: Forcing | None = None
-    modes: dict[Identifier, dict[str, Formula]] = Field(min_length=1, description="vector fields: {x': expression}")
+    equations: dict[str, Formula] = Field(
+        default_factory=dict,
+        description="the vector field {x': expression}, nonsmooth functions allowed; then no modes",
+    )
+    switches: dict[NewName, Formula] = Field(
+        default_factory=dict, description="names for arguments of nonsmooth functions in 'equations'"
+    )
+    jumps: dict[NewName, Jump] = Field(default_factory=dict, description="with 'equations': events that change states")
+    modes: dict[Identifier, dict[str, Formula]] = Field(
+        default_factory=dict, description="vector fields: {x': expression}"
+    )
     events: dict[Identifier, Event] = Field(
         default_factory=dict, description="event functions; the event is their zero"
     )

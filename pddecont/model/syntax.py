@@ -61,6 +61,17 @@ def parse_syntax(text: str, *, logical: bool = False) -> ast.expr:
     return tree
 
 
+def find_names(text: str | float) -> tuple[str, ...]:
+    """Return the names in a text, each once; none where it is no expression."""
+    if not isinstance(text, str):
+        return ()
+    try:
+        tree = parse_syntax(text, logical=True)
+    except ExpressionError:
+        return ()
+    return tuple(dict.fromkeys(unmask(node.id) for node in ast.walk(tree) if isinstance(node, ast.Name)))
+
+
 def unmask(name: str) -> str:
     """Return a name as it was written."""
     return _UNMASK.get(name, name)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import sympy
 from sympy.logic.boolalg import Boolean
@@ -16,6 +16,9 @@ from pddecont.model.evaluation import evaluate
 from pddecont.model.expression import TIME, Scope
 from pddecont.model.left_out import LeftOut
 from pddecont.model.syntax import ExpressionError
+
+if TYPE_CHECKING:
+    from pddecont.model.derived_modes import DerivedModes
 
 IDENTITY = "identity"
 
@@ -90,6 +93,8 @@ class Model:
     fixed: Mapping[str, sympy.Expr] = field(default_factory=dict)
     left_out: LeftOut = field(default_factory=LeftOut)
     units: Mapping[str, str] = field(default_factory=dict)
+    # Of a model given by its equations: what its modes, events, resets and segments are made of.
+    derived: DerivedModes | None = None
 
     @cached_property
     def forced(self) -> bool:

@@ -1,0 +1,180 @@
+"""Modes, events, resets and segments made of equations with switches; each mode when it is first asked for.
+
+A mode is a set of digits. It ends where a switch's function crosses its surface, where the digit that keeps a motion on
+a surface reaches its bound, and at the jumps of the model.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from itertools import product
+
+import sympy
+
+from pddecont.model.sliding import Surfaces, put_in
+from pddecont.model.switches import ABOVE, BELOW, ON, WORDS, Digits, Jump, name_digits
+from pddecont.model.system import IDENTITY, Event, Segment
+from pddecont.model.validation import ALTERNATIVE
+from pddecont.model.vanishing import vanishes, vanishes_where
+from pddecont.model.ways import Undecided, list_options, list_ways
+
+Exprs = tuple[sympy.Expr, ...]
+# How a switch is passed: the digit before and after, and the word for it in a segment's name.
+OFF = {ABOVE: "off_up", BELOW: "off_down"}
+
+
+@dataclass
+class DerivedModes:
+    """What has been made of a model's equations so far."""
+
+    surfaces: Surfaces
+    modes: dict[str, Exprs] = field(default_factory=dict)
+    events: dict[str, Event] = field(default_factory=dict)
+    resets: dict[str, Exprs] = field(default_factory=dict)
+    segments: dict[str, Segment] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.equations = self.surfaces.equations
+        self.resets[IDENTITY] = self.equations.states
+
+    def build_all(self) -> None:
+        """Make every mode that there can be."""
+        options = ((BELOW, ABOVE, ON) if slides else (BELOW, ABOVE) for slides in self.surfaces.slides)
+        for digits in product(*options):
+            self.build(digits)
+
+    def build(self, digits: Digits) -> str:
+        """Make a mode and what ends it, unless that is done; return its name."""
+        name = self.equations.name_mode(digits)
+        if name not in self.modes:
+            values = self.surfaces.find_values(digits)
+            self.modes[name] = tuple(put_in(f, values) for f in self.equations.field)
+            for segment in self._list_segments(digits):
+                self.segments[segment.name] = segment
+        return name
+
+    def _list_segments(self, digits: Digits) -> Iterator[Segment]:
+        for jump in self.equations.jumps:
+            yield from self._jump(jump, digits)
+        for number, digit in enumerate(digits):
+            if digit == ON:
+                yield from self._leave(number, digits)
+            else:
+                yield from self._cross(number, digits)
+
+    def _cross(self, number: int, digits: Digits) -> Iterator[Segment]:
+        """Yield what follows where a switch's function crosses its surface."""
+        switch, rises = self.equations.switches[number], digits[number] == BELOW
+        level = switch.high if rises else switch.low
+        name, function = self._name_event(switch.name, switch.argument, number, digits)
+        if switch.remembers:
+            name = f"{name}_{'high' if rises else 'low'}"
+        self._add_event(Event(name, function - level))
+        after = (*digits[:number], ABOVE if rises else BELOW, *digits[number + 1 :])
+        undecided: dict[int, Undecided] = {}
+        if self.surfaces.slides[number]:
+            undecided[number] = Undecided((after[number], ON), on_surface=True)
+        undecided |= self._find_disturbed(number, after)
+        written = self._name_segment(f"{switch.name}_{'up' if rises else 'down'}", number, digits)
+        direction = "rising" if rises else "falling"
+        yield from self._branch(Segment(written, "", name, direction, IDENTITY, ""), digits, after, undecided)
+
+    def _leave(self, number: int, digits: Digits) -> Iterator[Segment]:
+        """Yield what follows where a motion ceases to slide along a surface."""
+        switch = self.equations.switches[number]
+        lower, upper = self.surfaces.find_bounds(number, digits)
+        rate = self.surfaces.rates[number]
+        assert rate is not None
+        for digit, function, direction in ((ABOVE, upper, "rising"), (BELOW, lower, "falling")):
+            word = f"{switch.name}_{OFF[digit]}"
+            event, _ = self._name_event(word, rate, number, digits)
+            self._add_event(Event(event, function))
+            after = (*digits[:number], digit, *digits[number + 1 :])
+            written = self._name_segment(word, number, digits)
+            yield from self._branch(Segment(written, "", event, direction, IDENTITY, ""), digits, after, {})
+
+    def _jump(self, jump: Jump, digits: Digits) -> Iterator[Segment]:
+        """Yield what follows a jump: each digit is read from the states after it."""
+        equations = self.equations
+        if not equations.allows(jump, digits):
+            return
+        values = self.surfaces.find_values(digits)
+        name = jump.name
+        if jump.function is None:
+            self._add_event(Event(name, None, jump.after, jump.delay))
+        else:
+            name, function = self._name_event(jump.name, jump.function, -1, digits)
+            self._add_event(Event(name, function))
+        reset, body = self._name_reset(jump, digits)
+        self.resets.setdefault(reset, body)
+        changed = {x: g for x, g in zip(equations.states, body, strict=True) if g != x}
+        undecided: dict[int, Undecided] = {}
+        for k, switch in enumerate(equations.switches):
+            u = put_in(switch.argument, values)
+            if digits[k] == ON and not u.free_symbols & set(changed):
+                undecided[k] = list_options(self.surfaces, k, on_surface=True)
+            elif u.free_symbols & set(changed):
+                zero = not switch.remembers and vanishes(sympy.expand(u.xreplace(changed)))
+                undecided[k] = list_options(self.surfaces, k, on_surface=zero)
+        written = self._name_segment(jump.name, -1, digits)
+        yield from self._branch(Segment(written, "", name, jump.direction, reset, ""), digits, digits, undecided)
+
+    def _find_disturbed(self, number: int, digits: Digits) -> dict[int, Undecided]:
+        """Return the other switches whose digits have to be read anew when one has changed.
+
+        They are those along which the motion slides, if the law that has jumped moves it off, and those whose function
+        has jumped.
+        """
+        equations, found = self.equations, {}
+        own = equations.switches[number]
+        moving = set(equations.states)
+        for k, switch in enumerate(equations.switches):
+            rate = self.surfaces.rates[k]
+            if k == number:
+                continue
+            jump = switch.argument.diff(own.digit)
+            if jump != 0 and not vanishes_where(jump, own.argument, moving):
+                found[k] = list_options(self.surfaces, k, on_surface=False)
+            elif digits[k] == ON and rate is not None:
+                force = rate.diff(own.digit)
+                if force != 0 and not vanishes_where(force, own.argument, moving):
+                    found[k] = list_options(self.surfaces, k, on_surface=True)
+        return found
+
+    def _branch(
+        self, segment: Segment, digits: Digits, after: Digits, undecided: dict[int, Undecided]
+    ) -> Iterator[Segment]:
+        """Yield a segment once for each way on."""
+        mode, written = self.equations.name_mode(digits), segment.name
+        ways = list_ways(self.surfaces, after, undecided)
+        for way in ways:
+            to = self.equations.name_mode(way.digits)
+            if len(ways) == 1:
+                yield replace(segment, mode=mode, to=to)
+            else:
+                name = f"{written}{ALTERNATIVE}{to}"
+                yield replace(segment, name=name, mode=mode, to=to, written=written, guard=way.guard)
+
+    def _name_segment(self, word: str, number: int, digits: Digits) -> str:
+        """Return the name of a segment: the digits of the other switches, then what happens."""
+        others = name_digits(self.equations.switches, digits, number)
+        return f"{others}_{word}" if others else word
+
+    def _name_event(self, word: str, expr: sympy.Expr, number: int, digits: Digits) -> tuple[str, sympy.Expr]:
+        """Return the name of an event, with the digits on which its function depends, and the function."""
+        switches = self.equations.switches
+        read = {k for k, s in enumerate(switches) if k != number and s.digit in expr.free_symbols}
+        if any(digits[k] == ON for k in read):
+            read = {k for k in range(len(switches)) if k != number}
+        words = [f"{switches[k].name}_{WORDS[digits[k]]}" for k in sorted(read)]
+        values = self.surfaces.find_values(digits, number)
+        return "_".join([word, *words]), put_in(expr, values)
+
+    def _name_reset(self, jump: Jump, digits: Digits) -> tuple[str, Exprs]:
+        whole = sympy.Tuple(*jump.reset)
+        name, body = self._name_event(jump.name, whole, -1, digits)
+        return name, tuple(body)
+
+    def _add_event(self, event: Event) -> None:
+        self.events.setdefault(event.name, event)

@@ -1,0 +1,116 @@
+"""Equations with switches: what a file with nonsmooth functions says, before modes are made of it.
+
+Each argument of a nonsmooth function is a switch. Its digit is 0 below the surface where the argument is zero and 1
+above it; between the two values a motion slides along the surface, and the digit is the weight of the two sides.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import sympy
+
+# What the digit of a switch says, and the words for it in names of modes.
+BELOW, ABOVE, ON = 0, 1, 2
+WORDS = ("below", "above", "on")
+# One digit for each switch.
+Digits: TypeAlias = tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Switch:
+    """An argument on whose sign a law depends.
+
+    Attributes
+    ----------
+    name
+        Its name in the file, or one made of the states it reads.
+    digit
+        The symbol for its digit in expressions.
+    argument
+        The switching function u; it may hold digits of other switches.
+    low, high
+        The digit falls to 0 where u falls through ``low`` and rises to 1 where it rises through ``high``. Where the two
+        are not the same the digit between them is the last one: a relay with memory.
+    grip
+        How much more than the jump of the law holds a motion that has come to slide: static by kinetic friction.
+    """
+
+    name: str
+    digit: sympy.Symbol
+    argument: sympy.Expr
+    low: sympy.Expr = sympy.S.Zero
+    high: sympy.Expr = sympy.S.Zero
+    grip: sympy.Expr = sympy.S.One
+
+    @property
+    def remembers(self) -> bool:
+        """Whether the digit depends on the past."""
+        return bool(self.low != self.high)
+
+    @property
+    def bounds(self) -> tuple[sympy.Expr, sympy.Expr]:
+        """The digits between which a motion slides: 0 and 1, or farther apart by the grip."""
+        return (1 - self.grip) / 2, (1 + self.grip) / 2
+
+
+@dataclass(frozen=True)
+class Jump:
+    """An event that changes states: where ``function`` is zero, or ``delay`` after the event ``after``.
+
+    ``reset`` holds one expression a state. It happens where ``when``, an expression in digits, is 1.
+    """
+
+    name: str
+    function: sympy.Expr | None
+    direction: str
+    after: str | None
+    delay: sympy.Expr | None
+    reset: tuple[sympy.Expr, ...]
+    when: sympy.Expr = sympy.S.One
+
+
+@dataclass(frozen=True)
+class Equations:
+    """Vector field, switches and jumps; expressions hold the switches' digits."""
+
+    states: tuple[sympy.Symbol, ...]
+    field: tuple[sympy.Expr, ...]
+    switches: tuple[Switch, ...]
+    jumps: tuple[Jump, ...]
+
+    def __post_init__(self) -> None:
+        assert len(self.field) == len(self.states)
+
+    def name_mode(self, digits: Digits) -> str:
+        """Return the name of the mode with these digits."""
+        return name_digits(self.switches, digits) or "smooth"
+
+    def allows(self, jump: Jump, digits: Digits) -> bool:
+        """Return whether a jump happens with these digits; a motion that slides is on neither side."""
+        sides = (sympy.Rational(1, 2) if d == ON else sympy.Integer(d) for d in digits)
+        values = dict(zip((s.digit for s in self.switches), sides, strict=True))
+        return bool(sympy.expand(jump.when.xreplace(values)) == 1)
+
+    def find_digits(self, mode: str) -> Digits | None:
+        """Return the digits of the mode with a name; None if there is no such mode."""
+        digits, rest = [], mode
+        if not self.switches:
+            return () if mode == "smooth" else None
+        for switch in self.switches:
+            for number, word in enumerate(WORDS):
+                start = f"{switch.name}_{word}"
+                if rest == start or rest.startswith(start + "_"):
+                    digits.append(number)
+                    rest = rest[len(start) + 1 :]
+                    break
+            else:
+                return None
+        return None if rest else tuple(digits)
+
+
+def name_digits(switches: tuple[Switch, ...], digits: Digits, but: int = -1) -> str:
+    """Return the digits in words, without those of switch ``but``: "friction_on_wall_below"."""
+    named = (f"{s.name}_{WORDS[d]}" for k, (s, d) in enumerate(zip(switches, digits, strict=True)) if k != but)
+    return "_".join(named)
