@@ -16,7 +16,7 @@ from pddecont.errors import ModelError, Problem, suggest
 from pddecont.model.conditions import list_differences
 from pddecont.model.derived_modes import DerivedModes
 from pddecont.model.document import Document, KeyPath, parse_document, read_text
-from pddecont.model.equations import check_kind, read_equations
+from pddecont.model.equations import check_kind, declare_switches, read_equations
 from pddecont.model.evaluation import evaluate
 from pddecont.model.expression import TIME, Scope
 from pddecont.model.findings import Findings
@@ -81,6 +81,7 @@ class _Builder(Findings):
         self.collector = SwitchCollector(
             self.variables, {*file.states, *file.parameters, *file.definitions, *file.jumps}
         )
+        self.defined: dict[str, sympy.Expr] = {}
         self.numbers = {make_symbol(k): v for k, v in file.parameters.items()}
 
     def build(self) -> Model | None:
@@ -98,7 +99,9 @@ class _Builder(Findings):
             period = self.positive(("forcing", "period"), file.forcing.period, "the forcing period")
         base = {name: make_symbol(name) for name in file.states} | parameters
         self.variables.update({make_symbol(name): name for name in file.states})
-        definitions = self.definitions(base)
+        self.base = base | {name: make_symbol(name) for name in file.definitions}
+        declare_switches(file, self.scope_with, self.collector, self)
+        definitions = {name: self.definition(name) for name in file.definitions}
         self.scope = self.make_scope(base | definitions, "the model")
         parts = self.derive() if file.equations else self.parts_by_hand()
         if parts is None:
@@ -222,26 +225,23 @@ class _Builder(Findings):
         self.variables[symbol] = state
         return symbol
 
-    def definitions(self, base: Mapping[str, sympy.Expr]) -> dict[str, sympy.Expr]:
-        """Return the definitions, in any order of writing, each expanded to states and parameters."""
-        texts = self.file.definitions
-        place_holders = {name: make_symbol(name) for name in texts}
-        done: dict[str, sympy.Expr] = {}
+    def definition(self, name: str, above: tuple[str, ...] = ()) -> sympy.Expr:
+        """Return a definition expanded to states and parameters; ``above`` are those whose texts lead to it."""
+        path = ("definitions", name)
+        if name in above:
+            if name not in self.defined:
+                self.add_error(path, f"'{name}' is defined by itself: {' -> '.join((*above, name))}", key=True)
+            return sympy.Integer(0)
+        if name not in self.defined:
+            text = self.file.definitions[name]
+            scope = self.scope_with(text, "a definition", (*above, name))
+            self.defined[name] = self.expression(path, text, scope)
+        return self.defined[name]
 
-        def expand(name: str, above: tuple[str, ...]) -> sympy.Expr:
-            if name in above:
-                if name not in done:
-                    self.add_error(
-                        ("definitions", name), f"'{name}' is defined by itself: {' -> '.join((*above, name))}", key=True
-                    )
-                return sympy.Integer(0)
-            if name not in done:
-                inner = {n: expand(n, (*above, name)) for n in find_names(texts[name]) if n in texts}
-                scope = self.make_scope({**base, **place_holders, **inner}, "a definition")
-                done[name] = self.expression(("definitions", name), texts[name], scope)
-            return done[name]
-
-        return {name: expand(name, ()) for name in texts}
+    def scope_with(self, text: str | float, place: str, above: tuple[str, ...] = ()) -> Scope:
+        """Return the scope of a text that reads definitions, each expanded when it is first read."""
+        read = {name: self.definition(name, above) for name in find_names(text) if name in self.file.definitions}
+        return self.make_scope(self.base | read, place)
 
     def mode(self, name: str, body: Mapping[str, str | float]) -> tuple[sympy.Expr, ...]:
         """Return the vector field of a mode, one expression a state."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import sympy
@@ -40,6 +40,19 @@ def check_kind(file: ModelFile, findings: Findings) -> None:
             findings.add_error((key,), f"'{key}' belongs to models that give 'equations'", key=True)
 
 
+def declare_switches(
+    file: ModelFile, scope_with: Callable[[str | float, str], Scope], collector: SwitchCollector, findings: Findings
+) -> None:
+    """Give the switches that a file names their names, before expressions are read that share their arguments.
+
+    ``scope_with(text, place)`` is the scope of a text that reads definitions.
+    """
+    for name, text in file.switches.items():
+        with findings.noting(("switches", name)):
+            argument = findings.expression(("switches", name), text, scope_with(text, "a switch"))
+            collector.declare(name, argument)
+
+
 def read_equations(
     file: ModelFile, scope: Scope, collector: SwitchCollector, findings: Findings, delays: Mapping[str, sympy.Expr]
 ) -> Equations:
@@ -48,9 +61,6 @@ def read_equations(
     ``scope`` has the functions of ``collector`` among its builtins.
     """
     states = tuple(map(make_symbol, file.states))
-    for name, text in file.switches.items():
-        with findings.noting(("switches", name)):
-            collector.declare(name, findings.expression(("switches", name), text, scope))
     field = tuple(
         findings.expression(("equations", key), text, scope) if text is not None else sympy.S.Zero
         for key, text in findings.body(("equations",), file.equations, file.states, "the model")

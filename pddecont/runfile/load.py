@@ -16,7 +16,11 @@ from pddecont.runfile.planner import Overrides, RunDocument, make_plan
 from pddecont.runfile.schema import make_run_types
 
 # What every model says, and how it looks in a file that is not even YAML: without them a file is no model.
-MODEL_KEYS = {key: re.compile(rf"""(?m)(?:^|[{{,]\s*)["']?{key}["']?\s*:""") for key in ("states", "modes")}
+# Of the keys in a row one is enough.
+MODEL_KEYS = {
+    keys: re.compile(rf"""(?m)(?:^|[{{,]\s*)["']?(?:{"|".join(keys)})["']?\s*:""")
+    for keys in (("states",), ("modes", "equations"))
+}
 
 
 def load_document(path: str) -> Document:
@@ -88,12 +92,12 @@ def _read_model(path: Path) -> Document:
     text = read_text(path, ModelError)
     try:
         document = parse_document(text, str(path), ModelError)
-        missing = [key for key in MODEL_KEYS if key not in document.data]
+        missing = [keys for keys in MODEL_KEYS if not document.data.keys() & set(keys)]
     except ModelError:
-        missing = [key for key, pattern in MODEL_KEYS.items() if not pattern.search(text)]
+        missing = [keys for keys, pattern in MODEL_KEYS.items() if not pattern.search(text)]
         if not missing:
             raise
     if missing:
-        listed = " and ".join(f"'{key}'" for key in missing)
+        listed = " and no ".join(" or ".join(f"'{key}'" for key in keys) for keys in missing)
         raise ModelError.at(str(path), 0, 0, f"is not a model file: it has no {listed} at its top")
     return document
