@@ -3,6 +3,7 @@ from .builder import parse_model as parse_model
 from .chain_states import add_chain_states as add_chain_states
 from .conditions import combine_differences as combine_differences
 from .conditions import list_differences as list_differences
+from .derived_modes import DerivedModes as DerivedModes
 from .document import MAX_BYTES as MAX_BYTES
 from .document import Document as Document
 from .document import KeyPath as KeyPath
@@ -18,11 +19,15 @@ from .expression import parse_expression as parse_expression
 from .expression import translate_expression as translate_expression
 from .identities import find_rate as find_rate
 from .identities import vanishes_identically as vanishes_identically
+from .initial_digits import find_start_mode as find_start_mode
 from .left_out import LeftOut as LeftOut
 from .reduction import ReferencedNames as ReferencedNames
 from .schema import ModelFile as ModelFile
 from .starts import explain_own_start as explain_own_start
 from .starts import explain_start_beyond_event as explain_start_beyond_event
+from .switches import ABOVE as ABOVE
+from .switches import BELOW as BELOW
+from .switches import ON as ON
 from .syntax import ExpressionError as ExpressionError
 from .system import IDENTITY as IDENTITY
 from .system import DelayedValue as DelayedValue

@@ -14,7 +14,7 @@ import sympy
 
 from pddecont.errors import ModelError, Problem, suggest
 from pddecont.model.conditions import list_differences
-from pddecont.model.derived_modes import DerivedModes
+from pddecont.model.derived_modes import DerivedModes, make_modes
 from pddecont.model.document import Document, KeyPath, parse_document, read_text
 from pddecont.model.equations import check_kind, declare_switches, read_equations
 from pddecont.model.evaluation import evaluate
@@ -32,7 +32,7 @@ from pddecont.model.nonsmooth import SwitchCollector
 from pddecont.model.periodicity import explain_non_periodic
 from pddecont.model.schema import DelayedEvent, ModelFile
 from pddecont.model.segments import check_segments, make_segments
-from pddecont.model.sliding import UndecidedSlidingError, find_surfaces
+from pddecont.model.sliding import UndecidedSlidingError
 from pddecont.model.syntax import ExpressionError, find_names
 from pddecont.model.system import (
     IDENTITY,
@@ -78,9 +78,7 @@ class _Builder(Findings):
         self.delayed: list[DelayedValue] = []
         # What changes along a motion, with the state it belongs to.
         self.variables: dict[sympy.Symbol, str] = {}
-        self.collector = SwitchCollector(
-            self.variables, {*file.states, *file.parameters, *file.definitions, *file.jumps}
-        )
+        self.collector = SwitchCollector(self.variables, {*file.switches, *file.jumps})
         self.defined: dict[str, sympy.Expr] = {}
         self.numbers = {make_symbol(k): v for k, v in file.parameters.items()}
 
@@ -169,8 +167,7 @@ class _Builder(Findings):
             return None
         delayed = frozenset(s for s, name in self.variables.items() if s.name != name)
         try:
-            derived = DerivedModes(find_surfaces(equations, delayed))
-            derived.build_all()
+            derived = make_modes(equations, delayed)
         except UndecidedSlidingError as exc:
             self.add_error(("equations",), str(exc), key=True)
             return None

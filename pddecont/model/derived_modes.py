@@ -6,14 +6,14 @@ a surface reaches its bound, and at the jumps of the model.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
 
 import sympy
 
-from pddecont.model.sliding import Surfaces, put_in
-from pddecont.model.switches import ABOVE, BELOW, ON, WORDS, Digits, Jump, name_digits
+from pddecont.model.sliding import Surfaces, find_surfaces, put_in
+from pddecont.model.switches import ABOVE, BELOW, ON, WORDS, Digits, Equations, Jump, name_digits
 from pddecont.model.system import IDENTITY, Event, Segment
 from pddecont.model.validation import ALTERNATIVE
 from pddecont.model.vanishing import vanishes, vanishes_where
@@ -37,6 +37,19 @@ class DerivedModes:
     def __post_init__(self) -> None:
         self.equations = self.surfaces.equations
         self.resets[IDENTITY] = self.equations.states
+
+    def find_mode(self, digits: Digits) -> str:
+        """Return the name of a mode; where a motion cannot slide it is above."""
+        return self.build(
+            tuple(ABOVE if d == ON and not s else d for d, s in zip(digits, self.surfaces.slides, strict=True))
+        )
+
+    def keep_states(self, kept: Sequence[int]) -> DerivedModes:
+        """Return the same with these states alone; nothing that is left reads the others."""
+        equations = self.equations.keep_states(kept)
+        made = DerivedModes(replace(self.surfaces, equations=equations))
+        made.build_all()
+        return made
 
     def build_all(self) -> None:
         """Make every mode that there can be."""
@@ -178,3 +191,16 @@ class DerivedModes:
 
     def _add_event(self, event: Event) -> None:
         self.events.setdefault(event.name, event)
+
+
+def make_modes(equations: Equations, delayed: frozenset[sympy.Symbol]) -> DerivedModes:
+    """Return what is made of equations that read the ``delayed`` values.
+
+    Raises
+    ------
+    UndecidedSlidingError
+        If the surfaces along which a motion slides do not determine how.
+    """
+    made = DerivedModes(find_surfaces(equations, delayed))
+    made.build_all()
+    return made

@@ -69,12 +69,17 @@ def read_equations(
     switches = tuple(collector.switches)
     digits = [s.digit for s in switches]
     _check_names(file, switches, findings)
-    return Equations(
+    equations = Equations(
         states,
         tuple(make_multilinear(f, digits) for f in field),
         tuple(replace(s, argument=make_multilinear(s.argument, digits)) for s in switches),
         jumps,
     )
+    used = equations.leave_out_idle()
+    for name in file.switches:
+        if name not in {s.name for s in used.switches}:
+            findings.add_warning(("switches", name), f"no nonsmooth function reads the sign of switch '{name}'")
+    return used
 
 
 def make_multilinear(expr: sympy.Expr, digits: list[sympy.Symbol]) -> sympy.Expr:

@@ -20,9 +20,6 @@ from pddecont.model.expression import TIME, Builtin, Scope, translate_expression
 from pddecont.model.switches import Switch
 from pddecont.model.syntax import ExpressionError
 
-# Names that a switch without one gets: this and the states that it reads.
-PREFIX = "switch"
-
 
 @dataclass
 class SwitchCollector:
@@ -115,9 +112,9 @@ class SwitchCollector:
         return key, bool(leading < 0)
 
     def _make_name(self, argument: sympy.Expr) -> str:
-        """Return a name for a switch: what it reads."""
+        """Return a name for a switch: the states that it reads."""
         read = [name for symbol, name in self.variables.items() if symbol in argument.free_symbols]
-        base = "_".join([PREFIX, *dict.fromkeys(read)]) if read else f"{PREFIX}_t"
+        base = "_".join(dict.fromkeys(read)) or TIME.name
         names, number = {*self.taken, *(s.name for s in self.switches)}, 2
         name = base
         while name in names:

@@ -7,13 +7,14 @@ Each says what it took and why.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 import sympy
 
 from pddecont.model.conditions import list_differences, substitute_in
 from pddecont.model.dependence import find_unread_states
+from pddecont.model.derived_modes import DerivedModes, make_modes
 from pddecont.model.expression import TIME, require_finite, substitute
 from pddecont.model.syntax import ExpressionError
 from pddecont.model.system import IDENTITY, Model, Segment, make_delayed_symbol, make_symbol
@@ -53,12 +54,16 @@ def reduce_model(
     """
     cut = Reduction(model, model, named)
     if fixed or dropped:
-        cut = _forcing(_delays(_states(_events_and_modes(_values(cut, fixed), dropped))))
+        cut = _values(cut, fixed, dropped)
+        cut = _forcing(_delays(_states(cut if cut.model.derived else _events_and_modes(cut, dropped))))
     return cut
 
 
-def _values(cut: Reduction, fixed: Mapping[str, sympy.Expr]) -> Reduction:
-    """Put in the values of parameters; a delay of zero is none, and equal delays are one."""
+def _values(cut: Reduction, fixed: Mapping[str, sympy.Expr], dropped: Collection[str]) -> Reduction:
+    """Put in the values of parameters; a delay of zero is none, and equal delays are one.
+
+    The modes of a model given by its equations are made anew, without the jumps ``dropped``.
+    """
     model = cut.model
     values: dict[sympy.Symbol, sympy.Expr] = {make_symbol(name): value for name, value in fixed.items()}
     taus = [substitute(sympy.sympify(d), values) for d in model.delays]
@@ -86,13 +91,20 @@ def _values(cut: Reduction, fixed: Mapping[str, sympy.Expr]) -> Reduction:
     numbers = {
         name: _number(model, fixed[name]) if name in fixed else value for name, value in model.parameters.items()
     }
-    return cut.to(
-        replace(
+    if model.derived is not None:
+        left_symbols = frozenset(values.get(s, s) for s in model.delayed_symbols) - set(model.state_symbols)
+        made = _derive_anew(cut, model.derived, put_in, dropped, left_symbols)
+    else:
+        made = replace(
             model,
             modes=in_all(model.modes),
             events=events,
             resets=in_all(model.resets),
             segments={k: replace(s, guard=substitute_in(s.guard, values)) for k, s in model.segments.items()},
+        )
+    return cut.to(
+        replace(
+            made,
             fixed=fixed,
             parameters=numbers,
             delays=delays,
@@ -101,6 +113,37 @@ def _values(cut: Reduction, fixed: Mapping[str, sympy.Expr]) -> Reduction:
             history=tuple(map(put_in, model.history)),
             definitions={k: put_in(v) for k, v in model.definitions.items()},
         )
+    )
+
+
+def _derive_anew(
+    cut: Reduction,
+    derived: DerivedModes,
+    put_in: Callable[[sympy.Expr], sympy.Expr],
+    dropped: Collection[str],
+    delayed: frozenset[sympy.Symbol],
+) -> Model:
+    """Return the model with modes, events, resets and segments made of what is left of its equations."""
+    model, now = cut.model, make_modes(derived.equations.change(put_in, dropped), delayed)
+    kinds: dict[str, tuple[Collection[str], Collection[str], str]] = {
+        "modes": (model.modes, now.modes, "no switch left makes it"),
+        "events": (model.events, now.events, "nothing left makes it"),
+        "resets": (model.resets, now.resets, "no jump left applies it"),
+        "segments": (model.segments, now.segments, "no event left ends it"),
+    }
+    for kind, (before, after, why) in kinds.items():
+        cut.reasons[kind] |= {name: why for name in before if name not in after}
+    digits = derived.equations.find_digits(model.initial_mode) or ()
+    known = {s.name: d for s, d in zip(derived.equations.switches, digits, strict=True)}
+    start = tuple(known[s.name] for s in now.equations.switches)
+    return replace(
+        model,
+        modes=now.modes,
+        events=now.events,
+        resets=now.resets,
+        segments=now.segments,
+        derived=now,
+        initial_mode=now.find_mode(start),
     )
 
 
@@ -197,6 +240,7 @@ def _states(cut: Reduction) -> Reduction:
         replace(
             model,
             states=tuple(model.states[i] for i in kept),
+            derived=None if model.derived is None else model.derived.keep_states(kept),
             modes={k: rows(v) for k, v in model.modes.items()},
             resets={k: rows(v) for k, v in model.resets.items()},
             history=rows(model.history),

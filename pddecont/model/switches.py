@@ -6,7 +6,8 @@ above it; between the two values a motion slides along the surface, and the digi
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import sympy
@@ -82,6 +83,64 @@ class Equations:
 
     def __post_init__(self) -> None:
         assert len(self.field) == len(self.states)
+
+    def change(self, put_in: Callable[[sympy.Expr], sympy.Expr], dropped: Collection[str]) -> Equations:
+        """Return the equations with every expression changed, without the jumps ``dropped`` and those after them.
+
+        Switches that decide nothing any more are gone; one whose argument is zero throughout has sign 0.
+        """
+        kept = [j for j in self.jumps if j.name not in dropped]
+        while any(j.after is not None and not self._happens(j.after, kept) for j in kept):
+            kept = [j for j in kept if j.after is None or self._happens(j.after, kept)]
+        jumps = [
+            replace(
+                j,
+                function=None if j.function is None else put_in(j.function),
+                delay=None if j.delay is None else put_in(j.delay),
+                reset=tuple(map(put_in, j.reset)),
+                when=put_in(j.when),
+            )
+            for j in kept
+        ]
+        switches = [
+            replace(s, argument=put_in(s.argument), low=put_in(s.low), high=put_in(s.high), grip=put_in(s.grip))
+            for s in self.switches
+        ]
+        zero = {s.digit: sympy.Rational(1, 2) for s in switches if s.argument == 0 and not s.remembers}
+        changed = Equations(
+            self.states,
+            tuple(put_in(f).xreplace(zero) for f in self.field),
+            tuple(replace(s, argument=s.argument.xreplace(zero)) for s in switches),
+            tuple(jumps),
+        )
+        return changed.leave_out_idle()
+
+    def keep_states(self, kept: Sequence[int]) -> Equations:
+        """Return the equations of some states, which read no others."""
+        return replace(
+            self,
+            states=tuple(self.states[i] for i in kept),
+            field=tuple(self.field[i] for i in kept),
+            jumps=tuple(replace(j, reset=tuple(j.reset[i] for i in kept)) for j in self.jumps),
+        )
+
+    def _happens(self, event: str, jumps: Collection[Jump]) -> bool:
+        return any(event == s.name for s in self.switches) or any(event == j.name for j in jumps)
+
+    def leave_out_idle(self) -> Equations:
+        """Return the equations without the switches whose digit nothing reads and that start no clock."""
+        clocks = {j.after for j in self.jumps}
+        switches = list(self.switches)
+        while True:
+            exprs = [*self.field, *(s.argument for s in switches)]
+            exprs += [
+                e for j in self.jumps for e in (*j.reset, j.when, *((j.function,) if j.function is not None else ()))
+            ]
+            read = set().union(*(e.free_symbols for e in exprs))
+            left = [s for s in switches if s.digit in read or s.name in clocks]
+            if len(left) == len(switches):
+                return replace(self, switches=tuple(left))
+            switches = left
 
     def name_mode(self, digits: Digits) -> str:
         """Return the name of the mode with these digits."""

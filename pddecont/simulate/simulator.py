@@ -38,6 +38,7 @@ from pddecont.simulate.integrator import (
 from pddecont.simulate.method import Method
 from pddecont.simulate.model_numbers import make_system, make_values
 from pddecont.simulate.returns import ReturnSection
+from pddecont.simulate.start_modes import read_start_modes
 
 Array = NDArray[np.float64]
 # Steps between two reports of progress: some hundredths of a second.
@@ -113,7 +114,7 @@ class Simulator:
         """Return the state of an integration that begins at ``t``.
 
         ``states`` (n_states,) replaces the value of the history there. The history is the model's, or ``constant``: the
-        states at the start.
+        states at the start. Without a ``mode`` it is the model's, of equations that of the states.
         """
         model, system = self.numeric.model, self.system
         state = make_state(system, values)
@@ -126,8 +127,20 @@ class Simulator:
             self._start_chain(state, values, t, constant)
         if self.tangent:
             state.y[system.n_full :] = np.random.default_rng(TANGENT_SEED).standard_normal(system.n_full)
-        initialise(system, values, state, self.work, t, list(model.modes).index(mode or model.initial_mode))
+        mode = mode or self.find_start_modes(values, state.y[None, : system.n], constant=constant, t=t)[0]
+        initialise(system, values, state, self.work, t, list(model.modes).index(mode))
         return state
+
+    def find_start_modes(
+        self, values: ParameterValues, states: Array, *, constant: bool = False, t: float = 0.0
+    ) -> list[str]:
+        """Return the modes of motions that start with ``states`` (n, n_states): of the model, or of its equations."""
+        delayed = self.numeric.model.delayed
+        xd = np.empty((len(states), len(delayed)))
+        for i, read in enumerate(delayed):
+            past = states[:, read.state] if constant else self.evaluate_history(values.p, t - values.tau[read.delay])[0]
+            xd[:, i] = past if constant else past[read.state]
+        return read_start_modes(self.numeric, values.p, t, states, xd)
 
     def change_parameters(
         self, state: IntegratorState, values: ParameterValues, p: Array, longest: float = 0.0

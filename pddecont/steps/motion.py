@@ -89,7 +89,7 @@ class Start:
     states
         States that are given, by name.
     mode
-        The mode.
+        The mode; None where it is read from the states.
     constant
         Whether the states are its history too.
     history
@@ -98,7 +98,7 @@ class Start:
 
     model: Model
     states: Mapping[str, ParameterFormula]
-    mode: str
+    mode: str | None
     constant: bool
     history: tuple[sympy.Expr, ...] | None
 
@@ -167,7 +167,8 @@ def resolve_start(given: StepInput[Any], path: Path, initial: Initial) -> Start:
         formulas[name] = given.parse_formula((*path, name), text)
         given.checker.evaluate_formula((*given.path, *path, name), formulas[name], given.values)
     history = _resolve_history(given, path, initial, states)
-    return Start(model, formulas, initial.mode or model.initial_mode, initial.history == "constant", history)
+    mode = initial.mode or (model.initial_mode if model.derived is None else None)
+    return Start(model, formulas, mode, initial.history == "constant", history)
 
 
 def _resolve_history(
@@ -197,7 +198,7 @@ def evaluate_start(given: StepInput[Any], path: Path, start: Start) -> InitialSt
 
 def warn_of_start(given: StepInput[Any], initial: Initial, start: InitialState) -> None:
     """Note where a motion starts beyond an event that ends its mode."""
-    if isinstance(initial.history, Mapping) or start.mode not in given.model.modes:
+    if isinstance(initial.history, Mapping) or start.mode is None or start.mode not in given.model.modes:
         return
     message = explain_start_beyond_event(given.model, start.mode, start.states.tolist(), given.values)
     if message:

@@ -25,7 +25,7 @@ def classify_cells(
     work,
     template,
     initial,
-    mode,
+    modes,
     constant,
     period,
     phase,
@@ -47,6 +47,8 @@ def classify_cells(
     ----------
     template
         All variables at the start (dimension,); the states are replaced by those of a cell.
+    modes
+        The numbers of the cells' modes at the start (n_cells,).
     points, size
         The returns of all attractors (n_points, n), and how large each state of the attractor is (n_points, n).
     owner, following, length
@@ -63,7 +65,7 @@ def classify_cells(
             state.count[CONSTANT] = 1
             state.constant[:] = initial[cell]
             _start_chain(system, state)
-        initialise(system, values, state, work, 0.0, mode)
+        initialise(system, values, state, work, 0.0, modes[cell])
         labels[cell], expected, since, met = -1, -1, 0.0, 0
         stop[0] = math.nan
         while True:
