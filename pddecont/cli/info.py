@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from pddecont.cli.completion import complete_file
 from pddecont.cli.console import print_json, printable
+
+if TYPE_CHECKING:
+    from pddecont.model import DerivedModes, Model
 
 
 @click.command("info")
@@ -16,9 +19,15 @@ from pddecont.cli.console import print_json, printable
 @click.option(
     "--without", multiple=True, metavar="EFFECT", help="Look at the model without an effect; may be repeated."
 )
+@click.option(
+    "--expand", is_flag=True, help="Write a model given by its equations with modes, events and segments instead."
+)
 @click.option("--json", "as_json", is_flag=True, help="Write one JSON document.")
-def command(file: str, without: tuple[str, ...], as_json: bool) -> None:
+def command(file: str, without: tuple[str, ...], expand: bool, as_json: bool) -> None:
     """Say what is in FILE: a model, a run file or a results file."""
+    if expand:
+        click.echo(write_expanded(file, without), nl=False)
+        return
     data = results_info(file) if _is_hdf5(file) else model_info(file, without)
     if as_json:
         print_json(data)
@@ -44,23 +53,37 @@ def results_info(file: str) -> dict[str, Any]:
     return {"file": file, **summarise(read_results(file))}
 
 
-def model_info(file: str, without: tuple[str, ...]) -> dict[str, Any]:
-    """Return what a model, or a run file and its model, holds."""
+def write_expanded(file: str, without: tuple[str, ...]) -> str:
+    """Return a model as a file with modes, events, resets and segments."""
+    import yaml
+
+    from pddecont.model import expand_model
+
+    model, _ = _load_model(file, without)
+    return str(yaml.safe_dump(expand_model(model), sort_keys=False, width=10_000, default_flow_style=None))
+
+
+def _load_model(file: str, without: tuple[str, ...]) -> tuple[Model, list[str] | None]:
+    """Return the model of a file and the steps of its run."""
     from pddecont.model import leave_out_effects as leave_out
     from pddecont.model import parse_model
     from pddecont.runfile import Overrides, is_run_file, load_document
     from pddecont.steps import load_run_plan
 
     document = load_document(file)
-    steps = None
     if is_run_file(document):
         plan = load_run_plan(document, Overrides(without=without))
-        model = plan.model
-        steps = [f"{step.name}: {step.kind}" for step in plan.steps]
-    else:
-        run = document.data.get("run") or {}
-        model = leave_out(parse_model(document)[0], [*((run.get("effects") or {}).get("off") or []), *without])
-        steps = [f"{s.get('name')}" for s in (run.get("steps") or []) if isinstance(s, dict)]
+        return plan.model, [f"{step.name}: {step.kind}" for step in plan.steps]
+    run = document.data.get("run") or {}
+    model = leave_out(parse_model(document)[0], [*((run.get("effects") or {}).get("off") or []), *without])
+    return model, [f"{s.get('name')}" for s in (run.get("steps") or []) if isinstance(s, dict)]
+
+
+def model_info(file: str, without: tuple[str, ...]) -> dict[str, Any]:
+    """Return what a model, or a run file and its model, holds."""
+    model, steps = _load_model(file, without)
+    from pddecont.model import write_condition
+
     delays = [s.name for s in model.delayed_symbols]
     return {
         "model": model.name,
@@ -69,18 +92,32 @@ def model_info(file: str, without: tuple[str, ...]) -> dict[str, Any]:
         "parameters": dict(model.parameters),
         "forcing period": None if model.period is None else str(model.period),
         "delayed": delays,
+        "switches": [] if model.derived is None else _describe_switches(model.derived),
         "modes": list(model.modes),
         "events": list(model.events),
         "resets": list(model.resets),
         "segments": [
             f"{s.name}: {s.mode} -- {s.event} ({s.direction}) / {s.reset} -> {s.to}"
-            + (f" when {s.guard}" if s.written else "")
+            + (f" when {write_condition(s.guard)}" if s.written else "")
             for s in model.segments.values()
         ],
         "effects": list(model.effects),
         "steps": steps,
         "left out": model.left_out.as_data(),
     }
+
+
+def _describe_switches(derived: DerivedModes) -> list[str]:
+    """Return each switch of a model's equations: its name, its function, and whether motions slide along it."""
+    from pddecont.model import write_formula
+
+    found = []
+    for switch, slides in zip(derived.equations.switches, derived.surfaces.slides, strict=True):
+        memory = f", up at {switch.high}, down at {switch.low}" if switch.remembers else ""
+        found.append(
+            f"{switch.name}: {write_formula(switch.argument)}{memory}{' (motions may slide)' if slides else ''}"
+        )
+    return found
 
 
 def _lines(data: dict[str, Any], indent: str = "") -> list[str]:
@@ -106,7 +143,7 @@ def _lines(data: dict[str, Any], indent: str = "") -> list[str]:
             name = data.get("curve name")
             lines.append(f"{indent}{key}: {value}{f' ({name})' if name else ''}")
         elif isinstance(value, list):
-            long = key in ("segments", "termination", "cheapest")
+            long = key in ("switches", "segments", "termination", "cheapest")
             lines += (
                 [f"{indent}{key}:", *(f"{indent}  {v}" for v in value)]
                 if long

@@ -12,6 +12,9 @@ from .document import parse_document as parse_document
 from .document import read_text as read_text
 from .effects import leave_out_effects as leave_out_effects
 from .evaluation import FUNCTIONS as FUNCTIONS
+from .expansion import expand_model as expand_model
+from .expansion import write_condition as write_condition
+from .expansion import write_formula as write_formula
 from .expression import TIME as TIME
 from .expression import Scope as Scope
 from .expression import UndefinedNameError as UndefinedNameError

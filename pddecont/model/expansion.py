@@ -1,0 +1,95 @@
+"""A model given by its equations, written by hand: with modes, events, resets and segments."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sympy
+from sympy.core.relational import Relational
+from sympy.logic.boolalg import Boolean
+from sympy.printing.str import StrPrinter
+
+from pddecont.model.system import IDENTITY, Event, Model
+from pddecont.model.transitions import list_alternatives, list_leaders
+
+COMPARISONS = {sympy.Gt: ">", sympy.Ge: ">=", sympy.Lt: "<", sympy.Le: "<="}
+
+
+class _FormulaPrinter(StrPrinter):  # type: ignore[misc]
+    """Prints what the parser of formulas reads."""
+
+    def _print_Exp1(self, expr: sympy.Expr) -> str:
+        return "exp(1)"
+
+    def _print_Float(self, expr: sympy.Float) -> str:
+        return repr(float(expr))
+
+
+_PRINTER = _FormulaPrinter()
+
+
+def expand_model(model: Model) -> dict[str, Any]:
+    """Return a model as the mapping of a file with modes, events, resets and segments."""
+    states = model.states
+    forcing = {} if model.period is None else {"forcing": {"period": write_formula(model.period)}}
+    history = {
+        s: float(e) if e.is_number else write_formula(e) for s, e in zip(states, model.history, strict=True) if e != 0
+    }
+    effects = {
+        name: {"set": {k: write_formula(e) for k, e in effect.set.items()}, "drop": list(effect.drop)}
+        for name, effect in model.effects.items()
+        if set(effect.drop) <= set(model.events)
+    }
+    return {
+        "name": model.name,
+        **({"reference": model.reference} if model.reference else {}),
+        "states": list(states),
+        "parameters": dict(model.parameters),
+        **({"units": dict(model.units)} if model.units else {}),
+        **forcing,
+        "modes": {
+            name: {f"{s}'": write_formula(f) for s, f in zip(states, body, strict=True)}
+            for name, body in model.modes.items()
+        },
+        "events": {event.name: _write_event(event) for event in model.events.values()},
+        "resets": {
+            name: {s: write_formula(g) for s, x, g in zip(states, model.state_symbols, body, strict=True) if g != x}
+            for name, body in model.resets.items()
+            if name != IDENTITY
+        },
+        "segments": {s.written or s.name: _write_segment(model, s.name) for s in list_leaders(model.segments.values())},
+        **({"effects": effects} if effects else {}),
+        "initial": {"mode": model.initial_mode, **history},
+    }
+
+
+def write_formula(expr: sympy.Expr) -> str:
+    """Return an expression as text that reads back as the same."""
+    return str(_PRINTER.doprint(expr))
+
+
+def write_condition(condition: Boolean) -> str:
+    """Return a condition as text that reads back as the same."""
+    if isinstance(condition, Relational):
+        return f"{write_formula(condition.lhs)} {COMPARISONS[condition.func]} {write_formula(condition.rhs)}"
+    parts = [f"({write_condition(part)})" for part in condition.args]
+    if isinstance(condition, sympy.Not):
+        return f"not {parts[0]}"
+    return (" and " if isinstance(condition, sympy.And) else " or ").join(parts)
+
+
+def _write_event(event: Event) -> Any:
+    if event.function is not None:
+        return write_formula(event.function)
+    assert event.delay is not None
+    return {"after": event.after, "delay": write_formula(event.delay)}
+
+
+def _write_segment(model: Model, name: str) -> dict[str, Any]:
+    segment = model.segments[name]
+    ways = list_alternatives(model, segment)
+    to: Any = segment.to
+    if len(ways) > 1:
+        to = [{"when": write_condition(way.guard), "mode": way.to} for way in ways[:-1]] + [{"mode": ways[-1].to}]
+    reset = {} if segment.reset == IDENTITY else {"reset": segment.reset}
+    return {"mode": segment.mode, "event": segment.event, "direction": segment.direction, **reset, "to": to}
