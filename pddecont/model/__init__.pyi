@@ -24,6 +24,9 @@ from .identities import find_rate as find_rate
 from .identities import vanishes_identically as vanishes_identically
 from .initial_digits import find_start_mode as find_start_mode
 from .left_out import LeftOut as LeftOut
+from .parts import IDENTITY as IDENTITY
+from .parts import Event as Event
+from .parts import Segment as Segment
 from .reduction import ReferencedNames as ReferencedNames
 from .schema import ModelFile as ModelFile
 from .starts import explain_own_start as explain_own_start
@@ -32,11 +35,8 @@ from .switches import ABOVE as ABOVE
 from .switches import BELOW as BELOW
 from .switches import ON as ON
 from .syntax import ExpressionError as ExpressionError
-from .system import IDENTITY as IDENTITY
 from .system import DelayedValue as DelayedValue
-from .system import Event as Event
 from .system import Model as Model
-from .system import Segment as Segment
 from .system import check_signature as check_signature
 from .transitions import Transitions as Transitions
 from .transitions import list_alternatives as list_alternatives

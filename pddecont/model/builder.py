@@ -29,21 +29,13 @@ from pddecont.model.names import (
     find_unused_parameters,
 )
 from pddecont.model.nonsmooth import SwitchCollector
+from pddecont.model.parts import IDENTITY, Event, Segment
 from pddecont.model.periodicity import explain_non_periodic
 from pddecont.model.schema import DelayedEvent, ModelFile
 from pddecont.model.segments import check_segments, make_segments
 from pddecont.model.sliding import UndecidedSlidingError
 from pddecont.model.syntax import ExpressionError, find_names
-from pddecont.model.system import (
-    IDENTITY,
-    DelayedValue,
-    Effect,
-    Event,
-    Model,
-    Segment,
-    make_delayed_symbol,
-    make_symbol,
-)
+from pddecont.model.system import DelayedValue, Effect, Model, make_delayed_symbol, make_symbol
 from pddecont.model.validation import validate
 
 Exprs = tuple[sympy.Expr, ...]

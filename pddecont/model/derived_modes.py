@@ -12,9 +12,9 @@ from itertools import product
 
 import sympy
 
+from pddecont.model.parts import IDENTITY, Event, Segment
 from pddecont.model.sliding import Surfaces, find_surfaces, put_in
 from pddecont.model.switches import ABOVE, BELOW, ON, WORDS, Digits, Equations, Jump, name_digits
-from pddecont.model.system import IDENTITY, Event, Segment
 from pddecont.model.validation import ALTERNATIVE
 from pddecont.model.vanishing import vanishes, vanishes_where
 from pddecont.model.ways import Undecided, list_options, list_ways

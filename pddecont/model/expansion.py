@@ -9,7 +9,8 @@ from sympy.core.relational import Relational
 from sympy.logic.boolalg import Boolean
 from sympy.printing.str import StrPrinter
 
-from pddecont.model.system import IDENTITY, Event, Model
+from pddecont.model.parts import IDENTITY, Event
+from pddecont.model.system import Model
 from pddecont.model.transitions import list_alternatives, list_leaders
 
 COMPARISONS = {sympy.Gt: ">", sympy.Ge: ">=", sympy.Lt: "<", sympy.Le: "<="}

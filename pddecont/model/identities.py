@@ -14,7 +14,8 @@ from functools import lru_cache
 import sympy
 
 from pddecont.model.expression import TIME
-from pddecont.model.system import Model, Segment
+from pddecont.model.parts import Segment
+from pddecont.model.system import Model
 
 
 def vanishes_identically(model: Model, segments: Sequence[Segment], s: int, event: str, *, at_end: bool) -> bool:

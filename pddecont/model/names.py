@@ -10,9 +10,9 @@ import sympy
 from pddecont.errors import suggest
 from pddecont.model.document import KeyPath
 from pddecont.model.expression import TIME
+from pddecont.model.parts import Event, Segment
 from pddecont.model.schema import ModelFile
 from pddecont.model.switches import Equations
-from pddecont.model.system import Event, Segment
 
 
 def find_clashes(file: ModelFile) -> Iterator[tuple[KeyPath, str]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 
-from pddecont.model.system import Segment
+from pddecont.model.parts import Segment
 from pddecont.model.transitions import WAYS
 
 

@@ -16,8 +16,9 @@ from pddecont.model.conditions import list_differences, substitute_in
 from pddecont.model.dependence import find_unread_states
 from pddecont.model.derived_modes import DerivedModes, make_modes
 from pddecont.model.expression import TIME, require_finite, substitute
+from pddecont.model.parts import IDENTITY, Segment
 from pddecont.model.syntax import ExpressionError
-from pddecont.model.system import IDENTITY, Model, Segment, make_delayed_symbol, make_symbol
+from pddecont.model.system import Model, make_delayed_symbol, make_symbol
 
 KINDS = ("states", "modes", "events", "resets", "segments", "delayed", "delays", "forcing", "definitions")
 Reasons = dict[str, dict[str, str]]

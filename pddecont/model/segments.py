@@ -10,10 +10,10 @@ from sympy.logic.boolalg import Boolean
 from pddecont.errors import suggest
 from pddecont.model.expression import Scope
 from pddecont.model.findings import Findings
+from pddecont.model.parts import IDENTITY, Segment
 from pddecont.model.reachability import find_shadowed, find_unreached
 from pddecont.model.schema import DelayedEvent, ModelFile
 from pddecont.model.schema import Segment as SegmentBody
-from pddecont.model.system import IDENTITY, Segment
 from pddecont.model.transitions import list_leaders
 from pddecont.model.validation import ALTERNATIVE
 

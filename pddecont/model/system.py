@@ -6,21 +6,17 @@ import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import sympy
-from sympy.logic.boolalg import Boolean
 
 from pddecont.errors import SignatureError, suggest
+from pddecont.model.derived_modes import DerivedModes
 from pddecont.model.evaluation import evaluate
 from pddecont.model.expression import TIME, Scope
 from pddecont.model.left_out import LeftOut
+from pddecont.model.parts import Event, Segment
 from pddecont.model.syntax import ExpressionError
-
-if TYPE_CHECKING:
-    from pddecont.model.derived_modes import DerivedModes
-
-IDENTITY = "identity"
 
 
 @dataclass(frozen=True)
@@ -30,32 +26,6 @@ class DelayedValue:
     state: int
     delay: int
     derivative: int = 0
-
-
-@dataclass(frozen=True)
-class Event:
-    """A zero of ``function`` along the orbit, or a moment ``delay`` after the event ``after``."""
-
-    name: str
-    function: sympy.Expr | None
-    after: str | None = None
-    delay: sympy.Expr | None = None
-
-
-@dataclass(frozen=True)
-class Segment:
-    """The arc {mode, event, reset} of the paper's section 2.3 and the mode it leads to."""
-
-    name: str
-    mode: str
-    event: str
-    direction: str
-    reset: str
-    to: str
-    # Of a segment that may lead to several modes: its name in the file, and when it leads to this one, judged by the
-    # states after the reset.
-    written: str = ""
-    guard: Boolean = sympy.true
 
 
 @dataclass(frozen=True)

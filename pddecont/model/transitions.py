@@ -13,7 +13,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
-from pddecont.model.system import Model, Segment
+from pddecont.model.parts import Segment
+from pddecont.model.system import Model
 
 # The ways in which an event function passes zero that a direction stands for.
 WAYS = {"rising": {"rising"}, "falling": {"falling"}, "any": {"rising", "falling"}}

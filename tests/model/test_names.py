@@ -3,8 +3,8 @@
 import sympy
 
 from pddecont.model.names import collect_symbols, find_clashes, find_strange_units, find_unused_parameters
+from pddecont.model.parts import Event
 from pddecont.model.schema import ModelFile
-from pddecont.model.system import Event
 
 FILE = {
     "name": "m",

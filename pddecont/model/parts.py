@@ -1,0 +1,37 @@
+"""What a hybrid model is made of besides its vector fields: events and segments."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import sympy
+from sympy.logic.boolalg import Boolean
+
+# The reset that changes nothing.
+IDENTITY = "identity"
+
+
+@dataclass(frozen=True)
+class Event:
+    """A zero of ``function`` along the orbit, or a moment ``delay`` after the event ``after``."""
+
+    name: str
+    function: sympy.Expr | None
+    after: str | None = None
+    delay: sympy.Expr | None = None
+
+
+@dataclass(frozen=True)
+class Segment:
+    """The arc {mode, event, reset} of the paper's section 2.3 and the mode it leads to."""
+
+    name: str
+    mode: str
+    event: str
+    direction: str
+    reset: str
+    to: str
+    # Of a segment that may lead to several modes: its name in the file, and when it leads to this one, judged by the
+    # states after the reset.
+    written: str = ""
+    guard: Boolean = sympy.true
