@@ -20,7 +20,7 @@ from numba import cfunc, types
 from pddecont.codegen.cache import find_cache_folder
 from pddecont.codegen.compilation import compiler_settings
 from pddecont.codegen.printer import Names, ScalarPrinter, name_symbols, print_assignments
-from pddecont.model import TIME, Model
+from pddecont.model import ABOVE, ON, TIME, Model
 
 _make_pointer: Callable[[Any], Any] = types.CPointer
 DOUBLE_POINTER = _make_pointer(types.float64)
@@ -33,6 +33,31 @@ def generated(which, t, x, xd, p, out):
 """
 # Derivatives of the history that a chain may start from: one less than its highest Taylor order, 4.
 HISTORY_ORDERS = 4
+
+
+@dataclass(frozen=True)
+class FieldCases:
+    """The vector fields that machine code tells apart, and the number of each mode's: digits below, the case above."""
+
+    fields: tuple[tuple[sympy.Expr, ...], ...]
+    digits: tuple[sympy.Symbol, ...]
+    of_mode: tuple[int, ...]
+
+
+def find_field_cases(model: Model) -> FieldCases:
+    """Return the vector fields of a model; of equations one for all modes that slide along the same surfaces."""
+    derived = model.derived
+    if derived is None:
+        return FieldCases(tuple(model.modes.values()), (), tuple(range(len(model.modes))))
+    digits = tuple(switch.digit for switch in derived.equations.switches)
+    cases: dict[tuple[int, ...], int] = {}
+    of_mode = []
+    for mode in model.modes:
+        own = derived.equations.find_digits(mode) or ()
+        on = tuple(k for k, d in enumerate(own) if d == ON)
+        bits = sum(1 << k for k, d in enumerate(own) if d == ABOVE)
+        of_mode.append(cases.setdefault(on, len(cases)) << len(digits) | bits)
+    return FieldCases(tuple(map(derived.slide, cases)), digits, tuple(of_mode))
 
 
 class MachineCode(Protocol):
@@ -64,9 +89,14 @@ class ModelFunctions:
         return tuple(functions if self.section is None else [*functions, self.section])
 
     @cached_property
+    def cases(self) -> FieldCases:
+        """The vector fields as the machine code numbers them."""
+        return find_field_cases(self.model)
+
+    @cached_property
     def field(self) -> int:
-        """The address of f; ``which`` is the mode."""
-        return self._address([list(f) for f in self.model.modes.values()])
+        """The address of f; ``which`` is the case of the mode."""
+        return self._address([list(f) for f in self.cases.fields], self.cases.digits)
 
     @cached_property
     def event(self) -> int:
@@ -94,12 +124,13 @@ class ModelFunctions:
 
     @cached_property
     def field_jacobian(self) -> int:
-        """The address of df/dx, row by row, then df/dxd; ``which`` is the mode."""
+        """The address of df/dx, row by row, then df/dxd; ``which`` is the case of the mode."""
         return self._address(
             [
                 self._matrix(f, self.model.state_symbols) + self._matrix(f, self.model.delayed_symbols)
-                for f in self.model.modes.values()
-            ]
+                for f in self.cases.fields
+            ],
+            self.cases.digits,
         )
 
     @cached_property
@@ -123,17 +154,25 @@ class ModelFunctions:
     def _matrix(exprs: Sequence[sympy.Expr], symbols: Sequence[sympy.Symbol]) -> list[sympy.Expr]:
         return [e.diff(s) for e in exprs for s in symbols]
 
-    def _address(self, cases: Sequence[Sequence[sympy.Expr]]) -> int:
+    def _address(self, cases: Sequence[Sequence[sympy.Expr]], digits: Sequence[sympy.Symbol] = ()) -> int:
         model = self.model
         names = name_symbols(model.state_symbols, model.delayed_symbols, model.parameter_symbols)
-        code = load_machine_code(write_machine_source(cases, names))
+        code = load_machine_code(write_machine_source(cases, names, digits))
         self._loaded.append(code)
         return code.address
 
 
-def write_machine_source(cases: Sequence[Sequence[sympy.Expr]], names: Names) -> str:
-    """Return the source of a function that writes the expressions of case ``which`` to ``out``, but for zeros."""
-    printer, lines = ScalarPrinter(names), []
+def write_machine_source(
+    cases: Sequence[Sequence[sympy.Expr]], names: Names, digits: Sequence[sympy.Symbol] = ()
+) -> str:
+    """Return the source of a function that writes the expressions of case ``which`` to ``out``, but for zeros.
+
+    ``digits`` are symbols that are 0 or 1: the lowest bits of ``which``, with the case above them.
+    """
+    own = {symbol: f"h{k}" for k, symbol in enumerate(digits)}
+    printer, lines = ScalarPrinter({**names, **own}), []
+    lines += [f"    {name} = float((which >> {k}) & 1)" for k, name in enumerate(own.values())]
+    lines += [f"    which >>= {len(digits)}"] if digits else []
     for which, exprs in enumerate(cases):
         lines.append(f"    {'if' if which == 0 else 'elif'} which == {which}:")
         targets = [(f"out[{i}]", sympy.sympify(e)) for i, e in enumerate(exprs)]

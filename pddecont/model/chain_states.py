@@ -14,6 +14,7 @@ from math import factorial
 
 import sympy
 
+from pddecont.model.derived_modes import make_modes
 from pddecont.model.system import Model, make_symbol
 
 
@@ -53,13 +54,21 @@ def add_chain_states(model: Model, order: int, n: int) -> Model:
         k: e if e.function is None else replace(e, function=e.function.xreplace(delayed))
         for k, e in model.events.items()
     }
+    if model.derived is not None:
+        left = model.derived.equations.change(lambda e: e.xreplace(delayed), ())
+        derived = make_modes(left.add_states(stages, tuple(equations)), frozenset())
+        model = replace(model, derived=derived, **derived.parts)
+    else:
+        model = replace(
+            model,
+            modes={k: body(v, tuple(equations)) for k, v in model.modes.items()},
+            events=events,
+            resets={k: body(v, stages) for k, v in model.resets.items()},
+            segments={k: replace(s, guard=s.guard.xreplace(delayed)) for k, s in model.segments.items()},
+        )
     return replace(
         model,
         states=(*model.states, *names),
-        modes={k: body(v, tuple(equations)) for k, v in model.modes.items()},
-        events=events,
-        resets={k: body(v, stages) for k, v in model.resets.items()},
-        segments={k: replace(s, guard=s.guard.xreplace(delayed)) for k, s in model.segments.items()},
         delays=(),
         delayed=(),
         history=(*model.history, *(sympy.Integer(0) for _ in names)),

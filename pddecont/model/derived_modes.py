@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
+from typing import Any
 
 import sympy
 
@@ -51,11 +52,22 @@ class DerivedModes:
         made.build_all()
         return made
 
+    @property
+    def parts(self) -> dict[str, Any]:
+        """Modes, events, resets and segments, by their names as fields of a model."""
+        return {"modes": self.modes, "events": self.events, "resets": self.resets, "segments": self.segments}
+
+    def slide(self, on: tuple[int, ...]) -> Exprs:
+        """Return the field along the surfaces of the switches ``on``, in terms of the digits of the others."""
+        values = self.surfaces.solve(on)
+        return tuple(put_in(f, values) for f in self.equations.field)
+
     def build_all(self) -> None:
         """Make every mode that there can be."""
         options = ((BELOW, ABOVE, ON) if slides else (BELOW, ABOVE) for slides in self.surfaces.slides)
         for digits in product(*options):
-            self.build(digits)
+            if self.surfaces.may_slide(digits):
+                self.build(digits)
 
     def build(self, digits: Digits) -> str:
         """Make a mode and what ends it, unless that is done; return its name."""

@@ -137,15 +137,7 @@ def _derive_anew(
     digits = derived.equations.find_digits(model.initial_mode) or ()
     known = {s.name: d for s, d in zip(derived.equations.switches, digits, strict=True)}
     start = tuple(known[s.name] for s in now.equations.switches)
-    return replace(
-        model,
-        modes=now.modes,
-        events=now.events,
-        resets=now.resets,
-        segments=now.segments,
-        derived=now,
-        initial_mode=now.find_mode(start),
-    )
+    return replace(model, **now.parts, derived=now, initial_mode=now.find_mode(start))
 
 
 def _number(model: Model, value: sympy.Expr) -> float:
@@ -237,13 +229,16 @@ def _states(cut: Reduction) -> Reduction:
     def rows(body: tuple[sympy.Expr, ...]) -> tuple[sympy.Expr, ...]:
         return tuple(body[i] for i in kept)
 
+    if model.derived is not None:
+        derived = model.derived.keep_states(kept)
+        model = replace(model, derived=derived, **derived.parts)
+    else:
+        modes, resets = ({k: rows(v) for k, v in group.items()} for group in (model.modes, model.resets))
+        model = replace(model, modes=modes, resets=resets)
     return cut.to(
         replace(
             model,
             states=tuple(model.states[i] for i in kept),
-            derived=None if model.derived is None else model.derived.keep_states(kept),
-            modes={k: rows(v) for k, v in model.modes.items()},
-            resets={k: rows(v) for k, v in model.resets.items()},
             history=rows(model.history),
             delayed=tuple(replace(d, state=kept.index(d.state)) for d in model.delayed if d.state in kept),
         )

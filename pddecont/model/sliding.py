@@ -39,55 +39,86 @@ class Surfaces:
     equations: Equations
     rates: tuple[sympy.Expr | None, ...]
     slides: tuple[bool, ...]
-    _solved: dict[tuple[Digits, int], Values] = field(default_factory=dict, repr=False, compare=False)
+    _solved: dict[Digits, Values] = field(default_factory=dict, repr=False, compare=False)
+    _possible: dict[Digits, bool] = field(default_factory=dict, repr=False, compare=False)
 
     def find_values(self, digits: Digits, free: int = -1) -> Values:
         """Return what each digit's symbol stands for: 0, 1, or what keeps the motion on its surface.
+
+        The digit of the switch ``free`` stands for itself.
 
         Raises
         ------
         UndecidedSlidingError
             If the surfaces along which a motion slides do not determine how.
         """
-        key = digits, free
-        if key not in self._solved:
-            self._solved[key] = self._solve(digits, free)
-        return self._solved[key]
+        switches = self.equations.switches
+        on = tuple(k for k, d in enumerate(digits) if d == ON and k != free)
+        fixed = {
+            s.digit: FIXED[d] for k, (s, d) in enumerate(zip(switches, digits, strict=True)) if d != ON and k != free
+        }
+        return fixed | {s: put_in(e, fixed) for s, e in self.solve(on).items()}
+
+    def may_slide(self, digits: Digits) -> bool:
+        """Return whether the laws that jump at the surfaces of a mode move a motion along them all."""
+        if ON not in digits:
+            return True
+        if digits not in self._possible:
+            on = tuple(k for k, d in enumerate(digits) if d == ON)
+            fixed = {s.digit: FIXED[d] for s, d in zip(self.equations.switches, digits, strict=True) if d != ON}
+            self._possible[digits] = not vanishes(put_in(self._find_matrix(on).det(method="berkowitz"), fixed))
+        return self._possible[digits]
 
     def find_rate(self, number: int, digits: Digits, value: sympy.Expr) -> sympy.Expr:
         """Return du/dt of a switch with the digit ``value``, the others having ``digits``."""
-        rate, symbol = self.rates[number], self.equations.switches[number].digit
-        assert rate is not None, "the rate of a function of delayed values is not known"
-        values = self.find_values(digits, number)
-        return put_in(put_in(rate, {s: v for s, v in values.items() if s != symbol}), {symbol: value})
+        rate = put_in(self._find_rate(number), self.find_values(digits, number))
+        return put_in(rate, {self.equations.switches[number].digit: value})
 
     def find_bounds(self, number: int, digits: Digits) -> tuple[sympy.Expr, sympy.Expr]:
         """Return du/dt at the lower and the upper bound of a switch's digit: a motion slides from + to -."""
         low, high = self.equations.switches[number].bounds
         return self.find_rate(number, digits, low), self.find_rate(number, digits, high)
 
-    def _solve(self, digits: Digits, free: int) -> Values:
-        switches = self.equations.switches
-        values = {
-            s.digit: FIXED[d] for k, (s, d) in enumerate(zip(switches, digits, strict=True)) if d != ON and k != free
-        }
-        on = [k for k, d in enumerate(digits) if d == ON and k != free]
-        unknown = [switches[k].digit for k in on]
+    def solve(self, on: tuple[int, ...]) -> Values:
+        """Return the digits of the switches ``on`` along whose surfaces a motion slides, in terms of the others.
+
+        Raises
+        ------
+        UndecidedSlidingError
+            If their surfaces do not determine them.
+        """
+        if on not in self._solved:
+            self._solved[on] = self._solve(on)
+        return self._solved[on]
+
+    def _solve(self, on: tuple[int, ...]) -> Values:
         if not on:
-            return values
-        rates = [put_in(self.rates[k], values) for k in on]
-        matrix = sympy.Matrix([[rate.diff(h) for h in unknown] for rate in rates])
-        names = " and ".join(f"'{switches[k].name}'" for k in on)
+            return {}
+        unknown = [self.equations.switches[k].digit for k in on]
+        matrix = self._find_matrix(on)
+        names = " and ".join(f"'{self.equations.switches[k].name}'" for k in on)
         if matrix.free_symbols & set(unknown):
             raise UndecidedSlidingError(
                 f"no linear system decides how a motion slides along {names} at once: their laws are multiplied"
             )
         determinant = matrix.det(method="berkowitz")
         if vanishes(determinant):
-            raise UndecidedSlidingError(f"nothing decides how a motion slides along {names} at once")
-        rest = sympy.Matrix([-rate.xreplace(dict.fromkeys(unknown, sympy.S.Zero)) for rate in rates])
+            raise UndecidedSlidingError(
+                f"nothing decides how a motion slides along {names} at once: their laws move it in the same way"
+            )
+        zero = dict.fromkeys(unknown, sympy.S.Zero)
+        rest = sympy.Matrix([-put_in(self._find_rate(k), zero) for k in on])
         solution = (matrix.adjugate() * rest) / determinant if len(on) > 1 else rest / determinant
-        return values | dict(zip(unknown, solution, strict=True))
+        return dict(zip(unknown, solution, strict=True))
+
+    def _find_matrix(self, on: tuple[int, ...]) -> sympy.Matrix:
+        unknown = [self.equations.switches[k].digit for k in on]
+        return sympy.Matrix([[self._find_rate(k).diff(h) for h in unknown] for k in on])
+
+    def _find_rate(self, number: int) -> sympy.Expr:
+        rate = self.rates[number]
+        assert rate is not None, "the rate of a function of delayed values is not known"
+        return rate
 
 
 def find_surfaces(equations: Equations, delayed: frozenset[sympy.Symbol]) -> Surfaces:

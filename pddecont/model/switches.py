@@ -115,6 +115,15 @@ class Equations:
         )
         return changed.leave_out_idle()
 
+    def add_states(self, states: tuple[sympy.Symbol, ...], field: tuple[sympy.Expr, ...]) -> Equations:
+        """Return the equations with more states, which no jump changes."""
+        return replace(
+            self,
+            states=(*self.states, *states),
+            field=(*self.field, *field),
+            jumps=tuple(replace(j, reset=(*j.reset, *states)) for j in self.jumps),
+        )
+
     def keep_states(self, kept: Sequence[int]) -> Equations:
         """Return the equations of some states, which read no others."""
         return replace(

@@ -34,19 +34,24 @@ def list_ways(surfaces: Surfaces, digits: Digits, undecided: Mapping[int, Undeci
     numbers = list(undecided)
     ways: list[Way] = []
     left: Boolean = sympy.true
-    every = list(product(*(undecided[k].options for k in numbers)))
-    for place, chosen in enumerate(every):
-        after = list(digits)
-        for k, digit in zip(numbers, chosen, strict=True):
-            after[k] = digit
+    every = [
+        after
+        for chosen in product(*(undecided[k].options for k in numbers))
+        if surfaces.may_slide(after := _replace(digits, dict(zip(numbers, chosen, strict=True))))
+    ]
+    for place, after in enumerate(every):
         own: Boolean = sympy.true
         if place < len(every) - 1:
-            own = sympy.And(*(_find_condition(surfaces, tuple(after), k, undecided[k], digits[k]) for k in numbers))
+            own = sympy.And(*(_find_condition(surfaces, after, k, undecided[k], digits[k]) for k in numbers))
         guard = sympy.And(left, own)
         left = sympy.And(left, sympy.Not(own))
         if guard != sympy.false:
-            ways.append(Way(tuple(after), guard))
+            ways.append(Way(after, guard))
     return ways
+
+
+def _replace(digits: Digits, changes: Mapping[int, int]) -> Digits:
+    return tuple(changes.get(k, digit) for k, digit in enumerate(digits))
 
 
 def _find_condition(surfaces: Surfaces, digits: Digits, number: int, undecided: Undecided, before: int) -> Boolean:

@@ -51,6 +51,7 @@ def make_system(
     clock_first, clock_event = _group([events.index(e) for e in list_clocks(model, event)] for event in events)
     return System(
         field=functions.field,
+        field_case=_integers(functions.cases.of_mode),
         event=functions.event,
         reset=functions.reset,
         guard=functions.guard,

@@ -16,8 +16,8 @@ from pddecont.simulate.integrator.calls import internal, pointer
 Core = namedtuple(
     "Core",
     """
-    field event reset guard history field_jacobian event_jacobian reset_jacobian n n_full dimension tangent n_pairs
-    n_delays n_kept n_segments n_events pair_state pair_delay kept place segment_mode segment_event
+    field field_case event reset guard history field_jacobian event_jacobian reset_jacobian n n_full dimension tangent
+    n_pairs n_delays n_kept n_segments n_events pair_state pair_delay kept place segment_mode segment_event
     segment_direction segment_reset segment_to alternatives crossing_first crossing_segment ending_first ending_segment
     clock_first clock_event after reads chain_order chain_n section section_direction
     stop_event stiff p tau event_delay max_step rtol atol longest stick clock count y constant mask past_time
@@ -35,6 +35,7 @@ def make_core(system, values, state, log, work):
     """Return an integration in plain numbers and pointers; the arrays that it points to have to outlive it."""
     return Core(
         system.field,
+        pointer(system.field_case),
         system.event,
         system.reset,
         system.guard,

@@ -18,6 +18,8 @@ class System(NamedTuple):
     ----------
     field, event, reset, guard, history, field_jacobian, event_jacobian, reset_jacobian
         Addresses of the model's compiled functions; 0 for one that is not needed.
+    field_case
+        What the vector field and its Jacobian know each mode by (n_modes,).
     n, n_full
         States, and states with the variables of a chain.
     tangent
@@ -55,6 +57,7 @@ class System(NamedTuple):
     """
 
     field: int
+    field_case: Integers
     event: int
     reset: int
     guard: int
