@@ -14,7 +14,7 @@ import sympy
 
 from pddecont.errors import ModelError, Problem, suggest
 from pddecont.model.conditions import list_differences
-from pddecont.model.derived_modes import DerivedModes, make_modes
+from pddecont.model.derived_modes import DerivedModes, TooManyModesError, make_modes
 from pddecont.model.document import Document, KeyPath, parse_document, read_text
 from pddecont.model.equations import check_kind, declare_switches, read_equations
 from pddecont.model.evaluation import evaluate
@@ -27,6 +27,7 @@ from pddecont.model.names import (
     find_clashes,
     find_strange_units,
     find_unused_parameters,
+    list_equations,
 )
 from pddecont.model.nonsmooth import SwitchCollector
 from pddecont.model.parts import IDENTITY, Event, Segment
@@ -40,7 +41,7 @@ from pddecont.model.validation import validate
 
 Exprs = tuple[sympy.Expr, ...]
 # Modes, events, resets, segments, and what they were made of.
-Parts = tuple[dict[str, Exprs], dict[str, Event], dict[str, Exprs], dict[str, Segment], DerivedModes | None]
+Parts = tuple[Mapping[str, Exprs], dict[str, Event], dict[str, Exprs], dict[str, Segment], DerivedModes | None]
 
 
 def load_model(path: str) -> tuple[Model, list[Problem]]:
@@ -110,7 +111,10 @@ class _Builder(Findings):
             file, set().union(*used.values(), *(d.free_symbols for d in self.delays))
         ):
             self.add_warning(path, message)
-        self.check_repeats(period, modes, events, resets, segments)
+        if derived is None:
+            self.check_repeats(period, self.list_by_hand(modes, events, resets, segments))
+        else:
+            self.check_repeats(period, list_equations(derived.equations))
         return Model(
             file.name,
             file.reference,
@@ -160,7 +164,7 @@ class _Builder(Findings):
         delayed = frozenset(s for s, name in self.variables.items() if s.name != name)
         try:
             derived = make_modes(equations, delayed)
-        except UndecidedSlidingError as exc:
+        except (UndecidedSlidingError, TooManyModesError) as exc:
             self.add_error(("equations",), str(exc), key=True)
             return None
         return derived.modes, derived.events, derived.resets, derived.segments, derived
@@ -332,17 +336,14 @@ class _Builder(Findings):
         if not where and period is not None and not self.problems:
             self.add_warning(("forcing",), "the model has 'forcing' but 't' appears in no mode, event or reset")
 
-    def check_repeats(
+    def list_by_hand(
         self,
-        period: sympy.Expr | None,
         modes: Mapping[str, Any],
         events: Mapping[str, Event],
         resets: Mapping[str, Any],
         segments: Mapping[str, Segment],
-    ) -> None:
-        """Check that the model repeats after the forcing period, at the parameters' values."""
-        if period is None or self.problems:
-            return
+    ) -> list[tuple[str, sympy.Expr]]:
+        """Return what the expressions of a model by hand are called, and the expressions."""
         states = self.file.states
         named = [
             (f"{s}' of mode '{name}'", f) for name, body in modes.items() for s, f in zip(states, body, strict=True)
@@ -351,9 +352,14 @@ class _Builder(Findings):
         named += [
             (f"{s} of reset '{name}'", g) for name, body in resets.items() for s, g in zip(states, body, strict=True)
         ]
-        named += [
+        return named + [
             (f"a condition of segment '{s.written}'", g) for s in segments.values() for g in list_differences(s.guard)
         ]
+
+    def check_repeats(self, period: sympy.Expr | None, named: Sequence[tuple[str, sympy.Expr]]) -> None:
+        """Check that expressions repeat after the forcing period, at the parameters' values."""
+        if period is None or self.problems:
+            return
         found = explain_non_periodic(named, evaluate(period, self.numbers), self.numbers)
         if found:
             self.add_error(("forcing", "period"), f"{found}; give the period of all that depends on t")

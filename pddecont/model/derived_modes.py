@@ -6,13 +6,17 @@ a surface reaches its bound, and at the jumps of the model.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import product
 from typing import Any
 
 import sympy
 
+from pddecont.errors import PddecontError
+from pddecont.model.expression import TIME
 from pddecont.model.parts import IDENTITY, Event, Segment
 from pddecont.model.sliding import Surfaces, find_surfaces, put_in
 from pddecont.model.switches import ABOVE, BELOW, ON, WORDS, Digits, Equations, Jump, name_digits
@@ -20,9 +24,44 @@ from pddecont.model.validation import ALTERNATIVE
 from pddecont.model.vanishing import vanishes, vanishes_where
 from pddecont.model.ways import Undecided, list_options, list_ways
 
+# All modes are named, with what ends them, before a motion starts.
+MAX_MODES = 5000
+
 Exprs = tuple[sympy.Expr, ...]
 # How a switch is passed: the digit before and after, and the word for it in a segment's name.
 OFF = {ABOVE: "off_up", BELOW: "off_down"}
+
+
+class TooManyModesError(PddecontError):
+    """A model has more modes than can be handled."""
+
+
+class Fields(Mapping[str, Exprs]):
+    """The vector fields of modes by name; each is worked out when it is asked for."""
+
+    def __init__(self, surfaces: Surfaces) -> None:
+        self.surfaces = surfaces
+        self._digits: dict[str, Digits] = {}
+        self._known: dict[str, Exprs] = {}
+
+    def add(self, name: str, digits: Digits) -> None:
+        """Add a mode."""
+        self._digits[name] = digits
+
+    def __getitem__(self, name: str) -> Exprs:
+        """Return the field of a mode, one expression a state."""
+        if name not in self._known:
+            values = self.surfaces.find_values(self._digits[name])
+            self._known[name] = tuple(put_in(f, values) for f in self.surfaces.equations.field)
+        return self._known[name]
+
+    def __iter__(self) -> Iterator[str]:
+        """Return the names of the modes."""
+        return iter(self._digits)
+
+    def __len__(self) -> int:
+        """Return the number of modes."""
+        return len(self._digits)
 
 
 @dataclass
@@ -30,13 +69,13 @@ class DerivedModes:
     """What has been made of a model's equations so far."""
 
     surfaces: Surfaces
-    modes: dict[str, Exprs] = field(default_factory=dict)
     events: dict[str, Event] = field(default_factory=dict)
     resets: dict[str, Exprs] = field(default_factory=dict)
     segments: dict[str, Segment] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.equations = self.surfaces.equations
+        self.modes = Fields(self.surfaces)
         self.resets[IDENTITY] = self.equations.states
 
     def find_mode(self, digits: Digits) -> str:
@@ -64,6 +103,11 @@ class DerivedModes:
 
     def build_all(self) -> None:
         """Make every mode that there can be."""
+        number = math.prod(3 if slides else 2 for slides in self.surfaces.slides)
+        if number > MAX_MODES:
+            raise TooManyModesError(
+                f"the switches of these equations make {number} modes; at most {MAX_MODES} can be handled"
+            )
         options = ((BELOW, ABOVE, ON) if slides else (BELOW, ABOVE) for slides in self.surfaces.slides)
         for digits in product(*options):
             if self.surfaces.may_slide(digits):
@@ -73,8 +117,7 @@ class DerivedModes:
         """Make a mode and what ends it, unless that is done; return its name."""
         name = self.equations.name_mode(digits)
         if name not in self.modes:
-            values = self.surfaces.find_values(digits)
-            self.modes[name] = tuple(put_in(f, values) for f in self.equations.field)
+            self.modes.add(name, digits)
             for segment in self._list_segments(digits):
                 self.segments[segment.name] = segment
         return name
@@ -146,25 +189,27 @@ class DerivedModes:
         yield from self._branch(Segment(written, "", name, jump.direction, reset, ""), digits, digits, undecided)
 
     def _find_disturbed(self, number: int, digits: Digits) -> dict[int, Undecided]:
-        """Return the other switches whose digits have to be read anew when one has changed.
+        """Return the other switches whose digits have to be read anew when one has changed."""
+        found = {k: list_options(self.surfaces, k, on_surface=False) for k in self._shifted[number]}
+        pushed = (k for k in self._pushed[number] if digits[k] == ON and k not in found)
+        return found | {k: list_options(self.surfaces, k, on_surface=True) for k in pushed}
 
-        They are those along which the motion slides, if the law that has jumped moves it off, and those whose function
-        has jumped.
-        """
-        equations, found = self.equations, {}
-        own = equations.switches[number]
-        moving = set(equations.states)
-        for k, switch in enumerate(equations.switches):
-            rate = self.surfaces.rates[k]
-            if k == number:
-                continue
-            jump = switch.argument.diff(own.digit)
-            if jump != 0 and not vanishes_where(jump, own.argument, moving):
-                found[k] = list_options(self.surfaces, k, on_surface=False)
-            elif digits[k] == ON and rate is not None:
-                force = rate.diff(own.digit)
-                if force != 0 and not vanishes_where(force, own.argument, moving):
-                    found[k] = list_options(self.surfaces, k, on_surface=True)
+    @cached_property
+    def _shifted(self) -> list[list[int]]:
+        """The switches whose function jumps where the digit of each one changes."""
+        return self._find_jumping([s.argument for s in self.equations.switches])
+
+    @cached_property
+    def _pushed(self) -> list[list[int]]:
+        """The switches whose rate jumps where the digit of each one changes: a motion along them may be moved off."""
+        return self._find_jumping([sympy.S.Zero if rate is None else rate for rate in self.surfaces.rates])
+
+    def _find_jumping(self, exprs: list[sympy.Expr]) -> list[list[int]]:
+        """Return for each switch the numbers of the expressions of others that jump at its surface."""
+        moving, found = {*self.equations.states, TIME}, []
+        for number, own in enumerate(self.equations.switches):
+            reading = (k for k, e in enumerate(exprs) if k != number and own.digit in e.free_symbols)
+            found.append([k for k in reading if not vanishes_where(exprs[k].diff(own.digit), own.argument, moving)])
         return found
 
     def _branch(
@@ -192,9 +237,10 @@ class DerivedModes:
         read = {k for k, s in enumerate(switches) if k != number and s.digit in expr.free_symbols}
         if any(digits[k] == ON for k in read):
             read = {k for k in range(len(switches)) if k != number}
+        if not read:
+            return word, expr
         words = [f"{switches[k].name}_{WORDS[digits[k]]}" for k in sorted(read)]
-        values = self.surfaces.find_values(digits, number)
-        return "_".join([word, *words]), put_in(expr, values)
+        return "_".join([word, *words]), put_in(expr, self.surfaces.find_values(digits, number))
 
     def _name_reset(self, jump: Jump, digits: Digits) -> tuple[str, Exprs]:
         whole = sympy.Tuple(*jump.reset)

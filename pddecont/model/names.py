@@ -64,6 +64,16 @@ def collect_from_equations(equations: Equations, period: sympy.Expr | None) -> d
     return used
 
 
+def list_equations(equations: Equations) -> list[tuple[str, sympy.Expr]]:
+    """Return what the expressions of equations are called, and the expressions."""
+    named = [(f"{x}'", f) for x, f in zip(equations.states, equations.field, strict=True)]
+    named += [(f"switch '{s.name}'", s.argument) for s in equations.switches]
+    for jump in equations.jumps:
+        named += [] if jump.function is None else [(f"jump '{jump.name}'", jump.function)]
+        named += [(f"{x} of jump '{jump.name}'", g) for x, g in zip(equations.states, jump.reset, strict=True)]
+    return named
+
+
 def collect_symbols(
     modes: Mapping[str, Any],
     events: Mapping[str, Event],

@@ -14,8 +14,9 @@ import sympy
 
 from pddecont.model.evaluation import evaluate
 
-# Points at which an expression must be zero, those that are tried at most, and what counts as rounding in its terms.
-N_POINTS, N_TRIES, ROUNDING = 4, 40, 1e-9
+# Points at which an expression must be zero, those that are tried at most, and what counts as rounding in its terms. A
+# function of time has many zeros, and at half of them a ramp may not jump: so many points do not all lie there.
+N_POINTS, N_TRIES, ROUNDING = 12, 100, 1e-9
 # Steps of Newton's method to a point of the surface.
 MAX_STEPS = 30
 
