@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -70,6 +70,16 @@ class Model:
     def forced(self) -> bool:
         """Whether the model depends on time explicitly."""
         return self.period is not None
+
+    @cached_property
+    def segments_by_mode(self) -> Mapping[str, tuple[Segment, ...]]:
+        """The segments that run in each mode, in declared order."""
+        return _group((segment.mode, segment) for segment in self.segments.values())
+
+    @cached_property
+    def ways(self) -> Mapping[str, tuple[Segment, ...]]:
+        """The segments that one of the file, by its name there, may be."""
+        return _group((segment.written or segment.name, segment) for segment in self.segments.values())
 
     @cached_property
     def smooth(self) -> bool:
@@ -149,6 +159,13 @@ class Model:
         if not math.isfinite(result):
             raise ExpressionError("is not a finite real number at these parameters")
         return result
+
+
+def _group(named: Iterable[tuple[str, Segment]]) -> dict[str, tuple[Segment, ...]]:
+    groups: dict[str, list[Segment]] = {}
+    for name, segment in named:
+        groups.setdefault(name, []).append(segment)
+    return {name: tuple(group) for name, group in groups.items()}
 
 
 def make_symbol(name: str) -> sympy.Symbol:

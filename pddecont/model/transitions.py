@@ -55,7 +55,7 @@ class Transitions:
 
 def list_transitions(model: Model, mode: str) -> Transitions:
     """Return what can end a mode."""
-    segments = tuple(segment for segment in model.segments.values() if segment.mode == mode)
+    segments = model.segments_by_mode.get(mode, ())
     crossings = tuple(s for s in segments if model.events[s.event].function is not None)
     return Transitions(segments, crossings, tuple(s for s in segments if s not in crossings))
 
@@ -70,9 +70,7 @@ def list_leaders(segments: Iterable[Segment]) -> tuple[Segment, ...]:
 
 def list_alternatives(model: Model, segment: Segment) -> tuple[Segment, ...]:
     """Return the segments that one may be, as the states after its reset decide; itself alone without a condition."""
-    if not segment.written:
-        return (segment,)
-    return tuple(other for other in model.segments.values() if other.written == segment.written)
+    return model.ways[segment.written] if segment.written else (segment,)
 
 
 def list_clocks(model: Model, event: str) -> tuple[str, ...]:

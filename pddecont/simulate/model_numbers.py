@@ -40,14 +40,13 @@ def make_system(
     place[kept] = np.arange(len(kept))
     delayed = set(model.delayed_symbols)
     after = [events.index(e.after) if e.after is not None else -1 for e in model.events.values()]
-    segments, names = model.segments.values(), list(model.segments)
+    segments, names = model.segments.values(), _number(model.segments)
+    mode_number, event_number, reset_number = _number(modes), _number(events), _number(resets)
     ending = [list_transitions(model, mode) for mode in modes]
     crossing_first, crossing_segment = _group(
-        [names.index(s.name) for s in list_leaders(found.crossings)] for found in ending
+        [names[s.name] for s in list_leaders(found.crossings)] for found in ending
     )
-    ending_first, ending_segment = _group(
-        [names.index(s.name) for s in list_leaders(found.segments)] for found in ending
-    )
+    ending_first, ending_segment = _group([names[s.name] for s in list_leaders(found.segments)] for found in ending)
     clock_first, clock_event = _group([events.index(e) for e in list_clocks(model, event)] for event in events)
     return System(
         field=functions.field,
@@ -66,11 +65,11 @@ def make_system(
         pair_delay=np.ascontiguousarray(pairs[:, 1]),
         kept=kept,
         place=place,
-        segment_mode=_integers(modes.index(s.mode) for s in segments),
-        segment_event=_integers(events.index(s.event) for s in segments),
+        segment_mode=_integers(mode_number[s.mode] for s in segments),
+        segment_event=_integers(event_number[s.event] for s in segments),
         segment_direction=_integers(DIRECTIONS[s.direction] for s in segments),
-        segment_reset=_integers(resets.index(s.reset) for s in segments),
-        segment_to=_integers(modes.index(s.to) for s in segments),
+        segment_reset=_integers(reset_number[s.reset] for s in segments),
+        segment_to=_integers(mode_number[s.to] for s in segments),
         alternatives=_count_alternatives(model),
         crossing_first=crossing_first,
         crossing_segment=crossing_segment,
@@ -128,6 +127,10 @@ def make_values(
 def _count_alternatives(model: Model) -> NDArray[np.int64]:
     leaders = {s.name: len(list_alternatives(model, s)) for s in list_leaders(model.segments.values())}
     return _integers(leaders.get(name, 0) for name in model.segments)
+
+
+def _number(names: Iterable[str]) -> dict[str, int]:
+    return {name: number for number, name in enumerate(names)}
 
 
 def _group(lists: Iterable[Sequence[int]]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
