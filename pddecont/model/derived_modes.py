@@ -217,6 +217,10 @@ class DerivedModes:
     ) -> Iterator[Segment]:
         """Yield a segment once for each way on."""
         mode, written = self.equations.name_mode(digits), segment.name
+        if not self.surfaces.may_slide(after):
+            # What held the motion on a surface is gone.
+            held = {k: list_options(self.surfaces, k, on_surface=True) for k, d in enumerate(after) if d == ON}
+            undecided = held | undecided
         ways = list_ways(self.surfaces, after, undecided)
         for way in ways:
             to = self.equations.name_mode(way.digits)

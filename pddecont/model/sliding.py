@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from itertools import combinations
 
 import sympy
 
@@ -46,11 +47,6 @@ class Surfaces:
         """Return what each digit's symbol stands for: 0, 1, or what keeps the motion on its surface.
 
         The digit of the switch ``free`` stands for itself.
-
-        Raises
-        ------
-        UndecidedSlidingError
-            If the surfaces along which a motion slides do not determine how.
         """
         switches = self.equations.switches
         on = tuple(k for k, d in enumerate(digits) if d == ON and k != free)
@@ -60,14 +56,37 @@ class Surfaces:
         return fixed | {s: put_in(e, fixed) for s, e in self.solve(on).items()}
 
     def may_slide(self, digits: Digits) -> bool:
-        """Return whether the laws that jump at the surfaces of a mode move a motion along them all."""
+        """Return whether the laws that jump at the surfaces of a mode can hold a motion on them all.
+
+        They cannot where one of them does not act there, where the surfaces are parallel, or where the laws move the
+        motion in the same way.
+
+        Raises
+        ------
+        UndecidedSlidingError
+            If the laws are multiplied, and no linear system decides how a motion slides along all surfaces.
+        """
         if ON not in digits:
             return True
         if digits not in self._possible:
             on = tuple(k for k, d in enumerate(digits) if d == ON)
             fixed = {s.digit: FIXED[d] for s, d in zip(self.equations.switches, digits, strict=True) if d != ON}
-            self._possible[digits] = not vanishes(put_in(self._find_matrix(on).det(method="berkowitz"), fixed))
+            matrix = self._find_matrix(on).applyfunc(lambda e: put_in(e, fixed))
+            meet = self._may_meet(on)
+            if meet and matrix.free_symbols & {s.digit for s in self.equations.switches}:
+                names = " and ".join(f"'{self.equations.switches[k].name}'" for k in on)
+                raise UndecidedSlidingError(
+                    f"no linear system decides how a motion slides along {names} at once: their laws are multiplied"
+                )
+            self._possible[digits] = meet and not vanishes(matrix.det(method="berkowitz"))
         return self._possible[digits]
+
+    def _may_meet(self, on: tuple[int, ...]) -> bool:
+        """Return whether surfaces are independent: parallel ones have no point in common."""
+        states = self.equations.states
+        slopes = sympy.Matrix([[self.equations.switches[k].argument.diff(x) for x in states] for k in on])
+        minors = combinations(range(len(states)), len(on))
+        return any(not vanishes(slopes[:, list(columns)].det(method="berkowitz")) for columns in minors)
 
     def find_rate(self, number: int, digits: Digits, value: sympy.Expr) -> sympy.Expr:
         """Return du/dt of a switch with the digit ``value``, the others having ``digits``."""
@@ -80,13 +99,7 @@ class Surfaces:
         return self.find_rate(number, digits, low), self.find_rate(number, digits, high)
 
     def solve(self, on: tuple[int, ...]) -> Values:
-        """Return the digits of the switches ``on`` along whose surfaces a motion slides, in terms of the others.
-
-        Raises
-        ------
-        UndecidedSlidingError
-            If their surfaces do not determine them.
-        """
+        """Return the digits of the switches ``on`` along whose surfaces a motion slides, in terms of the others."""
         if on not in self._solved:
             self._solved[on] = self._solve(on)
         return self._solved[on]
@@ -96,16 +109,7 @@ class Surfaces:
             return {}
         unknown = [self.equations.switches[k].digit for k in on]
         matrix = self._find_matrix(on)
-        names = " and ".join(f"'{self.equations.switches[k].name}'" for k in on)
-        if matrix.free_symbols & set(unknown):
-            raise UndecidedSlidingError(
-                f"no linear system decides how a motion slides along {names} at once: their laws are multiplied"
-            )
         determinant = matrix.det(method="berkowitz")
-        if vanishes(determinant):
-            raise UndecidedSlidingError(
-                f"nothing decides how a motion slides along {names} at once: their laws move it in the same way"
-            )
         zero = dict.fromkeys(unknown, sympy.S.Zero)
         rest = sympy.Matrix([-put_in(self._find_rate(k), zero) for k in on])
         solution = (matrix.adjugate() * rest) / determinant if len(on) > 1 else rest / determinant
