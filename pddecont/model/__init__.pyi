@@ -42,6 +42,7 @@ from .transitions import Transitions as Transitions
 from .transitions import list_alternatives as list_alternatives
 from .transitions import list_carriers as list_carriers
 from .transitions import list_clocks as list_clocks
+from .transitions import list_held as list_held
 from .transitions import list_leaders as list_leaders
 from .transitions import list_transitions as list_transitions
 from .transitions import may_slide as may_slide

@@ -96,6 +96,16 @@ class DerivedModes:
         """Modes, events, resets and segments, by their names as fields of a model."""
         return {"modes": self.modes, "events": self.events, "resets": self.resets, "segments": self.segments}
 
+    def list_surfaces(self, mode: str) -> tuple[str, ...]:
+        """Return the events whose functions are the surfaces that a motion slides along in a mode."""
+        digits = self.equations.find_digits(mode) or ()
+        return tuple(self._name_surface(k, digits)[0] for k, d in enumerate(digits) if d == ON)
+
+    def _name_surface(self, number: int, digits: Digits) -> tuple[str, sympy.Expr]:
+        """Return the name of the event at which a switch's function is zero, and the function."""
+        switch = self.equations.switches[number]
+        return self._name_event(switch.name, switch.argument, number, digits)
+
     def slide(self, on: tuple[int, ...]) -> Exprs:
         """Return the field along the surfaces of the switches ``on``, in terms of the digits of the others."""
         values = self.surfaces.solve(on)
@@ -135,7 +145,7 @@ class DerivedModes:
         """Yield what follows where a switch's function crosses its surface."""
         switch, rises = self.equations.switches[number], digits[number] == BELOW
         level = switch.high if rises else switch.low
-        name, function = self._name_event(switch.name, switch.argument, number, digits)
+        name, function = self._name_surface(number, digits)
         if switch.remembers:
             name = f"{name}_{'high' if rises else 'low'}"
         self._add_event(Event(name, function - level))
@@ -154,6 +164,7 @@ class DerivedModes:
         lower, upper = self.surfaces.find_bounds(number, digits)
         rate = self.surfaces.rates[number]
         assert rate is not None
+        self._add_event(Event(*self._name_surface(number, digits)))
         for digit, function, direction in ((ABOVE, upper, "rising"), (BELOW, lower, "falling")):
             word = f"{switch.name}_{OFF[digit]}"
             event, _ = self._name_event(word, rate, number, digits)

@@ -60,6 +60,11 @@ def list_transitions(model: Model, mode: str) -> Transitions:
     return Transitions(segments, crossings, tuple(s for s in segments if s not in crossings))
 
 
+def list_held(model: Model, mode: str) -> tuple[str, ...]:
+    """Return the events on whose surfaces a motion slides in a mode."""
+    return () if model.derived is None else model.derived.list_surfaces(mode)
+
+
 def list_leaders(segments: Iterable[Segment]) -> tuple[Segment, ...]:
     """Return the first of each segment's alternatives: what ends is the same for all of them."""
     found: dict[str, Segment] = {}

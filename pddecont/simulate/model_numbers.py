@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from pddecont.codegen import ModelFunctions, NumericModel
 from pddecont.delay import DelayMethod
-from pddecont.model import Model, list_alternatives, list_clocks, list_leaders, list_transitions
+from pddecont.model import Model, list_alternatives, list_clocks, list_held, list_leaders, list_transitions
 from pddecont.simulate.integrator import ParameterValues, System
 from pddecont.simulate.method import Method
 from pddecont.simulate.returns import ReturnSection
@@ -47,6 +47,7 @@ def make_system(
         [names[s.name] for s in list_leaders(found.crossings)] for found in ending
     )
     ending_first, ending_segment = _group([names[s.name] for s in list_leaders(found.segments)] for found in ending)
+    held_first, held_event = _group([event_number[e] for e in list_held(model, mode)] for mode in modes)
     clock_first, clock_event = _group([events.index(e) for e in list_clocks(model, event)] for event in events)
     return System(
         field=functions.field,
@@ -75,6 +76,8 @@ def make_system(
         crossing_segment=crossing_segment,
         ending_first=ending_first,
         ending_segment=ending_segment,
+        held_first=held_first,
+        held_event=held_event,
         clock_first=clock_first,
         clock_event=clock_event,
         after=_integers([*after, *([] if section.expr is None else [-1])]),

@@ -17,6 +17,7 @@ from pddecont.simulate.integrator.event_handling import enter_sticking_mode, fin
 from pddecont.simulate.integrator.event_location import find_first_crossing
 from pddecont.simulate.integrator.event_sides import update_side
 from pddecont.simulate.integrator.history import interpolate_state, past_has_capacity, record_step, time_tolerance
+from pddecont.simulate.integrator.sliding import return_to_surfaces
 from pddecont.simulate.integrator.state import (
     ARC,
     FIRST,
@@ -189,6 +190,7 @@ def _finish_step(c, t, h, stop):
         interpolate_state(c, earliest, offset(c.trial, c.dimension), c.dimension)
     for i in range(c.dimension):
         c.y[i] = c.trial[c.dimension + i]
+    return_to_surfaces(c, end, h)
     c.count[READY] = int(whole)
     c.clock[T] = end
     # At the very start of a step a function that is on another side than it was has jumped, which is an event.

@@ -19,7 +19,7 @@ Core = namedtuple(
     field field_case event reset guard history field_jacobian event_jacobian reset_jacobian n n_full dimension tangent
     n_pairs n_delays n_kept n_segments n_events pair_state pair_delay kept place segment_mode segment_event
     segment_direction segment_reset segment_to alternatives crossing_first crossing_segment ending_first ending_segment
-    clock_first clock_event after reads chain_order chain_n section section_direction
+    held_first held_event     clock_first clock_event after reads chain_order chain_n section section_direction
     stop_event stiff p tau event_delay max_step rtol atol longest stick clock count y constant mask past_time
     past_length past_end past_arc past_shift past_value past_coefficients cursor reading pending_time
     pending_event pending_shift breaking_time breaking_level accumulation segment_counts side residue next_step
@@ -66,6 +66,8 @@ def make_core(system, values, state, log, work):
         pointer(system.crossing_segment),
         pointer(system.ending_first),
         pointer(system.ending_segment),
+        pointer(system.held_first),
+        pointer(system.held_event),
         pointer(system.clock_first),
         pointer(system.clock_event),
         pointer(system.after),

@@ -38,6 +38,8 @@ class System(NamedTuple):
         Of alternatives the first stands for all.
     ending_first, ending_segment
         All segments of a mode, likewise.
+    held_first, held_event
+        The events on whose surfaces a motion slides in each mode, likewise.
     clock_first, clock_event
         The delayed events that an event starts, likewise.
     after
@@ -82,6 +84,8 @@ class System(NamedTuple):
     crossing_segment: Integers
     ending_first: Integers
     ending_segment: Integers
+    held_first: Integers
+    held_event: Integers
     clock_first: Integers
     clock_event: Integers
     after: Integers
