@@ -81,7 +81,9 @@ def make_constant_orbit(orbit: Orbit, point: HopfPoint, rule: MeshRule) -> Orbit
     """Return the orbit that stays at a Hopf point, with as many turns of the first pair in a period as ``orbit``."""
     turns = max(1, round(float(point.frequencies[0]) * orbit.period / (2.0 * np.pi)))
     mode = orbit.signature.segments[0].mode
-    whole = resegment(orbit.with_free(()), [SegmentSpan(make_eventless(mode), 0.0, orbit.period)], rule, 1)
+    whole = resegment(
+        orbit.with_free(()), [SegmentSpan(make_eventless(orbit.numeric.model, mode), 0.0, orbit.period)], rule, 1
+    )
     problem = replace(whole.problem, parameters=point.parameters)
     values = np.tile(point.states, (whole.mesh.n_base, 1))
     period = 2.0 * np.pi * turns / point.frequencies[0]

@@ -67,7 +67,7 @@ def remove_segment(orbit: Orbit, rule: MeshRule, s: int) -> Orbit:
     if n_merged == 3 and segments[(s + 2) % S].mode != here.mode:
         raise ConvergenceError(f"mode '{after.mode}' vanishes, but the orbit does not go on in mode '{here.mode}'")
     if n_merged > S:
-        spans = [SegmentSpan(make_eventless(here.mode), ends[s + 1] - period, ends[s + 1])]
+        spans = [SegmentSpan(make_eventless(orbit.numeric.model, here.mode), ends[s + 1] - period, ends[s + 1])]
     else:
         order = [(s + k) % S for k in range(S)]
         begin = np.concatenate([[0.0], np.cumsum(np.diff(ends)[order])]) + ends[s]

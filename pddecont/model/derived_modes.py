@@ -29,6 +29,7 @@ MAX_MODES = 5000
 
 Exprs = tuple[sympy.Expr, ...]
 # How a switch is passed: the digit before and after, and the word for it in a segment's name.
+RETURN = "onto_"
 OFF = {ABOVE: "off_up", BELOW: "off_down"}
 
 
@@ -101,6 +102,20 @@ class DerivedModes:
         digits = self.equations.find_digits(mode) or ()
         return tuple(self._name_surface(k, digits)[0] for k, d in enumerate(digits) if d == ON)
 
+    def find_return(self, mode: str) -> str:
+        """Return the reset that puts states on the surfaces that a motion slides along in a mode."""
+        return RETURN + mode if RETURN + mode in self.resets else IDENTITY
+
+    def _add_return(self, mode: str, digits: Digits) -> None:
+        """Add the reset to the nearest states at which the functions of the surfaces of a mode are zero."""
+        functions = [self._name_surface(k, digits)[1] for k, d in enumerate(digits) if d == ON]
+        if functions:
+            x, u = sympy.Matrix(self.equations.states), sympy.Matrix(functions)
+            slopes = u.jacobian(x)
+            square = slopes * slopes.T
+            change = slopes.T * (square.adjugate() * u) / square.det(method="berkowitz")
+            self.resets[RETURN + mode] = tuple(x - change)
+
     def _name_surface(self, number: int, digits: Digits) -> tuple[str, sympy.Expr]:
         """Return the name of the event at which a switch's function is zero, and the function."""
         switch = self.equations.switches[number]
@@ -128,6 +143,7 @@ class DerivedModes:
         name = self.equations.name_mode(digits)
         if name not in self.modes:
             self.modes.add(name, digits)
+            self._add_return(name, digits)
             for segment in self._list_segments(digits):
                 self.segments[segment.name] = segment
         return name

@@ -56,7 +56,7 @@ def expand_model(model: Model) -> dict[str, Any]:
         "resets": {
             name: {s: write_formula(g) for s, x, g in zip(states, model.state_symbols, body, strict=True) if g != x}
             for name, body in model.resets.items()
-            if name != IDENTITY
+            if name in {segment.reset for segment in model.segments.values()} - {IDENTITY}
         },
         "segments": {s.written or s.name: _write_segment(model, s.name) for s in list_leaders(model.segments.values())},
         **({"effects": effects} if effects else {}),

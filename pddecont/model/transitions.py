@@ -13,7 +13,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
-from pddecont.model.parts import Segment
+from pddecont.model.parts import IDENTITY, Segment
 from pddecont.model.system import Model
 
 # The ways in which an event function passes zero that a direction stands for.
@@ -63,6 +63,11 @@ def list_transitions(model: Model, mode: str) -> Transitions:
 def list_held(model: Model, mode: str) -> tuple[str, ...]:
     """Return the events on whose surfaces a motion slides in a mode."""
     return () if model.derived is None else model.derived.list_surfaces(mode)
+
+
+def find_return(model: Model, mode: str) -> str:
+    """Return the reset that puts states on the surfaces that a motion slides along in a mode; else identity."""
+    return IDENTITY if model.derived is None else model.derived.find_return(mode)
 
 
 def list_leaders(segments: Iterable[Segment]) -> tuple[Segment, ...]:

@@ -30,7 +30,7 @@ def guess_from_cycle(numeric: NumericModel, p: Array, delay: DelayMethod, cycle:
     """
     model = numeric.model
     check_signature(model, cycle.signature)
-    segments = tuple(model.segments[name] for name in cycle.signature) or (make_eventless(cycle.mode),)
+    segments = tuple(model.segments[name] for name in cycle.signature) or (make_eventless(model, cycle.mode),)
     signature = Signature(numeric, segments)
     durations = np.diff(cycle.times)
     theta = np.concatenate([durations, numeric.delays.value(p)])

@@ -78,7 +78,7 @@ def read_segments(model: Model, names: str) -> tuple[Segment, ...]:
     result = []
     for name in names.split():
         if name.startswith("("):
-            result.append(make_eventless(name[1:-1]))
+            result.append(make_eventless(model, name[1:-1]))
         elif name in model.segments:
             result.append(model.segments[name])
         else:

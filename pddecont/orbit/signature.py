@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pddecont.codegen import NumericModel, ParameterFunction
 from pddecont.delay import DiscontinuitySources, find_discontinuity_sources
 from pddecont.errors import SignatureError
-from pddecont.model import IDENTITY, Segment, list_carriers, list_transitions
+from pddecont.model import Model, Segment, find_return, list_carriers, list_transitions
 
 Array = NDArray[np.float64]
 # An event so near, in periods, to where a jump of what its function reads comes back is made by the jump.
@@ -94,9 +94,12 @@ class Signature:
         return tuple(WatchedEvent(*key, terminal=key == (here.event, here.direction)) for key in surfaces)
 
 
-def make_eventless(mode: str) -> Segment:
-    """Return the only segment of an orbit that meets no event in ``mode``."""
-    return Segment(f"({mode})", mode, "", "any", IDENTITY, mode)
+def make_eventless(model: Model, mode: str) -> Segment:
+    """Return the only segment of an orbit that meets no event in ``mode``.
+
+    One that slides all along is put on its surface at its end: the flow alone keeps any distance from it.
+    """
+    return Segment(f"({mode})", mode, "", "any", find_return(model, mode), mode)
 
 
 def is_rotation(a: Sequence[str], b: Sequence[str]) -> bool:
