@@ -16,6 +16,7 @@ from weakref import WeakValueDictionary
 
 import sympy
 from numba import cfunc, types
+from sympy.logic.boolalg import Boolean
 
 from pddecont.codegen.cache import find_cache_folder
 from pddecont.codegen.compilation import compiler_settings
@@ -109,9 +110,15 @@ class ModelFunctions:
         return self._address([list(g) for g in self.model.resets.values()])
 
     @cached_property
+    def guard_numbers(self) -> tuple[int, ...]:
+        """The number of each segment's condition among those that differ."""
+        numbers: dict[Boolean, int] = {}
+        return tuple(numbers.setdefault(s.guard, len(numbers)) for s in self.model.segments.values())
+
+    @cached_property
     def guard(self) -> int:
-        """The address of the segments' conditions, 1 where they hold; ``which`` is the segment. 0 if there are none."""
-        guards = [segment.guard for segment in self.model.segments.values()]
+        """The address of the conditions, 1 where they hold; ``which`` is their number. 0 if there are none."""
+        guards = list(dict.fromkeys(segment.guard for segment in self.model.segments.values()))
         if all(guard == sympy.true for guard in guards):
             return 0
         return self._address([[sympy.Piecewise((1, guard), (0, True))] for guard in guards])

@@ -44,6 +44,16 @@ class ScalarPrinter(Printer, PythonCodePrinter):
     def _print_Rational(self, expr: sympy.Rational) -> str:
         return f"({expr.p}.0/{expr.q}.0)"
 
+    # All comparisons of a condition are made: a compiler takes twice as long over skipping them.
+    def _print_And(self, expr: sympy.And) -> str:
+        return " & ".join(f"({self._print(part)})" for part in expr.args)
+
+    def _print_Or(self, expr: sympy.Or) -> str:
+        return " | ".join(f"({self._print(part)})" for part in expr.args)
+
+    def _print_Not(self, expr: sympy.Not) -> str:
+        return f"(True ^ ({self._print(expr.args[0])}))"
+
 
 def name_symbols(states: Symbols, delayed: Symbols, parameters: Symbols) -> dict[sympy.Symbol, str]:
     """Return what each symbol is called in generated source: places in arrays, never the user's own names."""

@@ -30,24 +30,20 @@ class Way:
 
 
 def list_ways(surfaces: Surfaces, digits: Digits, undecided: Mapping[int, Undecided]) -> list[Way]:
-    """Return the digits that may follow, each with its condition: of all of them just one holds."""
+    """Return the digits that may follow, each with its condition: the first that holds decides."""
     numbers = list(undecided)
-    ways: list[Way] = []
-    left: Boolean = sympy.true
     every = [
         after
         for chosen in product(*(undecided[k].options for k in numbers))
         if surfaces.may_slide(after := _replace(digits, dict(zip(numbers, chosen, strict=True))))
     ]
-    for place, after in enumerate(every):
-        own: Boolean = sympy.true
-        if place < len(every) - 1:
-            own = sympy.And(*(_find_condition(surfaces, after, k, undecided[k], digits[k]) for k in numbers))
-        guard = sympy.And(left, own)
-        left = sympy.And(left, sympy.Not(own))
-        if guard != sympy.false:
-            ways.append(Way(after, guard))
-    return ways
+    conditions = [
+        sympy.And(*(_find_condition(surfaces, after, k, undecided[k], digits[k]) for k in numbers))
+        for after in every[:-1]
+    ]
+    rest = sympy.And(*map(sympy.Not, conditions))
+    guarded = zip(every, [*conditions, rest], strict=True)
+    return [Way(after, guard) for after, guard in guarded if guard != sympy.false]
 
 
 def _replace(digits: Digits, changes: Mapping[int, int]) -> Digits:

@@ -72,6 +72,7 @@ def make_system(
         segment_reset=_integers(reset_number[s.reset] for s in segments),
         segment_to=_integers(mode_number[s.to] for s in segments),
         alternatives=_count_alternatives(model),
+        segment_guard=_integers(functions.guard_numbers),
         crossing_first=crossing_first,
         crossing_segment=crossing_segment,
         ending_first=ending_first,

@@ -18,7 +18,8 @@ Core = namedtuple(
     """
     field field_case event reset guard history field_jacobian event_jacobian reset_jacobian n n_full dimension tangent
     n_pairs n_delays n_kept n_segments n_events pair_state pair_delay kept place segment_mode segment_event
-    segment_direction segment_reset segment_to alternatives crossing_first crossing_segment ending_first ending_segment
+    segment_direction segment_reset segment_to alternatives segment_guard
+    crossing_first crossing_segment ending_first ending_segment
     held_first held_event     clock_first clock_event after reads chain_order chain_n section section_direction
     stop_event stiff p tau event_delay max_step rtol atol longest stick clock count y constant mask past_time
     past_length past_end past_arc past_shift past_value past_coefficients cursor reading pending_time
@@ -62,6 +63,7 @@ def make_core(system, values, state, log, work):
         pointer(system.segment_reset),
         pointer(system.segment_to),
         pointer(system.alternatives),
+        pointer(system.segment_guard),
         pointer(system.crossing_first),
         pointer(system.crossing_segment),
         pointer(system.ending_first),

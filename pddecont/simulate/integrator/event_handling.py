@@ -203,7 +203,7 @@ def _choose_alternative(c, segment, t, y):
     last = segment + c.alternatives[segment] - 1
     while segment < last:
         c.gradient[0] = 0.0
-        call(c.guard, segment, t, y, c.xd, c.p, c.gradient)
+        call(c.guard, c.segment_guard[segment], t, y, c.xd, c.p, c.gradient)
         if c.gradient[0] > 0.0:
             break
         segment += 1

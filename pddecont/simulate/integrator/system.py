@@ -80,6 +80,7 @@ class System(NamedTuple):
     segment_reset: Integers
     segment_to: Integers
     alternatives: Integers
+    segment_guard: Integers
     crossing_first: Integers
     crossing_segment: Integers
     ending_first: Integers
