@@ -71,7 +71,8 @@ class _Builder(Findings):
         self.delayed: list[DelayedValue] = []
         # What changes along a motion, with the state it belongs to.
         self.variables: dict[sympy.Symbol, str] = {}
-        self.collector = SwitchCollector(self.variables, {*file.switches, *file.jumps})
+        names = {*file.states, *file.parameters, *file.definitions}
+        self.collector = SwitchCollector(self.variables, {*file.switches, *file.jumps}, names)
         self.defined: dict[str, sympy.Expr] = {}
         self.numbers = {make_symbol(k): v for k, v in file.parameters.items()}
 
@@ -99,7 +100,7 @@ class _Builder(Findings):
             return None
         modes, events, resets, segments, derived = parts
         effects = {name: self.effect(name, body.set, body.drop) for name, body in file.effects.items()}
-        history = self.history()
+        history = (*self.history(), *(clock.at_start for clock in self.collector.clocks.values()))
         mode = self.initial_mode(modes) if derived is None else self.start_of(derived, history)
         used = (
             collect_symbols(modes, events, resets, segments.values(), period)
@@ -118,7 +119,7 @@ class _Builder(Findings):
         return Model(
             file.name,
             file.reference,
-            tuple(file.states),
+            (*file.states, *(clock.state.name for clock in self.collector.clocks.values())),
             dict(file.parameters),
             period,
             modes,
@@ -298,8 +299,8 @@ class _Builder(Findings):
             return self.initial_mode(derived.modes)
         numbers = {**self.numbers, TIME: 0.0}
         known = dict(numbers)
-        for name, past in zip(self.file.states, history, strict=True):
-            known[make_symbol(name)] = evaluate(past, numbers)
+        for symbol, past in zip(derived.equations.states, history, strict=True):
+            known[symbol] = evaluate(past, numbers)
         for read in self.delayed:
             name, delay = self.file.states[read.state], self.delays[read.delay]
             then = {**numbers, TIME: -evaluate(delay, numbers)}

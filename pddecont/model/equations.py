@@ -10,7 +10,7 @@ import sympy
 from pddecont.errors import suggest
 from pddecont.model.expression import TIME, Scope
 from pddecont.model.findings import Findings
-from pddecont.model.nonsmooth import SwitchCollector
+from pddecont.model.nonsmooth import Clock, SwitchCollector
 from pddecont.model.schema import Jump as JumpBody
 from pddecont.model.schema import ModelFile
 from pddecont.model.switches import Equations, Jump, Switch
@@ -69,17 +69,25 @@ def read_equations(
     switches = tuple(collector.switches)
     digits = [s.digit for s in switches]
     _check_names(file, switches, findings)
+    clocks = tuple(collector.clocks.values())
     equations = Equations(
         states,
         tuple(make_multilinear(f, digits) for f in field),
         tuple(replace(s, argument=make_multilinear(s.argument, digits)) for s in switches),
         jumps,
-    )
+    ).add_states(tuple(c.state for c in clocks), tuple(sympy.S.One for _ in clocks))
+    equations = replace(equations, jumps=(*equations.jumps, *(_tick(clock, equations.states) for clock in clocks)))
     used = equations.leave_out_idle()
     for name in file.switches:
         if name not in {s.name for s in used.switches}:
             findings.add_warning(("switches", name), f"no nonsmooth function reads the sign of switch '{name}'")
     return used
+
+
+def _tick(clock: Clock, states: tuple[sympy.Symbol, ...]) -> Jump:
+    """Return the jump that sets a clock to zero."""
+    reset = tuple(sympy.S.Zero if x == clock.state else x for x in states)
+    return Jump(f"{clock.state.name}_tick", clock.tick, "rising", None, None, reset)
 
 
 def make_multilinear(expr: sympy.Expr, digits: list[sympy.Symbol]) -> sympy.Expr:

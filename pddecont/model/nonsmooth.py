@@ -7,7 +7,7 @@ u = a - b, and so on. Arguments that are equal up to a number share a switch.
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, field, replace
 from functools import reduce
 
@@ -21,18 +21,28 @@ from pddecont.model.switches import Switch
 from pddecont.model.syntax import ExpressionError
 
 
+@dataclass(frozen=True)
+class Clock:
+    """A state that grows with time and is set to zero where ``tick`` rises through zero."""
+
+    state: sympy.Symbol
+    tick: sympy.Expr
+    at_start: sympy.Expr
+
+
 @dataclass
 class SwitchCollector:
     """The switches of a model while its expressions are read.
 
-    ``variables`` are the symbols that change along a motion, by the name of the state they belong to; ``taken`` names
-    that no switch may have.
+    ``variables`` are the symbols that change along a motion, with the state they belong to; ``taken`` names that no
+    switch may have, ``names`` those that no clock may have.
     """
 
-    variables: Mapping[sympy.Symbol, str]
+    variables: dict[sympy.Symbol, str]
     taken: Collection[str]
-    period: sympy.Expr | None = None
+    names: Collection[str]
     switches: list[Switch] = field(default_factory=list)
+    clocks: dict[sympy.Expr, Clock] = field(default_factory=dict)
     # Switches that a coulomb law holds, and those that another function reads.
     _held: set[str] = field(default_factory=set)
     _known: dict[sympy.Expr, tuple[int, bool]] = field(default_factory=dict)
@@ -153,15 +163,21 @@ class SwitchCollector:
         return 2 * self.read(sympy.sin(self._angle(t, period))) - 1
 
     def _mod(self, t: sympy.Expr, period: sympy.Expr) -> sympy.Expr:
-        """Return what is left of ``t`` after whole periods: in each half of a period a smooth function of its angle.
-
-        In the first half the angle is measured from a quarter, in the second from three quarters: both formulas hold
-        well beyond their halves.
-        """
+        """Return the clock that counts what is left of ``t`` after whole periods, a state that ticks set to zero."""
         angle = self._angle(t, period)
-        middle = (3 - 2 * self.read(sympy.sin(angle))) / 4
-        moved = angle - 2 * sympy.pi * middle
-        return period * (middle + sympy.atan2(sympy.sin(moved), sympy.cos(moved)) / (2 * sympy.pi))
+        key = sympy.expand(angle)
+        if key not in self.clocks:
+            base = name = "clock"
+            number = 2
+            while name in self.names or any(clock.state.name == name for clock in self.clocks.values()):
+                name, number = f"{base}{number}", number + 1
+            # At t = 0 it has run since the last tick; from there the angle is measured half a turn back.
+            start = angle.xreplace({TIME: sympy.S.Zero}) - sympy.pi
+            left = period * (sympy.Rational(1, 2) + sympy.atan2(sympy.sin(start), sympy.cos(start)) / (2 * sympy.pi))
+            at_start = sympy.S.Zero if start == -sympy.pi else left
+            self.clocks[key] = Clock(sympy.Symbol(name, real=True), sympy.sin(angle), at_start)
+            self.variables[self.clocks[key].state] = name
+        return self.clocks[key].state
 
     def _angle(self, t: sympy.Expr, period: sympy.Expr) -> sympy.Expr:
         if TIME not in t.free_symbols or t.diff(TIME) != 1 or period.free_symbols & {*self.variables, TIME}:
