@@ -10,6 +10,7 @@ from pddecont.bifurcation.hopf import HOPF_BIFURCATION, HOPF_HOPF
 from pddecont.bifurcation.kinds import SpecialPointKind
 from pddecont.bifurcation.motion_change import MOTION_CHANGE
 from pddecont.bifurcation.period_doubling import PERIOD_DOUBLING
+from pddecont.bifurcation.sliding import SLIDING
 from pddecont.bifurcation.torus import RESONANCES, TORUS
 from pddecont.bifurcation.user_function import USER_FUNCTION
 from pddecont.bifurcation.vanishing import VANISHING
@@ -36,6 +37,7 @@ BUILTIN = (
     VANISHING,
     MOTION_CHANGE,
     GUARD,
+    *SLIDING,
     USER_FUNCTION,
     HOPF_BIFURCATION,
     CUSP,

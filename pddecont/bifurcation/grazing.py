@@ -18,7 +18,14 @@ from pddecont.bifurcation.signature_insertion import enter_signature
 from pddecont.bifurcation.user_function import UserFunction
 from pddecont.continuation import BranchPoint, BranchState, CurvePoint, End, TestFunction
 from pddecont.errors import ConvergenceError
-from pddecont.orbit import Orbit, OrbitEvaluation, find_approaches, find_closest_approach, find_event_profile
+from pddecont.orbit import (
+    Orbit,
+    OrbitEvaluation,
+    find_approaches,
+    find_closest_approach,
+    find_event_profile,
+    name_grazing,
+)
 from pddecont.reasons import Reason, make_reason
 
 LABEL = "GR"
@@ -93,14 +100,19 @@ def define_grazing(orbit: Orbit) -> GrazingFunction | None:
 
 
 def _branch_tests(at: OrbitEvaluation, settings: BranchSettings) -> list[OrbitTest]:
-    """Return the test of each segment and event that it watches."""
+    return make_grazing_tests(at, LABEL)
+
+
+def make_grazing_tests(at: OrbitEvaluation, label: str) -> list[OrbitTest]:
+    """Return the test of each segment and event that it watches; it has no value where its zero has another label."""
 
     def test(s: int, event: str) -> OrbitTest:
         def value(point: CurvePoint[OrbitEvaluation]) -> float:
-            gaps = point.at.orbit.once("grazing gaps", lambda: _gaps(point.at.orbit))
-            return gaps.get((s, event), float("nan"))
+            orbit = point.at.orbit
+            gap = orbit.once("grazing gaps", lambda: _gaps(orbit)).get((s, event), float("nan"))
+            return gap if (name_grazing(orbit, s, event) or LABEL) == label else float("nan")
 
-        return TestFunction(LABEL, value, End.SPECIAL)
+        return TestFunction(label, value, End.SPECIAL)
 
     signature = at.orbit.signature
     pairs = dict.fromkeys((s, w.event) for s in range(len(signature)) for w in signature.list_watched_events(s))

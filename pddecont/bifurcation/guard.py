@@ -6,6 +6,7 @@ leads to another mode; the branch goes on there if what the motion does then joi
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,10 +15,12 @@ from pddecont.bifurcation.extended_system import DefiningFunction, ExtendedEvalu
 from pddecont.bifurcation.kinds import CurveTest, OrbitTest, SpecialPointKind
 from pddecont.bifurcation.settings import BranchSettings
 from pddecont.continuation import BranchPoint, BranchState, CurvePoint, End, TestFunction
-from pddecont.orbit import OrbitEvaluation, Signature, explain_guard, list_guarded, measure_guard
+from pddecont.orbit import OrbitEvaluation, Signature, explain_guard, list_guarded, measure_guard, name_guard
 from pddecont.reasons import Reason
 
 LABEL = "GD"
+# The code of reasons that name a condition.
+CONDITION = "guard"
 
 
 @dataclass(frozen=True)
@@ -36,15 +39,17 @@ class GuardFunction:
         return self
 
 
-def _make_test(signature: Signature, s: int) -> TestFunction[Any]:
-    def value(point: CurvePoint[Any]) -> float:
-        return measure_guard(point.at.orbit, s)
+def make_guard_test(signature: Signature, s: int, label: str) -> TestFunction[Any]:
+    """Return the test of a condition; it has no value where what changes with it has another label."""
 
-    return TestFunction(LABEL, value, End.SPECIAL, explain_guard(signature, s))
+    def value(point: CurvePoint[Any]) -> float:
+        return measure_guard(point.at.orbit, s) if (name_guard(point.at.orbit, s) or LABEL) == label else math.nan
+
+    return TestFunction(label, value, End.SPECIAL, explain_guard(signature, s))
 
 
 def _branch_tests(at: OrbitEvaluation, settings: BranchSettings) -> list[OrbitTest]:
-    return [_make_test(at.orbit.signature, s) for s in list_guarded(at.orbit.signature)]
+    return [make_guard_test(at.orbit.signature, s, LABEL) for s in list_guarded(at.orbit.signature)]
 
 
 def _curve_tests(at: ExtendedEvaluation, settings: BranchSettings) -> list[CurveTest]:
@@ -52,7 +57,7 @@ def _curve_tests(at: ExtendedEvaluation, settings: BranchSettings) -> list[Curve
     defining = at.system.defining
     own = defining.segment if isinstance(defining, GuardFunction) else -1
     signature = at.orbit.signature
-    return [_make_test(signature, s) for s in list_guarded(signature) if s != own]
+    return [make_guard_test(signature, s, LABEL) for s in list_guarded(signature) if s != own]
 
 
 def _define(at: OrbitEvaluation, settings: BranchSettings, reason: Reason) -> DefiningFunction:

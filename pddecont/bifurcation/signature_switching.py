@@ -15,6 +15,7 @@ from pddecont.bifurcation.signature_removal import VANISHING, find_way_off, shri
 from pddecont.bifurcation.vanishing import LABEL
 from pddecont.continuation import BranchPoint, BranchState, End, Termination
 from pddecont.errors import ConvergenceError
+from pddecont.orbit import name_vanishing
 from pddecont.reasons import make_reason
 
 Emit = Callable[[BranchPoint[Any]], None]
@@ -110,7 +111,8 @@ def _vanish(
     arclength = state.arclength + sign * away
     n_iterations = gone.point.n_iterations
     found = replace(state, point=gone.point, arclength=arclength)
-    special = BranchPoint(found, LABEL, n_iterations, gone.reason)
+    label = name_vanishing(at.orbit.signature, int(at.orbit.durations.argmin())) or LABEL
+    special = BranchPoint(found, label, n_iterations, gone.reason)
     emit(special)
     if not gone.shorter:
         return special, None

@@ -3,6 +3,7 @@ from .builder import parse_model as parse_model
 from .chain_states import add_chain_states as add_chain_states
 from .conditions import combine_differences as combine_differences
 from .conditions import list_differences as list_differences
+from .derived_modes import Crossing as Crossing
 from .derived_modes import DerivedModes as DerivedModes
 from .document import MAX_BYTES as MAX_BYTES
 from .document import Document as Document

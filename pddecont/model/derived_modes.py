@@ -33,6 +33,15 @@ RETURN = "onto_"
 OFF = {ABOVE: "off_up", BELOW: "off_down"}
 
 
+@dataclass(frozen=True)
+class Crossing:
+    """What a segment does with a switch: it meets its surface, or leaves it where it slid along it; up or down."""
+
+    switch: int
+    up: bool
+    leaves: bool
+
+
 class TooManyModesError(PddecontError):
     """A model has more modes than can be handled."""
 
@@ -73,6 +82,8 @@ class DerivedModes:
     events: dict[str, Event] = field(default_factory=dict)
     resets: dict[str, Exprs] = field(default_factory=dict)
     segments: dict[str, Segment] = field(default_factory=dict)
+    # What the segments that pass switches do, by their names as written.
+    crossings: dict[str, Crossing] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.equations = self.surfaces.equations
@@ -96,6 +107,41 @@ class DerivedModes:
     def parts(self) -> dict[str, Any]:
         """Modes, events, resets and segments, by their names as fields of a model."""
         return {"modes": self.modes, "events": self.events, "resets": self.resets, "segments": self.segments}
+
+    def find_crossing(self, segment: Segment) -> Crossing | None:
+        """Return what a segment does with a switch; None for jumps."""
+        return self.crossings.get(segment.written or segment.name)
+
+    def find_jump_of_rate(self, switch: int, mode: str) -> sympy.Expr:
+        """Return by how much du/dt of a switch grows across its surface: motions slide where it is negative."""
+        low, high = self.surfaces.find_bounds(switch, self.equations.find_digits(mode) or ())
+        return high - low
+
+    def find_digit(self, mode: str, switch: int) -> int:
+        """Return the digit of a switch in a mode."""
+        return (self.equations.find_digits(mode) or ())[switch]
+
+    def list_exits(self, mode: str) -> list[tuple[str, Crossing]]:
+        """Return the events at which motions cease to slide in a mode, and what they do."""
+        digits = self.equations.find_digits(mode) or ()
+        found = []
+        for k, digit in enumerate(digits):
+            for side in (ABOVE, BELOW) if digit == ON else ():
+                name = self._name_exit(k, digits, side)
+                found.append((name, Crossing(k, side == ABOVE, leaves=True)))
+        return found
+
+    def find_surface(self, mode: str, event: str) -> int | None:
+        """Return the switch whose surface an event is in a mode beside it; None for other events."""
+        digits = self.equations.find_digits(mode) or ()
+        beside = (k for k, d in enumerate(digits) if d != ON and not self.equations.switches[k].remembers)
+        return next((k for k in beside if self._name_surface(k, digits)[0] == event), None)
+
+    def _name_exit(self, number: int, digits: Digits, side: int) -> str:
+        """Return the name of the event at which a motion leaves a surface to a side."""
+        switch, rate = self.equations.switches[number], self.surfaces.rates[number]
+        assert rate is not None, "no motion slides along a surface of delayed values"
+        return self._name_event(f"{switch.name}_{OFF[side]}", rate, number, digits)[0]
 
     def list_surfaces(self, mode: str) -> tuple[str, ...]:
         """Return the events whose functions are the surfaces that a motion slides along in a mode."""
@@ -172,21 +218,21 @@ class DerivedModes:
         undecided |= self._find_disturbed(number, after)
         written = self._name_segment(f"{switch.name}_{'up' if rises else 'down'}", number, digits)
         direction = "rising" if rises else "falling"
+        self.crossings[written] = Crossing(number, rises, leaves=False)
         yield from self._branch(Segment(written, "", name, direction, IDENTITY, ""), digits, after, undecided)
 
     def _leave(self, number: int, digits: Digits) -> Iterator[Segment]:
         """Yield what follows where a motion ceases to slide along a surface."""
         switch = self.equations.switches[number]
         lower, upper = self.surfaces.find_bounds(number, digits)
-        rate = self.surfaces.rates[number]
-        assert rate is not None
         self._add_event(Event(*self._name_surface(number, digits)))
         for digit, function, direction in ((ABOVE, upper, "rising"), (BELOW, lower, "falling")):
             word = f"{switch.name}_{OFF[digit]}"
-            event, _ = self._name_event(word, rate, number, digits)
+            event = self._name_exit(number, digits, digit)
             self._add_event(Event(event, function))
             after = (*digits[:number], digit, *digits[number + 1 :])
             written = self._name_segment(word, number, digits)
+            self.crossings[written] = Crossing(number, digit == ABOVE, leaves=True)
             yield from self._branch(Segment(written, "", event, direction, IDENTITY, ""), digits, after, {})
 
     def _jump(self, jump: Jump, digits: Digits) -> Iterator[Segment]:

@@ -59,6 +59,9 @@ from .signature import DelayedEventLink as DelayedEventLink
 from .signature import Signature as Signature
 from .signature import is_rotation as is_rotation
 from .signature import make_eventless as make_eventless
+from .sliding import name_grazing as name_grazing
+from .sliding import name_guard as name_guard
+from .sliding import name_vanishing as name_vanishing
 from .solve import solve_on_mesh as solve_on_mesh
 from .solve import solve_orbit as solve_orbit
 from .system import OrbitEvaluation as OrbitEvaluation

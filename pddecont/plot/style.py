@@ -36,6 +36,10 @@ CURVE_COLOURS = {
     "VS": "#b8860b",
     "UF": "#3b3b3b",
     "GD": "#3aa0b5",
+    "CS": "#c45f96",
+    "GS": "#a0522d",
+    "SS": "#556b2f",
+    "AS": "#4b4b9b",
 }
 OTHER_CURVE_COLOUR = "0.45"
 # As matplotlib names them: (4, 1, 0) is a star of four points.
@@ -48,6 +52,10 @@ MARKERS: dict[str, Any] = {
     "VS": "D",
     "MC": "+",
     "GD": (5, 0, 0),
+    "CS": "<",
+    "GS": ">",
+    "SS": "p",
+    "AS": "h",
     "EP": "|",
     "UF": "v",
     "HB": "H",

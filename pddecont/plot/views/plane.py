@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 SIGNATURE_KEPT = "signature kept"
 STABLE, FEWER_UNSTABLE = "stable", "fewer unstable multipliers"
 SIDES = {"GR": SIGNATURE_KEPT, "VS": SIGNATURE_KEPT, "LP": "orbits exist", "PD": STABLE, "TR": STABLE}
+SIDES |= dict.fromkeys(("CS", "GS", "SS", "AS"), SIGNATURE_KEPT)
 OTHER_SIDE = "orbit kept"
 # The kind of curves along which a user function is zero: which one tells them apart.
 USER_FUNCTION = "UF"
