@@ -72,7 +72,9 @@ class _Builder(Findings):
         # What changes along a motion, with the state it belongs to.
         self.variables: dict[sympy.Symbol, str] = {}
         names = {*file.states, *file.parameters, *file.definitions}
-        self.collector = SwitchCollector(self.variables, {*file.switches, *file.jumps}, names)
+        self.collector = SwitchCollector(
+            self.variables, {*file.switches, *file.jumps}, names, lambda e: evaluate(e, self.numbers)
+        )
         self.defined: dict[str, sympy.Expr] = {}
         self.numbers = {make_symbol(k): v for k, v in file.parameters.items()}
 

@@ -210,7 +210,7 @@ class DerivedModes:
         name, function = self._name_surface(number, digits)
         if switch.remembers:
             name = f"{name}_{'high' if rises else 'low'}"
-        self._add_event(Event(name, function - level))
+        self._add_event(Event(name, function - level, source=switch.name))
         after = (*digits[:number], ABOVE if rises else BELOW, *digits[number + 1 :])
         undecided: dict[int, Undecided] = {}
         if self.surfaces.slides[number]:
@@ -225,7 +225,7 @@ class DerivedModes:
         """Yield what follows where a motion ceases to slide along a surface."""
         switch = self.equations.switches[number]
         lower, upper = self.surfaces.find_bounds(number, digits)
-        self._add_event(Event(*self._name_surface(number, digits)))
+        self._add_event(Event(*self._name_surface(number, digits), source=switch.name))
         for digit, function, direction in ((ABOVE, upper, "rising"), (BELOW, lower, "falling")):
             word = f"{switch.name}_{OFF[digit]}"
             event = self._name_exit(number, digits, digit)
@@ -243,10 +243,10 @@ class DerivedModes:
         values = self.surfaces.find_values(digits)
         name = jump.name
         if jump.function is None:
-            self._add_event(Event(name, None, jump.after, jump.delay))
+            self._add_event(Event(name, None, jump.after, jump.delay, source=name))
         else:
             name, function = self._name_event(jump.name, jump.function, -1, digits)
-            self._add_event(Event(name, function))
+            self._add_event(Event(name, function, source=jump.name))
         reset, body = self._name_reset(jump, digits)
         self.resets.setdefault(reset, body)
         changed = {x: g for x, g in zip(equations.states, body, strict=True) if g != x}

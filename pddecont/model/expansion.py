@@ -9,6 +9,7 @@ from sympy.core.relational import Relational
 from sympy.logic.boolalg import Boolean
 from sympy.printing.str import StrPrinter
 
+from pddecont.errors import PddecontError
 from pddecont.model.parts import IDENTITY, Event
 from pddecont.model.system import Model
 from pddecont.model.transitions import list_alternatives, list_leaders
@@ -52,7 +53,7 @@ def expand_model(model: Model) -> dict[str, Any]:
             name: {f"{s}'": write_formula(f) for s, f in zip(states, body, strict=True)}
             for name, body in model.modes.items()
         },
-        "events": {event.name: _write_event(event) for event in model.events.values()},
+        "events": {event.name: _write_event(model, event) for event in model.events.values()},
         "resets": {
             name: {s: write_formula(g) for s, x, g in zip(states, model.state_symbols, body, strict=True) if g != x}
             for name, body in model.resets.items()
@@ -79,10 +80,14 @@ def write_condition(condition: Boolean) -> str:
     return (" and " if isinstance(condition, sympy.And) else " or ").join(parts)
 
 
-def _write_event(event: Event) -> Any:
+def _write_event(model: Model, event: Event) -> Any:
     if event.function is not None:
         return write_formula(event.function)
-    assert event.delay is not None
+    assert event.delay is not None and event.after is not None
+    if event.after not in model.events:
+        raise PddecontError(
+            f"'{event.name}' comes after '{event.after}', which is another event in each mode: no model by hand says so"
+        )
     return {"after": event.after, "delay": write_formula(event.delay)}
 
 

@@ -35,16 +35,19 @@ class SwitchCollector:
     """The switches of a model while its expressions are read.
 
     ``variables`` are the symbols that change along a motion, with the state they belong to; ``taken`` names that no
-    switch may have, ``names`` those that no clock may have.
+    switch may have, ``names`` those that no clock may have; ``evaluate`` returns the value
+    of an expression in the parameters, NaN of any other.
     """
 
     variables: dict[sympy.Symbol, str]
     taken: Collection[str]
     names: Collection[str]
+    evaluate: Callable[[sympy.Expr], float]
     switches: list[Switch] = field(default_factory=list)
     clocks: dict[sympy.Expr, Clock] = field(default_factory=dict)
     # Switches that a coulomb law holds, and those that another function reads.
     _held: set[str] = field(default_factory=set)
+    _read: set[str] = field(default_factory=set)
     _known: dict[sympy.Expr, tuple[int, bool]] = field(default_factory=dict)
 
     @property
@@ -73,8 +76,8 @@ class SwitchCollector:
         """Return 1 where an argument is positive and 0 where it is negative, as an expression in a digit."""
         number, reverse = self._find(argument)
         switch = self.switches[number]
-        if switch.name in self._held:
-            raise ExpressionError(f"switch '{switch.name}' belongs to coulomb(...) and another function reads its sign")
+        self._read.add(switch.name)
+        self._check_grip(switch)
         return 1 - switch.digit if reverse else switch.digit
 
     def _find(self, argument: sympy.Expr, name: str = "") -> tuple[int, bool]:
@@ -139,23 +142,37 @@ class SwitchCollector:
         return self.read(u) * u
 
     def _coulomb(self, u: sympy.Expr, kinetic: sympy.Expr, static: sympy.Expr) -> sympy.Expr:
+        self._check(kinetic, "kinetic friction", positive=True)
+        self._check(static - kinetic, "static less kinetic friction")
         number, reverse = self._find(u)
         switch, grip = self.switches[number], sympy.cancel(static / kinetic)
-        known = switch.name in self._held
-        if known and switch.grip != grip:
+        if switch.name in self._held and switch.grip != grip:
             raise ExpressionError(f"switch '{switch.name}' has another coulomb law with another static by kinetic")
         self._held.add(switch.name)
         self.switches[number] = replace(switch, grip=grip)
+        self._check_grip(self.switches[number])
         return kinetic * (2 * switch.digit - 1) * (-1 if reverse else 1)
 
+    def _check_grip(self, switch: Switch) -> None:
+        """Check that no law but coulomb's reads a switch that holds on with more than it slips with."""
+        if switch.grip != 1 and switch.name in self._held & self._read:
+            raise ExpressionError(
+                f"the sign of switch '{switch.name}' is read by coulomb(...), with static friction, and by another "
+                "function; write the other with a coulomb law too"
+            )
+
+    def _check(self, expr: sympy.Expr, what: str, *, positive: bool = False) -> None:
+        """Check the sign of an expression where it has a value at the parameters."""
+        value = self.evaluate(expr)
+        if value < 0.0 or (positive and value == 0.0):
+            wanted = "a positive number" if positive else "a positive number or zero"
+            raise ExpressionError(f"{what} is {value:g} at the given parameters; expected {wanted}")
+
     def _hysteresis(self, u: sympy.Expr, low: sympy.Expr, high: sympy.Expr) -> sympy.Expr:
+        self._check(high - low, "the upper less the lower threshold", positive=True)
         key = sympy.Tuple(u, low, high)
         if key not in self._known:
             self._normalise(u)
-            if sympy.expand(high - low) == 0:
-                raise ExpressionError(
-                    "hysteresis(u, low, high) needs two different thresholds; else write sign(u - low)"
-                )
             self._add(key, False, Switch("", sympy.S.Zero, u, low, high))
         return 2 * self.switches[self._known[key][0]].digit - 1
 
@@ -180,6 +197,7 @@ class SwitchCollector:
         return self.clocks[key].state
 
     def _angle(self, t: sympy.Expr, period: sympy.Expr) -> sympy.Expr:
+        self._check(period, "the period", positive=True)
         if TIME not in t.free_symbols or t.diff(TIME) != 1 or period.free_symbols & {*self.variables, TIME}:
             raise ExpressionError("write mod(t, T) or square(t, T): t, or t - a, and a period of parameters")
         return 2 * sympy.pi * t / period

@@ -19,6 +19,12 @@ class Event:
     function: sympy.Expr | None
     after: str | None = None
     delay: sympy.Expr | None = None
+    # Of a model given by its equations: the switch or jump that this is an event of.
+    source: str = ""
+
+    def starts(self, other: Event) -> bool:
+        """Return whether this event starts the clock of another."""
+        return other.after is not None and other.after in (self.name, self.source)
 
 
 @dataclass(frozen=True)

@@ -85,7 +85,7 @@ def list_alternatives(model: Model, segment: Segment) -> tuple[Segment, ...]:
 
 def list_clocks(model: Model, event: str) -> tuple[str, ...]:
     """Return the delayed events whose clocks an event starts."""
-    return tuple(other.name for other in model.events.values() if other.after == event)
+    return tuple(other.name for other in model.events.values() if model.events[event].starts(other))
 
 
 def list_carriers(model: Model, event: str, reset: str) -> tuple[int, ...]:

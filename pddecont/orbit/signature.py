@@ -128,7 +128,8 @@ def link_delayed_events(signature: Signature, p: Array, durations: Array) -> tup
             links += _link_jump(signature, p, s, ends)
             continue
         delay = float(numeric.event_delay(event.name).value(p)[0])
-        sources = [a for a, other in enumerate(segments) if other.event == event.after]
+        events = numeric.model.events
+        sources = [a for a, other in enumerate(segments) if other.event and events[other.event].starts(event)]
         if not sources:
             raise SignatureError(
                 f"segment '{segment.name}' ends at '{event.name}', which comes after '{event.after}', but no segment "

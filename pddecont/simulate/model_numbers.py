@@ -39,7 +39,10 @@ def make_system(
     place = np.full(n, -1)
     place[kept] = np.arange(len(kept))
     delayed = set(model.delayed_symbols)
-    after = [events.index(e.after) if e.after is not None else -1 for e in model.events.values()]
+    after = [
+        next(number for number, other in enumerate(model.events.values()) if other.starts(e)) if e.after else -1
+        for e in model.events.values()
+    ]
     segments, names = model.segments.values(), _number(model.segments)
     mode_number, event_number, reset_number = _number(modes), _number(events), _number(resets)
     ending = [list_transitions(model, mode) for mode in modes]
