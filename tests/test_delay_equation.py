@@ -146,7 +146,7 @@ def test_turning_at_the_lobes_lowest_point():
     times = mesh.base_times(np.array([T, tau]))
     values = np.stack([np.cos(W * times), -W * np.sin(W * times)], 1)
     p = np.array([0.02, 0.05, tau])
-    signature = Signature(numeric, (make_eventless("cut"),))
+    signature = Signature(numeric, (make_eventless(numeric.model, "cut"),))
     problem = OrbitProblem(signature, mesh, Direct(), p, ("w",), 1, values)
     guess = Orbit(problem, problem.unknowns.join(values, [T * 1.001], 0.0, [0.0401]))
     system = PeriodicOrbitSystem(problem, measure_orbit(guess, (1.0,)))

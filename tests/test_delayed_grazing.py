@@ -64,7 +64,7 @@ def test_chain_grazings_converge_to_the_delay_equations_with_their_order(tmp_pat
         "modes: {m: {x': v, v': 0.576*sin(0.8*t) - 0.02*v - x + K*(v(t - tau) - v)}}\n"
     )
     mesh = Mesh(8, 1, segment_pieces(1, 2, equal_cuts([16])))
-    signature, top = Signature(numeric, (make_eventless("m"),)), parse_monitor(numeric, "top", "max(x)")
+    signature, top = Signature(numeric, (make_eventless(numeric.model, "m"),)), parse_monitor(numeric, "top", "max(x)")
     errors = []
 
     def closed(n):

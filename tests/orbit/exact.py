@@ -41,7 +41,7 @@ def circle(*names, level=0.5, tau=1.0, direction="rising", rule=None, method=Non
     p = numeric.parameter_values.copy()
     p[numeric.parameter_index("level")], p[numeric.parameter_index("tau")] = level, tau
     model = numeric.model
-    signature = Signature(numeric, tuple(model.segments[name] for name in names) or (make_eventless("m"),))
+    signature = Signature(numeric, tuple(model.segments[name] for name in names) or (make_eventless(model, "m"),))
     n, rule = len(signature), rule or MeshRule(10, intervals=8)
     durations, start = np.full(n, TURN), float(np.arcsin(level)) if names else 0.0
     bare = OrbitProblem(signature, Mesh(rule.degree, n, ()), method or Direct(), p, free, n, phase=start)

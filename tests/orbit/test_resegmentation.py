@@ -86,7 +86,7 @@ def test_without_events_it_is_its_own_reference():
 def test_events_left_out():
     """The circle through its event, as a motion that meets none."""
     orbit = circle("s", level=0.5)
-    free = resegment(orbit, [SegmentSpan(make_eventless("m"), 0.0, TURN)], RULE, 1)
+    free = resegment(orbit, [SegmentSpan(make_eventless(orbit.numeric.model, "m"), 0.0, TURN)], RULE, 1)
     assert free.signature.names == ["(m)"]
     assert free.problem.phase == orbit.start
     assert np.max(np.abs(compute_residual(free))) < 1e-7

@@ -40,11 +40,13 @@ def test_what_a_signature_says():
     assert contact.has_events
     assert not contact.needs_phase_reference
     assert contact.discontinuity_sources == DiscontinuitySources((1, 1), (0,))
-    free = Signature(numeric, (make_eventless("NC"),))
+    free = Signature(numeric, (make_eventless(numeric.model, "NC"),))
     assert (free.names, free.has_events) == (["(NC)"], False)
     # A forced orbit begins at a time that is given; one of an autonomous model anywhere.
     assert not free.needs_phase_reference
-    assert Signature(shipped("mackey_glass"), (make_eventless("blood"),)).needs_phase_reference
+    assert Signature(
+        shipped("mackey_glass"), (make_eventless(shipped("mackey_glass").model, "blood"),)
+    ).needs_phase_reference
 
 
 def test_segments_watch_the_events_that_end_their_mode():

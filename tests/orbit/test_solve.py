@@ -58,7 +58,7 @@ def linear(order=2, n=15):
         "modes: {m: {x': v, v': a*sin(omega*t) - 2*zeta*v - x + K*(v(t - tau) - v)}}\n"
     )
     mesh = Mesh(6, 1, segment_pieces(1, 2, equal_cuts([20])))
-    signature = Signature(numeric, (make_eventless("m"),))
+    signature = Signature(numeric, (make_eventless(numeric.model, "m"),))
     problem = OrbitProblem(signature, mesh, Chain(order, n), numeric.parameter_values)
     guess = problem.unknowns.join(np.zeros((mesh.n_base, 2)), [2 * math.pi / 0.8], 0.0, [])
     return solve_on_mesh(Orbit(problem, guess)).at.orbit

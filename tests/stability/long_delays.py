@@ -55,7 +55,9 @@ def linear_feedback(n, K):
         "modes: {m: {x': -x + K*x(t - n) + cos(2*pi*t)}}\n"
     )
     mesh = Mesh(10, 1, segment_pieces(1, 2, equal_cuts([8])))
-    problem = OrbitProblem(Signature(numeric, (make_eventless("m"),)), mesh, Direct(), numeric.parameter_values)
+    problem = OrbitProblem(
+        Signature(numeric, (make_eventless(numeric.model, "m"),)), mesh, Direct(), numeric.parameter_values
+    )
     guess = Orbit(problem, problem.unknowns.join(np.zeros((mesh.n_base, 1)), [1.0], 0.0, []))
     return solve_on_mesh(guess).at.orbit
 

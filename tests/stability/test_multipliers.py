@@ -128,7 +128,7 @@ def test_the_delayed_cosine():
     mesh = Mesh(12, 1, segment_pieces(1, 2, equal_cuts([16])))
     theta = np.array([4.0, 1.0])
     values = np.cos(math.pi / 2 * mesh.base_times(theta))[:, None]
-    signature = Signature(numeric, (make_eventless("m"),))
+    signature = Signature(numeric, (make_eventless(numeric.model, "m"),))
     problem = OrbitProblem(signature, mesh, Direct(), np.array([1.0]), reference=values)
     m = find_multipliers(Orbit(problem, problem.unknowns.join(values, [4.0], 0.0, np.zeros(0))), 6)
     exact = sorted((abs(np.exp(4 * scipy.special.lambertw(-math.pi / 2, k))) for k in range(-4, 4)), reverse=True)
