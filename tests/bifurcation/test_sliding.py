@@ -1,0 +1,161 @@
+"""Sliding bifurcations of a block on a belt: located, named, gone through and followed, against a simulation apart."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq, minimize_scalar
+
+from tests.bifurcation.friction import Block
+from tests.bifurcation.runs import follow, settle
+from tests.runs import labels, parameter, run
+
+BELT = {
+    "name": "belt",
+    "states": ["x", "v"],
+    "parameters": {"om": 1.7, "F": 1.0, "G": 0.0, "vb": 1.0, "mu": 0.4},
+    "forcing": {"period": "2*pi/om"},
+    "switches": {"slip": "v - vb"},
+    "equations": {"x'": "v", "v'": "F*cos(om*t) + G*cos(5*om*t) - x - 0.2*v - mu*sign(v - vb)"},
+}
+MESH = {"degree": 9, "tol": 1e-11}
+STEPS = [{"name": "s", "simulate": {"t_end": "60*2*pi/om"}}, {"name": "o", "orbit": {"from": "s", "stability": True}}]
+
+
+@pytest.fixture(scope="module")
+def in_speed(tmp_path_factory):
+    """The branch in the belt's speed, and the curves of its three points in the speed and the force."""
+    plane = {"vb": [0.05, 2], "F": [0.6, 1.6]}
+    steps = [
+        *STEPS,
+        follow("b", "o", {"vb": [0.3, 1.2]}, stability=True),
+        *(follow(label, ("b", f"{label}1"), plane) for label in ("GS", "SS", "CS")),
+    ]
+    return run(
+        {**BELT, "run": {"monitors": {"top": "max(v)"}, "mesh": MESH, "steps": steps}},
+        tmp_path_factory.mktemp("b") / "a.h5",
+    )
+
+
+def entry(way, om, F, vb):
+    """Return by how much the friction needed where v comes to vb, going up or down, exceeds what there is."""
+    block = Block(om, {1: F}, vb, 0.4)
+    x, t = next((x, t) for kind, t, x in block.follow(100) if kind == way)
+    return block.needed(t, x) - 0.4 if way == "up" else block.needed(t, x) + 0.4
+
+
+def exact(label, F=1.0, om=1.7):
+    """Return the belt's speed at each point: the first in closed form, the others from simulations."""
+    if label == "GS":
+        return F * om / math.hypot(1.0 - om**2, 0.2 * om)
+    low, high = (0.75, 0.85) if label == "SS" else (0.49, 0.55)
+    return brentq(lambda vb: entry("up" if label == "SS" else "down", om, F, vb), low * F, high * F, xtol=1e-11)
+
+
+@pytest.mark.parametrize(("label", "error"), [("GS", 1e-12), ("SS", 1e-9), ("CS", 1e-8)])
+def test_each_point_is_located_and_named(in_speed, label, error):
+    assert parameter(in_speed.step("b"), "vb", f"{label}1") == pytest.approx(exact(label), abs=error)
+
+
+def test_the_branch_goes_through_all_of_them(in_speed):
+    step = in_speed.step("b")
+    assert sorted(labels(step)) == ["CS1", "GS1", "SS1"]
+    names = [step.orbit(i)["signature"].tobytes().decode() for i in step.order]
+    assert list(dict.fromkeys(names)) == [
+        "slip_down>slip_below slip_up>slip_above",
+        "slip_up>slip_above slip_down>slip_on slip_off_down",
+        "slip_up>slip_on slip_off_down",
+        "(slip_below)",
+    ]
+    assert np.all(step.points["verified"] == 1) and np.all(step.points["admissible"] == 1)
+
+
+def test_multipliers_that_sliding_makes_zero_are_zero(in_speed):
+    """A stick forgets where the motion began: of two multipliers one is zero."""
+    step = in_speed.step("b")
+    for i in step.order:
+        if b">slip_on" in step.orbit(i)["signature"].tobytes():
+            found = step.orbit(i)["multipliers"]
+            assert np.all(np.abs(found[1:]) < 1e-12)
+
+
+@pytest.mark.parametrize(("label", "error"), [("GS", 1e-12), ("SS", 1e-9), ("CS", 1e-7)])
+def test_the_points_are_followed_in_two_parameters(in_speed, label, error):
+    step = in_speed.step(label)
+    assert step.meta["curve"] == label
+    F, vb = parameter(step, "F"), parameter(step, "vb")
+    assert max(F) == pytest.approx(1.6, abs=1e-12)
+    for k in (np.argmin(F), np.argmax(F)):
+        if label == "GS":
+            assert vb[k] == pytest.approx(exact("GS", F[k]), abs=error)
+            continue
+        way = "up" if label == "SS" else "down"
+        near = brentq(lambda x, k=k, way=way: entry(way, 1.7, F[k], x), vb[k] - 0.01, vb[k] + 0.01, xtol=1e-11)
+        assert vb[k] == pytest.approx(near, abs=error)
+
+
+def test_where_a_stick_is_broken_in_two_is_adding_sliding(tmp_path):
+    """At om = 0.5 with a fifth harmonic the friction needed while the block sticks has a maximum that reaches mu."""
+    mapping = {**BELT, "parameters": {"om": 0.5, "F": 0.3, "G": 0.5, "vb": 0.2, "mu": 0.4}}
+    steps = [*STEPS, follow("b", "o", {"G": [0.5, 0.56]}, stability=True)]
+    step = run({**mapping, "run": {"mesh": MESH, "steps": steps}}, tmp_path / "a.h5").step("b")
+
+    def excess(G):
+        block = Block(0.5, {1: 0.3, 5: G}, 0.2, 0.4)
+        events = block.follow(30)
+        sticks = [(t, x) for kind, t, x in events if kind == "stick"]
+        return max(_top(block, t, x) for t, x in sticks)
+
+    assert parameter(step, "G", "AS1") == pytest.approx(brentq(excess, 0.53, 0.56, xtol=1e-11), abs=1e-8)
+    assert np.all(step.points["verified"] == 1)
+
+
+def _top(block, t, x):
+    """Return by how much the friction needed exceeds mu at its highest maximum after t, sticking on as far as 3."""
+
+    def needed(a):
+        return block.needed(a, x + block.vb * (a - t))
+
+    s = np.linspace(t, t + 3.0, 301)
+    values = np.array([needed(a) for a in s])
+    inner = [k for k in range(1, len(s) - 1) if values[k] >= values[k - 1] and values[k] > values[k + 1]]
+    k = max(inner, key=lambda k: values[k])
+    found = minimize_scalar(
+        lambda a: -needed(a), bounds=(s[k - 1], s[k + 1]), method="bounded", options={"xatol": 1e-9}
+    )
+    return -found.fun - block.mu
+
+
+def test_an_orbit_may_slide_all_along(tmp_path):
+    """On x + y^2/4 = cos t the motion is that of y' = sin t - y: multipliers e^(-2 pi) and 0."""
+    mapping = {
+        "name": "slide",
+        "states": ["x", "y"],
+        "forcing": {"period": "2*pi"},
+        "switches": {"u": "x + y**2/4 - cos(t)"},
+        "equations": {"x'": "-3*sign(x + y**2/4 - cos(t))", "y'": "sin(t) - y"},
+        "initial": {"x": 2},
+    }
+    step = run(
+        {**mapping, "run": {"steps": [*settle(40)[:1], {"name": "o", "orbit": {"from": "t", "stability": True}}]}},
+        tmp_path / "a.h5",
+    ).step("o")
+    row = step.orbit(0)
+    assert row["signature"].tobytes() == b"(u_on)"
+    found = row["multipliers"]
+    assert found[0][0] == pytest.approx(math.exp(-2.0 * math.pi), abs=1e-10) and np.all(np.abs(found[1:]) < 1e-14)
+
+
+def test_brute_force_agrees_with_the_branch_on_both_sides(tmp_path, in_speed):
+    sweep = {"over": {"vb": [0.4, 1.0, 13]}, "transient": "60*2*pi/om", "initial": [{"x": 0, "v": 0}]}
+    steps = [{"name": "w", "sweep": sweep}]
+    found = run({**BELT, "run": {"steps": steps}}, tmp_path / "a.h5").step("w")
+    branch = in_speed.step("b")
+    vb, top = parameter(branch, "vb"), branch.points["monitors"][branch.order][:, 0]
+    for i in range(len(found)):
+        here = found.points["parameters"][i][3]
+        block = Block(1.7, {1: 1.0}, here, 0.4)
+        sticks = sum(kind == "stick" for kind, _, _ in block.follow(60))
+        names = [found.meta["segments"][k] for k in np.flatnonzero(found.points["n_segments"][i])]
+        assert sum(name.endswith(">slip_on") for name in names) == sticks
+    assert np.all(np.diff(vb) > -1e-12) and np.all(top >= vb.min())
