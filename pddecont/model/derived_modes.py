@@ -316,8 +316,14 @@ class DerivedModes:
             read = {k for k in range(len(switches)) if k != number}
         if not read:
             return word, expr
+        slides = number >= 0 and digits[number] == ON
+        function = put_in(expr, self.surfaces.find_values(digits, number))
+        if number >= 0 and not slides and switches[number].digit in function.free_symbols:
+            # What holds the motion on another surface depends on the side of this one.
+            read.add(number)
+            function = put_in(function, self.surfaces.find_values(digits))
         words = [f"{switches[k].name}_{WORDS[digits[k]]}" for k in sorted(read)]
-        return "_".join([word, *words]), put_in(expr, self.surfaces.find_values(digits, number))
+        return "_".join([word, *words]), function
 
     def _name_reset(self, jump: Jump, digits: Digits) -> tuple[str, Exprs]:
         whole = sympy.Tuple(*jump.reset)

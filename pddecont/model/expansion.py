@@ -91,11 +91,17 @@ def _write_event(model: Model, event: Event) -> Any:
     return {"after": event.after, "delay": write_formula(event.delay)}
 
 
+def _round_numbers(condition: Boolean) -> dict[sympy.Float, sympy.Float]:
+    return {number: sympy.Float(float(number)) for number in condition.atoms(sympy.Float)}
+
+
 def _write_segment(model: Model, name: str) -> dict[str, Any]:
     segment = model.segments[name]
     ways = list_alternatives(model, segment)
     to: Any = segment.to
     if len(ways) > 1:
-        to = [{"when": write_condition(way.guard), "mode": way.to} for way in ways[:-1]] + [{"mode": ways[-1].to}]
+        # A condition whose sides differ by less than a double can tell holds nowhere.
+        held = [way for way in ways[:-1] if way.guard.xreplace(_round_numbers(way.guard)) != sympy.false]
+        to = [{"when": write_condition(way.guard), "mode": way.to} for way in held] + [{"mode": ways[-1].to}]
     reset = {} if segment.reset == IDENTITY else {"reset": segment.reset}
     return {"mode": segment.mode, "event": segment.event, "direction": segment.direction, **reset, "to": to}

@@ -135,7 +135,9 @@ class SwitchCollector:
         return name
 
     def _larger(self, a: sympy.Expr, b: sympy.Expr) -> sympy.Expr:
-        return b + self._ramp(a - b)
+        # Of a number and a function the function is the argument: what lies above is what a reader expects.
+        fixed, other = (a, b) if not a.free_symbols & set(self.variables) else (b, a)
+        return fixed + self._ramp(other - fixed)
 
     def _ramp(self, u: sympy.Expr) -> sympy.Expr:
         """Return the positive part of ``u``."""

@@ -175,7 +175,7 @@ class Equations:
                     break
             else:
                 return None
-        return None if rest else tuple(digits)
+        return tuple(digits) if self.name_mode(tuple(digits)) == mode else None
 
 
 def name_digits(switches: tuple[Switch, ...], digits: Digits, but: int = -1) -> str:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 
 import sympy
 
@@ -74,4 +74,14 @@ def measure_terms(expr: sympy.Expr, point: Mapping[sympy.Symbol, float]) -> floa
         return math.prod(measure_terms(a, point) for a in expr.args)
     if expr.is_Pow and expr.exp.is_Integer and expr.exp > 0:
         return float(measure_terms(expr.base, point) ** int(expr.exp))
-    return abs(evaluate(expr, point))
+    value = abs(evaluate(expr, point))
+    # What rounding in its arguments makes of a function's value counts too.
+    slopes = ((a, expr.diff(s).xreplace({s: a})) for a, s, expr in _list_arguments(expr))
+    return value + math.fsum(abs(evaluate(slope, point)) * measure_terms(a, point) for a, slope in slopes)
+
+
+def _list_arguments(expr: sympy.Expr) -> Iterator[tuple[sympy.Expr, sympy.Symbol, sympy.Expr]]:
+    """Yield each argument of a function, a symbol, and the function with the symbol in the argument's place."""
+    for k, argument in enumerate(expr.args if isinstance(expr, sympy.Function) else ()):
+        symbol = sympy.Dummy(real=True)
+        yield argument, symbol, expr.func(*(symbol if i == k else a for i, a in enumerate(expr.args)))
