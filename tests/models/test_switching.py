@@ -121,8 +121,8 @@ class DryFriction:
 def test_dry_friction_begins_to_stick_where_the_force_at_a_turn_is_the_friction(tmp_path):
     results = shipped_run("dry_friction", tmp_path)
     step = results.step("in_frequency")
-    assert labels(step) == ["GD1", "GD2"]
-    for label, low, high in (("GD1", 0.7, 0.75), ("GD2", 1.2, 1.25)):
+    assert labels(step) == ["CS1", "CS2"]
+    for label, low, high in (("CS1", 0.7, 0.75), ("CS2", 1.2, 1.25)):
         exact = brentq(DryFriction.miss, low, high, xtol=1e-15)
         assert parameter(step, "om", label) == pytest.approx(exact, abs=1e-11)
     # Two turns a period on either side of the points, sticking at both of them outside.
@@ -244,7 +244,7 @@ def test_the_relay_slides_along_the_equivalent_control(tmp_path):
     assert slope == pytest.approx([0, x3 - 2 * sigma * rho * x2, -(rho**2) * x2], abs=1e-15)
     results = shipped_run("relay_sliding", tmp_path, mesh={"degree": 9, "tol": 1e-11})
     step = results.step("in_zeros")
-    assert labels(step) == ["VS1"]
+    assert labels(step) == ["CS1"]
 
     def crossing(rho):
         relay = Relay(rho)
@@ -253,7 +253,7 @@ def test_the_relay_slides_along_the_equivalent_control(tmp_path):
 
     exact = brentq(crossing, 1.3, 1.7, xtol=1e-15)
     # The point is recorded where a segment still lasts 1e-9 of the period.
-    assert parameter(step, "rho", "VS1") == pytest.approx(exact, abs=1e-7)
+    assert parameter(step, "rho", "CS1") == pytest.approx(exact, abs=1e-7)
     sliding = np.flatnonzero(parameter(step, "rho") < exact - 1e-3)
     for i in sliding[:: max(len(sliding) // 6, 1)]:
         relay, last = Relay(parameter(step, "rho")[i]), 0.0
