@@ -314,7 +314,7 @@ class Ramped:
         return max(found)
 
 
-def buck(E, R=22.0, C=47e-6, L=0.02, T=4e-4, gamma=11.75238, rise=0.5238096):
+def buck(E, R=22.0, C=0.047, L=20.0, T=0.4, gamma=11.75238, rise=0.5238096):
     A = [[-1 / (R * C), 1 / C], [-1 / L, 0]]
     return Ramped(Flow(A, [0, 0]), Flow(A, [0, E / L]), lambda z, t: z[0] - gamma - rise * t / T, T)
 
@@ -323,7 +323,7 @@ def test_the_buck_converter_doubles_its_period_where_hamill_and_deane_say(tmp_pa
     step = shipped_run("buck_converter", tmp_path).step("in_supply")
 
     def miss(E):
-        return np.prod(buck(E).multipliers([1, 0], -0.5238096 / 4e-4).real + 1)
+        return np.prod(buck(E).multipliers([1, 0], -0.5238096 / 0.4).real + 1)
 
     exact = brentq(miss, 24.3, 24.8, xtol=1e-13)
     assert exact == pytest.approx(24.5166, abs=5e-5)
@@ -332,7 +332,7 @@ def test_the_buck_converter_doubles_its_period_where_hamill_and_deane_say(tmp_pa
         assert monitor(step, "v_max")[i] == pytest.approx(buck(parameter(step, "E")[i]).highest(0), abs=1e-8)
 
 
-def boost(ref, E=10.0, R=20.0, C=12e-6, L=1.5e-3, T=1e-4, rise=1.5):
+def boost(ref, E=10.0, R=20.0, C=0.012, L=1.5, T=0.2, rise=1.5):
     load = Flow([[-1 / (R * C), 0], [0, 0]], [0, E / L])
     feed = Flow([[-1 / (R * C), 1 / C], [-1 / L, 0]], [0, E / L])
     return Ramped(load, feed, lambda z, t: z[1] + rise * t / T - ref, T)
@@ -346,7 +346,7 @@ def test_the_boost_converter_feeds_from_the_reference_on(tmp_path):
         assert monitor(step, "v_max")[i] == pytest.approx(exact.highest(0), abs=1e-8)
         assert monitor(step, "i_max")[i] == pytest.approx(exact.highest(1), abs=1e-9)
     found = np.sort_complex(multipliers(results.step("orbit")))
-    assert found == pytest.approx(np.sort_complex(boost(2.0).multipliers([0, 1], 1.5e4)), abs=1e-8)
+    assert found == pytest.approx(np.sort_complex(boost(2.0).multipliers([0, 1], 1.5 / 0.2)), abs=1e-8)
 
 
 def test_the_thermostat_swings_by_its_dead_time(tmp_path):
