@@ -129,10 +129,10 @@ def _read_jump(
     )
     when = sympy.S.One
     if body.when is not None:
-        known = len(findings.problems)
+        n_problems = len(findings.problems)
         condition = findings.condition((*path, "when"), body.when, scope)
         with findings.noting((*path, "when")):
-            when = collector.weigh(condition) if len(findings.problems) == known else when
+            when = collector.weigh(condition) if len(findings.problems) == n_problems else when
     named = {s.name: s.digit for s in collector.switches}
     for switch, sign in body.only.items():
         if switch not in named:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import sympy
@@ -10,7 +11,7 @@ from sympy.logic.boolalg import Boolean
 from sympy.printing.str import StrPrinter
 
 from pddecont.errors import PddecontError
-from pddecont.model.parts import IDENTITY, Event
+from pddecont.model.parts import IDENTITY, Event, Segment
 from pddecont.model.system import Model
 from pddecont.model.transitions import list_alternatives, list_leaders
 
@@ -91,8 +92,15 @@ def _write_event(model: Model, event: Event) -> Any:
     return {"after": event.after, "delay": write_formula(event.delay)}
 
 
-def _round_numbers(condition: Boolean) -> dict[sympy.Float, sympy.Float]:
-    return {number: sympy.Float(float(number)) for number in condition.atoms(sympy.Float)}
+def _list_possible(ways: Iterable[Segment]) -> Iterator[Segment]:
+    """Yield the ways whose conditions may hold after those before: some differ by less than a double can tell."""
+    left: Boolean = sympy.true
+    for way in ways:
+        numbers = {number: sympy.Float(float(number), 17) for number in way.guard.atoms(sympy.Float)}
+        guard = way.guard.xreplace(numbers)
+        if sympy.And(left, guard) != sympy.false:
+            yield way
+            left = sympy.And(left, sympy.Not(guard))
 
 
 def _write_segment(model: Model, name: str) -> dict[str, Any]:
@@ -100,8 +108,7 @@ def _write_segment(model: Model, name: str) -> dict[str, Any]:
     ways = list_alternatives(model, segment)
     to: Any = segment.to
     if len(ways) > 1:
-        # A condition whose sides differ by less than a double can tell holds nowhere.
-        held = [way for way in ways[:-1] if way.guard.xreplace(_round_numbers(way.guard)) != sympy.false]
+        held = list(_list_possible(ways[:-1]))
         to = [{"when": write_condition(way.guard), "mode": way.to} for way in held] + [{"mode": ways[-1].to}]
     reset = {} if segment.reset == IDENTITY else {"reset": segment.reset}
     return {"mode": segment.mode, "event": segment.event, "direction": segment.direction, **reset, "to": to}

@@ -47,9 +47,10 @@ def test_every_models_functions_and_derivatives(path):
         ),
     ]
     for value, jacobian, known, with_time in cases if model.events else cases[:2]:
-        for which, function in enumerate(known):
+        for place, function in enumerate(known):
             if function is None:
                 continue
+            which = functions.cases.of_mode[place] if value == functions.field else place
             d, dx, dxd, _, dt = all_derivatives(function, arguments)
             k = function.n_out
             assert called(value, which, t, x, xd, p, k) == pytest.approx(d.value[:, 0], rel=1e-14, abs=1e-15)

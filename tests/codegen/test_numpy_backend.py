@@ -46,7 +46,8 @@ def test_derivatives_agree_with_complex_steps(path):
                 assert np.allclose(values[:, k], expected, rtol=1e-12, atol=1e-12), (name, what, k)
         expected = complex_step(f, args, 0, slice(None))
         assert np.allclose(dt, expected, rtol=1e-12, atol=1e-12), (name, "dt")
-        assert np.allclose(d.value, f.value(*args), rtol=1e-15, atol=1e-15)
+        # Common parts are taken out differently: the rounding of a sine's argument, up to 20 here, is seen.
+        assert np.allclose(d.value, f.value(*args), rtol=1e-14, atol=1e-14)
         for c in range(n_points):
             out = [0.0] * f.n_out
             f.scalar(args[0][c], args[1][:, c].tolist(), args[2][:, c].tolist(), p.tolist(), out)

@@ -74,6 +74,17 @@ MODELS = {
     "rimless_wheel": 60,
     "turning": 3000,
     "two_stage_oscillator": 785,
+    "boost_converter": 40,
+    "buck_converter": 80,
+    "dry_friction": 800,
+    "friction_belt": 60,
+    "gear_backlash": 2100,
+    "harvested_predators": 2000,
+    "impact_oscillator_max": 600,
+    "relay_sliding": 300,
+    "ring_of_cars": 300,
+    "thermostat": 60,
+    "two_blocks": 300,
 }
 # Falls over; needs a kick on the way; has no damping to settle by.
 WITHOUT_ORBIT = {"suitcase", "theta_neuron", "linear_oscillator"}

@@ -81,9 +81,9 @@ def test_shipped_models(path, method):
     numeric = NumericModel(load_model(str(path))[0])
     model = numeric.model
     free = FREE.get(path.stem) or tuple(list(model.parameters)[:2])
-    check(
-        orbit_of(numeric, tuple(model.segments.values()) or (make_eventless(model, model.initial_mode),), method, free)
-    )
+    # Cars on a ring have hundreds of segments, all of them alike.
+    segments = tuple(model.segments.values())[: None if model.derived is None else 16]
+    check(orbit_of(numeric, segments or (make_eventless(model, model.initial_mode),), method, free))
 
 
 @pytest.mark.parametrize("method", METHODS)
