@@ -21,7 +21,7 @@ MOVED, TOO_SENSITIVE = 1e-7, 1e4
 # The error allowed: this much, times what the motion makes of a change of its start.
 ALLOWED = 1e-8
 # Models with more guards than this are left out: their machine code takes half a minute and more.
-MOST_GUARDS = 40
+MOST_GUARDS = 80
 # States are compared this far from events, where they may jump.
 APART = 1e-5
 
