@@ -22,9 +22,10 @@ class RandomEquations:
     reference: dict
 
     def make_reference(self, accuracy=1.0, moved=0.0):
-        """Return a new motion of the reference; ``moved`` is added to each state at the start."""
+        """Return a new motion of the reference; ``moved`` is added to x at the start (speeds may start on a surface)."""
         given = dict(self.reference)
-        start = np.array(given.pop("start"), float) + moved
+        start = np.array(given.pop("start"), float)
+        start[0] += moved
         return Reference(start=start, accuracy=accuracy, **given)
 
 
