@@ -41,7 +41,8 @@ def test_one_corner_has_two_modes_and_no_guards():
 
 
 @pytest.mark.parametrize(
-    "switches", [{"left": "v", "right": "w"}, {"a": "v", "a_on": "w"}, {"a_on": "v", "a": "w"}, {"a_on_b": "v", "a": "w"}]
+    "switches",
+    [{"left": "v", "right": "w"}, {"a": "v", "a_on": "w"}, {"a_on": "v", "a": "w"}, {"a_on_b": "v", "a": "w"}],
 )
 def test_digits_are_read_from_names_again(switches):
     """Names of switches may end like words for digits."""

@@ -8,7 +8,13 @@ from tests.conftest import model_from
 from tests.model.equations_models import STICK
 from tests.runs import change, to_yaml
 
-PLAIN = {"name": "m", "states": ["x"], "parameters": {"a": 1.0}, "equations": {"x'": "-a*x - sign(x)"}, "initial": {"x": 1}}
+PLAIN = {
+    "name": "m",
+    "states": ["x"],
+    "parameters": {"a": 1.0},
+    "equations": {"x'": "-a*x - sign(x)"},
+    "initial": {"x": 1},
+}
 
 
 def problems(model):

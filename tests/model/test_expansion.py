@@ -130,11 +130,7 @@ def test_an_alternative_that_nothing_takes_is_left_out():
 
 def test_definitions_are_put_in():
     model = model_from(
-        {
-            **STICK,
-            "definitions": {"force": "mu*sign(v)"},
-            "equations": {"x'": "v", "v'": "F*cos(om*t) - x - force"},
-        }
+        {**STICK, "definitions": {"force": "mu*sign(v)"}, "equations": {"x'": "v", "v'": "F*cos(om*t) - x - force"}}
     )
     by_hand = model_from(expand_model(model))
     assert by_hand.definitions == {}

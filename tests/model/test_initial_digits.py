@@ -27,12 +27,18 @@ def test_signs_are_those_of_the_arguments():
 
 def test_the_signs_of_nested_arguments_are_those_with_the_inner_ones():
     model = one_law("max(abs(x) - a, 0)")
-    for x, expected in ((-0.8, "below_x2_above"), (-0.2, "below_x2_below"), (0.2, "above_x2_below"), (0.8, "above_x2_above")):
+    for x, expected in (
+        (-0.8, "below_x2_above"),
+        (-0.2, "below_x2_below"),
+        (0.2, "above_x2_below"),
+        (0.8, "above_x2_above"),
+    ):
         assert find_start_mode(model.derived, numbers_at(model, x=x, y=0.0, x_1=0.0)) == f"x_{expected}"
 
 
 @pytest.mark.parametrize(
-    ("x", "expected"), [(0.2, "slip_above"), (0.6999, "slip_above"), (0.7001, "slip_on"), (2.2999, "slip_on"), (2.3001, "slip_below")]
+    ("x", "expected"),
+    [(0.2, "slip_above"), (0.6999, "slip_above"), (0.7001, "slip_on"), (2.2999, "slip_on"), (2.3001, "slip_below")],
 )
 def test_on_a_surface_the_forces_say_where_it_goes(x, expected):
     """At t = 0 the force is 1.5 - x against friction of 0.8."""

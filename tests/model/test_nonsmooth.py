@@ -181,7 +181,7 @@ def test_names_of_switches_are_those_of_their_states_unless_given():
 )
 def test_what_is_refused_is_told_with_its_place(text, column, message):
     """The text begins in column 7 of line 5, behind its quotation mark."""
-    given = f'name: m\nstates: [x, y]\nparameters: {{a: 0.5, b: -0.25}}\nequations:\n  x\': "{text}"\n  y\': -y\n'
+    given = f"name: m\nstates: [x, y]\nparameters: {{a: 0.5, b: -0.25}}\nequations:\n  x': \"{text}\"\n  y': -y\n"
     with pytest.raises(ModelError, match=message) as caught:
         model_from(f"{given}forcing: {{period: 2}}\n")
     (problem,) = caught.value.problems
@@ -201,7 +201,9 @@ def test_a_coulomb_law_shares_its_sign_with_nothing_in_either_order():
         one_law("-sign(x) - coulomb(x, 1, 1.3)")
 
 
-@pytest.mark.xfail(strict=True, reason="static below kinetic friction is accepted, and a kinetic one of zero drops the law")
+@pytest.mark.xfail(
+    strict=True, reason="static below kinetic friction is accepted, and a kinetic one of zero drops the law"
+)
 @pytest.mark.parametrize("text", ["-coulomb(x, 1, 0.5)", "-coulomb(x, 2*a, a)", "-coulomb(x, 0, 1)"])
 def test_static_friction_is_at_least_the_kinetic(text):
     with pytest.raises(ModelError):

@@ -90,5 +90,7 @@ def test_a_relay_after_a_jump_keeps_its_digit_between_the_thresholds():
         ("x_above", -1.5, "x_below"),
     ):
         numbers = numbers_at(model, x=x, y=0.0, x_1=0.0)
-        (taken,) = [s.to for s in model.segments.values() if s.mode == before and s.event == "kick" and holds(s.guard, numbers)]
+        (taken,) = [
+            s.to for s in model.segments.values() if s.mode == before and s.event == "kick" and holds(s.guard, numbers)
+        ]
         assert taken == after

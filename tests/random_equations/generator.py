@@ -194,9 +194,7 @@ class _Draw:
         greater = self.r.random() < 0.5
         condition = f"{u} {COMPARED[greater]} 0"
         first, second = (a, b) if greater else (b, a)
-        return Term(
-            f"-where({condition}, {a}, {b})", f"-({first} if up({self.label(p, late)}, {p}) else {second})"
-        )
+        return Term(f"-where({condition}, {a}, {b})", f"-({first} if up({self.label(p, late)}, {p}) else {second})")
 
     def _both(self):
         one, other = self.argument(), self.argument()
@@ -209,10 +207,7 @@ class _Draw:
         a, b = self.number(-0.7, 0.7), self.number(-0.7, 0.7)
         first, second = f"up({self.label(pu, late_u)}, {pu})", f"up({self.label(pw, late_w)}, {pw})"
         # Both are read, so that both numbers are noted.
-        return Term(
-            f"where({u} > 0 and not {w} > 0, {a}, {b})",
-            f"({a} if all([{first}, not {second}]) else {b})",
-        )
+        return Term(f"where({u} > 0 and not {w} > 0, {a}, {b})", f"({a} if all([{first}, not {second}]) else {b})")
 
     def _where_or(self, equation):
         (u, pu, late_u), (w, pw, late_w) = self._both()
@@ -240,19 +235,14 @@ class _Draw:
         m = self.number(-0.7, 0.4)
         low, high = self.label(f"{s} + 0.5"), self.label(f"{s} - 0.5")
         inner = f"clip({low}, {high}, {s}, -0.5, 0.5)"
-        return Term(
-            f"{m}*abs(clip({s}, -0.5, 0.5) + 0.1)",
-            f"{m}*absolute({self.label(f'clip {s}')}, {inner} + 0.1)",
-        )
+        return Term(f"{m}*abs(clip({s}, -0.5, 0.5) + 0.1)", f"{m}*absolute({self.label(f'clip {s}')}, {inner} + 0.1)")
 
     def _product(self, equation):
         s = "v" if self.n > 1 else "x"
         m, e = self.number(0.2, 0.8), self.r.choice(("0.2", "-0.4"))
         other = "x" if self.n > 1 else "x"
         u = f"{other} - {e}" if e[0] != "-" else f"{other} + {e[1:]}"
-        return Term(
-            f"-{m}*sign({s})*max(0, {u})", f"-{m}*sign({self.label(s)}, {s})*ramp({self.label(u)}, {u})"
-        )
+        return Term(f"-{m}*sign({s})*max(0, {u})", f"-{m}*sign({self.label(s)}, {s})*ramp({self.label(u)}, {u})")
 
     def _time(self):
         a = self.r.choice((None, "0.7"))

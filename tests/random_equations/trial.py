@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 import sympy
@@ -56,9 +56,7 @@ def try_equations(model):
     except PddecontError as error:
         motion, said = None, str(error)
     try:
-        reference, moved, loose = (
-            model.make_reference(*how).run(T_END) for how in ((1.0,), (1.0, MOVED), (100.0,))
-        )
+        reference, moved, loose = (model.make_reference(*how).run(T_END) for how in ((1.0,), (1.0, MOVED), (100.0,)))
     except UnsureError as error:
         return _end(trial, "unsure", f"{error}" if motion is not None else f"{error}; the program: {said}")
     if motion is None:
