@@ -52,7 +52,7 @@ def numbers_at(model, t=0.0, **values):
     """Return the symbols of a model with their values; delayed values by their names, as ``x_1``."""
     known = {TIME: t} | dict(zip(model.parameter_symbols, model.parameters.values(), strict=True))
     known |= {s: values[name] for name, s in zip(model.states, model.state_symbols, strict=True)}
-    return known | dict.fromkeys(model.delayed_symbols, values["x_1"])
+    return known | dict.fromkeys(model.delayed_symbols, values.get("x_1", 0.0))
 
 
 def field_at(model, numbers, mode=None):

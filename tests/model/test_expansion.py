@@ -22,7 +22,8 @@ ECHO = {
     "switches": {"wall": "x - d/2"},
     "equations": {
         "x'": "v",
-        "v'": "F*cos(om*t) - x - 0.2*v + K*x(t - tau) - max(x - d/2, 0) - 0.2*sign(x(t - tau)) - 0.1*square(t, 2*pi/om)",
+        "v'": "F*cos(om*t) - x - 0.2*v + K*x(t - tau) - max(x - d/2, 0) - 0.2*sign(x(t - tau))"
+        " - 0.1*square(t, 2*pi/om)",
     },
     "jumps": {
         "stop": {"at": "x - d", "direction": "rising", "reset": {"v": "-r*v"}},

@@ -97,13 +97,10 @@ def test_along_two_surfaces_at_once_one_linear_system_decides():
     model, draw = model_from(TWO), random.Random(6)
     for _ in range(10):
         x, y = draw.uniform(-1, 1), draw.uniform(-1, 1)
-        corner = two_fields(x, 0, y, 0, 0, 0)
-        matrix = np.column_stack([two_fields(x, 0, y, 0, *s) - corner for s in ((1, 0), (0, 1))])[[1, 3]]
-        left, right = np.linalg.solve(matrix, -corner[[1, 3]])
         numbers = numbers_at(model, x=x, v=0.0, y=y, w=0.0)
         assert field_at(model, numbers, "left_on_right_on") == pytest.approx([0, 0, 0, 0], abs=1e-14)
         # One of them leaves while the other goes on sticking: with its own sign +1 and the other's mean.
-        other = -(two_fields(x, 0, y, 0, 1, 0)[3]) / (-0.4)
+        other = two_fields(x, 0, y, 0, 1, 0)[3] / 0.4
         expected = two_fields(x, 0, y, 0, 1, other)[1]
         event = next(
             s.event for s in model.segments.values() if s.mode == "left_on_right_on" and s.to == "left_above_right_on"

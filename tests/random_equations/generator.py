@@ -22,7 +22,10 @@ class RandomEquations:
     reference: dict
 
     def make_reference(self, accuracy=1.0, moved=0.0):
-        """Return a new motion of the reference; ``moved`` is added to x at the start (speeds may start on a surface)."""
+        """Return a new motion of the reference.
+
+        ``moved`` is added to x at the start: speeds may start on a surface.
+        """
         given = dict(self.reference)
         start = np.array(given.pop("start"), float)
         start[0] += moved
@@ -240,8 +243,7 @@ class _Draw:
     def _product(self, equation):
         s = "v" if self.n > 1 else "x"
         m, e = self.number(0.2, 0.8), self.r.choice(("0.2", "-0.4"))
-        other = "x" if self.n > 1 else "x"
-        u = f"{other} - {e}" if e[0] != "-" else f"{other} + {e[1:]}"
+        u = f"x - {e}" if e[0] != "-" else f"x + {e[1:]}"
         return Term(f"-{m}*sign({s})*max(0, {u})", f"-{m}*sign({self.label(s)}, {s})*ramp({self.label(u)}, {u})")
 
     def _time(self):

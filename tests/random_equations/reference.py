@@ -53,8 +53,8 @@ class Impact:
 class Reference:
     """A motion of ``texts`` (one a state) from ``start``, which is its history too.
 
-    ``grips`` holds static by kinetic friction by label, ``relays`` the labels with memory, ``fixed`` those whose numbers
-    hold delayed values or time alone: along those nothing slides.
+    ``grips`` holds static by kinetic friction by label, ``relays`` the labels with memory, ``fixed`` those whose
+    numbers hold delayed values or time alone: along those nothing slides.
     """
 
     states: tuple[str, ...]
@@ -385,6 +385,9 @@ class Reference:
 
             values = np.array([g(t) for t in times])
             if what[1] != "jump" and values[0] > GRAZING:
+                if what[0] in self.fixed and what[0] in fresh:
+                    # It passed zero just where the arc before ended, as delayed values do at breaking points.
+                    return began, what
                 raise UnsureError(f"{what} is beyond its surface already")
             up = np.flatnonzero((values[:-1] <= 0.0) & (values[1:] > 0.0))
             tops = [

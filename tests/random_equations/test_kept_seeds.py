@@ -7,7 +7,7 @@ import pytest
 from tests.random_equations.generator import draw_equations
 from tests.random_equations.trial import try_equations
 
-# All kinds of functions, long and short sliding, impacts with kicks, delayed relays; few enough guards to compile at once.
+# All kinds of functions, long and short sliding, impacts with kicks, delayed values; guards that compile in a second.
 SEEDS = [9, 21, 26, 41, 44, 50, 55, 57, 85, 106, 125, 146, 163, 169, 175]
 # Of two hundred models these many are large, or unsure, at most.
 N_SEEDS, BATCH = 200, 20

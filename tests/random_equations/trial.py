@@ -68,8 +68,8 @@ def try_equations(model):
 def _compare_by_hand(trial, model, motion):
     """Compare with the motion of the model by hand.
 
-    Its formulas hold the same numbers, but numbers decide in which order sympy adds terms: what differs is rounding, and
-    what the choice of steps makes of it.
+    Its formulas hold the same numbers, but numbers decide in which order sympy adds terms: what differs is rounding,
+    and what the choice of steps makes of it.
     """
     by_hand = _simulate(numeric_from(expand_model(model)))
     if motion.events.segment != by_hand.events.segment:
