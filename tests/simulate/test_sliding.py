@@ -116,6 +116,13 @@ def test_friction_ends_with_its_normal_force():
     )
 
 
+@pytest.mark.xfail(strict=True, reason="a digit is left in the machine code of an event", raises=Exception)
+def test_where_a_sign_carries_another_over_zero():
+    """x' is 1.5 below zero, where sign(x)*y = 0.5, and 1 above it."""
+    t = simulate({"x'": "1 + max(0, sign(x)*y)", "y'": "0"}, {"x": -1.5, "y": -0.5}, 2.0)
+    assert t(2.0) == pytest.approx([1.0, -0.5], abs=1e-11)
+
+
 def off_surface(equations, initial, u, t_end):
     """Return how far a motion that slides to the end is from its surface at most."""
     t = trajectory_of(to_yaml({**FORCED, "equations": equations, "initial": initial}), t_end)
