@@ -11,8 +11,9 @@ from tests.random_equations.trial import try_equations
 SEEDS = [9, 21, 26, 41, 44, 50, 55, 57, 85, 106, 125, 146, 163, 169, 175]
 # Of each batch of two hundred models at least a third is compared; the others are large, unsure, or refused.
 N_SEEDS, BATCH = 200, 20
-# Models by hand that are refused: an alternative that contradicts itself is written.
-WRONG = [164]
+# Known faults: a digit is left in the machine code of an event (11); an alternative that contradicts itself is written
+# in the model by hand, which is refused (164).
+WRONG = [11, 164]
 
 
 @pytest.mark.parametrize("seed", SEEDS)

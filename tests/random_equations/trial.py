@@ -28,7 +28,10 @@ APART = 1e-5
 
 @dataclass
 class Trial:
-    """What was compared for one model; ``outcome`` is "compared", "unsure", "large", "refused" (no linear system) or "wrong"."""
+    """What was compared for one model.
+
+    ``outcome`` is "compared", "unsure", "large", "refused" (nothing decides how to slide) or "wrong".
+    """
 
     seed: int
     kinds: list[str]
@@ -55,6 +58,8 @@ def try_equations(model):
         motion = _simulate(numeric)
     except PddecontError as error:
         motion, said = None, str(error)
+    except Exception as error:  # whatever comes of code that is made for a model is a fault, and named
+        return _end(trial, "wrong", f"{type(error).__name__}: {error}")
     try:
         reference, moved, loose = (model.make_reference(*how).run(T_END) for how in ((1.0,), (1.0, MOVED), (100.0,)))
     except UnsureError as error:
