@@ -56,7 +56,8 @@ def test_it_has_the_same_parts(name):
         assert getattr(model, part) == getattr(by_hand, part)
     for part in ("modes", "events", "segments"):
         assert list(getattr(model, part)) == list(getattr(by_hand, part))
-    assert set(model.resets) == set(by_hand.resets)
+    # Those that put orbits on their surface are no part of a file.
+    assert {k for k in model.resets if not k.startswith("onto_")} == set(by_hand.resets)
     for k, segment in model.segments.items():
         other = by_hand.segments[k]
         assert (segment.mode, segment.event, segment.direction, segment.to) == (
@@ -75,8 +76,8 @@ def test_it_says_the_same_numbers(name):
         for k, body in model.modes.items():
             found = [evaluate(f, numbers) for f in by_hand.modes[k]]
             assert found == pytest.approx([evaluate(f, numbers) for f in body], abs=1e-13)
-        for k, body in model.resets.items():
-            assert [evaluate(g, numbers) for g in by_hand.resets[k]] == [evaluate(g, numbers) for g in body]
+        for k, body in by_hand.resets.items():
+            assert [evaluate(g, numbers) for g in model.resets[k]] == [evaluate(g, numbers) for g in body]
         for k, event in model.events.items():
             other = by_hand.events[k]
             if event.function is None:
@@ -121,7 +122,6 @@ def test_the_command_writes_what_reads_back(tmp_path, capsys):
     assert list(by_hand.segments) == list(model.segments)
 
 
-@pytest.mark.xfail(strict=True, reason="an alternative whose conditions contradict each other as doubles is written")
 def test_an_alternative_that_nothing_takes_is_left_out():
     law = "0.3 - 0.553*x + where(x - 0.2 > 0 or x > 0, -0.694, 0.509) - 1.18*max(0, x + 0.3)"
     law += " + 0.0723*heaviside(x - 0.2)*(1 - 0.3*x)"
