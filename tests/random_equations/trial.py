@@ -114,7 +114,9 @@ def _compare(trial, motion, reference, moved, loose):
     own = float(np.max(np.abs(states[2] - states[0])))
     if own > 100 * trial.allowed:
         return _end(trial, "unsure", f"the reference is off by {own:.1e} itself at another tolerance")
-    deviation = np.max(np.abs(motion(times) - states[0]), axis=1)
+    # Clocks of sawtooth functions are states of the program alone.
+    own_states = motion(times)[:, : states[0].shape[1]]
+    deviation = np.max(np.abs(own_states - states[0]), axis=1)
     trial.deviation = float(np.max(deviation))
     if trial.deviation > trial.allowed:
         first = times[np.flatnonzero(deviation > trial.allowed)[0]]
@@ -133,10 +135,12 @@ def _clear_times(events):
 def _compare_times(trial, motion, reference, names):
     """Compare the times of events, those that are one moment taken once."""
     mine, theirs = (_merge(t) for t in (motion.events.t, [t for t, _ in reference.events]))
-    if len(mine) != len(theirs):
-        return _end(trial, "wrong", f"{len(mine)} moments of events instead of {len(theirs)}")
-    if len(mine) and (apart := float(np.max(np.abs(mine - theirs)))) > 100 * trial.allowed:
-        return _end(trial, "wrong", f"events apart by {apart:.1e}")
+    # The reference stops in the middle of a sawtooth too, where nothing happens.
+    needed = _merge([t for t, what in reference.events if not str(what).startswith("angle")])
+    for some, others, who in ((mine, theirs, "the reference"), (needed, mine, "the program")):
+        far = [t for t in some if not len(others) or np.min(np.abs(others - t)) > 100 * trial.allowed]
+        if far:
+            return _end(trial, "wrong", f"at t = {far[0]:.6g} {who} has no event")
     return trial
 
 
