@@ -21,7 +21,7 @@ from sympy.logic.boolalg import Boolean
 from pddecont.codegen.cache import find_cache_folder
 from pddecont.codegen.compilation import compiler_settings
 from pddecont.codegen.printer import Names, ScalarPrinter, name_symbols, print_assignments
-from pddecont.model import ABOVE, ON, TIME, Model
+from pddecont.model import ABOVE, ON, TIME, Model, Segment
 
 _make_pointer: Callable[[Any], Any] = types.CPointer
 DOUBLE_POINTER = _make_pointer(types.float64)
@@ -59,6 +59,10 @@ def find_field_cases(model: Model) -> FieldCases:
         bits = sum(1 << k for k, d in enumerate(own) if d == ABOVE)
         of_mode.append(cases.setdefault(on, len(cases)) << len(digits) | bits)
     return FieldCases(tuple(map(derived.slide, cases)), digits, tuple(of_mode))
+
+
+def _rule_of(segment: Segment) -> Boolean:
+    return segment.guard if segment.rule is None else segment.rule
 
 
 class MachineCode(Protocol):
@@ -111,17 +115,27 @@ class ModelFunctions:
 
     @cached_property
     def guard_numbers(self) -> tuple[int, ...]:
-        """The number of each segment's condition among those that differ."""
-        numbers: dict[Boolean, int] = {}
-        return tuple(numbers.setdefault(s.guard, len(numbers)) for s in self.model.segments.values())
+        """What each segment's condition is known by: its number among those that differ, with the digits below."""
+        numbers = {rule: number for number, rule in enumerate(self._rules)}
+        own, shift = self._digits, len(self.cases.digits)
+        return tuple(numbers[_rule_of(s)] << shift | own.get(s.to, 0) for s in self.model.segments.values())
 
     @cached_property
     def guard(self) -> int:
         """The address of the conditions, 1 where they hold; ``which`` is their number. 0 if there are none."""
-        guards = list(dict.fromkeys(segment.guard for segment in self.model.segments.values()))
-        if all(guard == sympy.true for guard in guards):
+        if all(rule == sympy.true for rule in self._rules):
             return 0
-        return self._address([[sympy.Piecewise((1, guard), (0, True))] for guard in guards])
+        return self._address([[sympy.Piecewise((1, rule), (0, True))] for rule in self._rules], self.cases.digits)
+
+    @cached_property
+    def _rules(self) -> list[Boolean]:
+        return list(dict.fromkeys(map(_rule_of, self.model.segments.values())))
+
+    @cached_property
+    def _digits(self) -> dict[str, int]:
+        """The digits of each mode as bits."""
+        mask = (1 << len(self.cases.digits)) - 1
+        return {mode: case & mask for mode, case in zip(self.model.modes, self.cases.of_mode, strict=True)}
 
     @cached_property
     def history(self) -> int:

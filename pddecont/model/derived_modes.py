@@ -22,7 +22,7 @@ from pddecont.model.sliding import Surfaces, find_surfaces, put_in
 from pddecont.model.switches import ABOVE, BELOW, ON, WORDS, Digits, Equations, Jump, name_digits
 from pddecont.model.validation import ALTERNATIVE
 from pddecont.model.vanishing import vanishes, vanishes_where
-from pddecont.model.ways import Undecided, list_options, list_ways
+from pddecont.model.ways import Undecided, WayFinder, list_options
 
 # All modes are named, with what ends them, before a motion starts.
 MAX_MODES = 5000
@@ -88,6 +88,7 @@ class DerivedModes:
     def __post_init__(self) -> None:
         self.equations = self.surfaces.equations
         self.modes = Fields(self.surfaces)
+        self.finder = WayFinder(self.surfaces)
         self.resets[IDENTITY] = self.equations.states
 
     def find_mode(self, digits: Digits) -> str:
@@ -294,14 +295,14 @@ class DerivedModes:
             # What held the motion on a surface is gone.
             held = {k: list_options(self.surfaces, k, on_surface=True) for k, d in enumerate(after) if d == ON}
             undecided = held | undecided
-        ways = list_ways(self.surfaces, after, undecided)
+        ways = self.finder.list_ways(after, undecided)
         for way in ways:
             to = self.equations.name_mode(way.digits)
             if len(ways) == 1:
                 yield replace(segment, mode=mode, to=to)
             else:
                 name = f"{written}{ALTERNATIVE}{to}"
-                yield replace(segment, name=name, mode=mode, to=to, written=written, guard=way.guard)
+                yield replace(segment, name=name, mode=mode, to=to, written=written, guard=way.guard, rule=way.rule)
 
     def _name_segment(self, word: str, number: int, digits: Digits) -> str:
         """Return the name of a segment: the digits of the other switches, then what happens."""

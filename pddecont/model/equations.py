@@ -76,7 +76,8 @@ def read_equations(
         tuple(replace(s, argument=make_multilinear(s.argument, digits)) for s in switches),
         jumps,
     ).add_states(tuple(c.state for c in clocks), tuple(sympy.S.One for _ in clocks))
-    equations = replace(equations, jumps=(*equations.jumps, *(_tick(clock, equations.states) for clock in clocks)))
+    for clock in clocks:
+        equations = _let_tick(equations, clock)
     used = equations.leave_out_idle()
     for name in file.switches:
         if name not in {s.name for s in used.switches}:
@@ -84,10 +85,16 @@ def read_equations(
     return used
 
 
-def _tick(clock: Clock, states: tuple[sympy.Symbol, ...]) -> Jump:
-    """Return the jump that sets a clock to zero."""
-    reset = tuple(sympy.S.Zero if x == clock.state else x for x in states)
-    return Jump(f"{clock.state.name}_tick", clock.tick, "rising", None, None, reset)
+def _let_tick(equations: Equations, clock: Clock) -> Equations:
+    """Return the equations with a clock that is set to zero by a jump of its own, or by one that comes as it ticks."""
+    states, jumps = equations.states, list(equations.jumps)
+    at_once = (k for k, j in enumerate(jumps) if (j.function, j.direction, j.when) == (clock.tick, "rising", 1))
+    place = next(at_once, len(jumps))
+    if place == len(jumps):
+        jumps.append(Jump(f"{clock.state.name}_tick", clock.tick, "rising", None, None, states))
+    reset = zip(states, jumps[place].reset, strict=True)
+    jumps[place] = replace(jumps[place], reset=tuple(sympy.S.Zero if x == clock.state else g for x, g in reset))
+    return replace(equations, jumps=tuple(jumps))
 
 
 def make_multilinear(expr: sympy.Expr, digits: list[sympy.Symbol]) -> sympy.Expr:

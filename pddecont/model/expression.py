@@ -311,7 +311,7 @@ class _Translator:
                 raise ExpressionError(f"{name} takes {n_args} argument(s), found {len(node.args)}", node.col_offset)
             args = [self.visit(arg, depth + 1) for arg in node.args]
             return self.placed(lambda: apply_symbolic(function, args), node)
-        if name in NONSMOOTH:
+        if name in NONSMOOTH and not self.scope.logical:
             raise ExpressionError(
                 f"'{name}' is not smooth: give the model as 'equations', where it is allowed, or write one mode for "
                 "each side of its corner and an event function that is zero there",
@@ -328,7 +328,8 @@ class _Translator:
                 node.col_offset,
             )
         raise ExpressionError(
-            f"unknown function '{name}'{self.scope.missing(name) or suggest(name, FUNCTIONS)}", node.col_offset
+            f"unknown function '{name}'{self.scope.missing(name) or suggest(name, [*FUNCTIONS, *self.scope.builtins])}",
+            node.col_offset,
         )
 
     def delayed(self, state: str, node: ast.Call, depth: int) -> sympy.Expr:

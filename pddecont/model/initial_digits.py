@@ -12,7 +12,7 @@ from pddecont.model.evaluation import evaluate
 from pddecont.model.sliding import UndecidedSlidingError
 from pddecont.model.switches import ABOVE, BELOW, ON, Digits
 from pddecont.model.vanishing import measure_terms
-from pddecont.model.ways import Undecided, list_options, list_ways
+from pddecont.model.ways import Undecided, list_options
 
 # A function this small, relative to the terms it adds, is zero: the motion starts on the surface.
 ROUNDING = 1e-14
@@ -43,7 +43,7 @@ def find_start_mode(derived: DerivedModes, numbers: Numbers) -> str:
                 undecided[k] = list_options(surfaces, k, on_surface=True)
         known[switch.digit] = float(digit)
         digits.append(digit)
-    ways = list_ways(surfaces, tuple(digits), undecided)
+    ways = derived.finder.list_ways(tuple(digits), undecided)
     way = next((way for way in ways[:-1] if holds(way.guard, numbers)), ways[-1])
     for k in undecided:
         if surfaces.slides[k]:

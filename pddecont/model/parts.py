@@ -41,3 +41,5 @@ class Segment:
     # states after the reset.
     written: str = ""
     guard: Boolean = sympy.true
+    # Of a model given by its equations: the guard in the digits of the switches, which many modes share.
+    rule: Boolean | None = None

@@ -51,7 +51,7 @@ class Surfaces:
         switches = self.equations.switches
         on = tuple(k for k, d in enumerate(digits) if d == ON and k != free)
         fixed = {
-            s.digit: FIXED[d] for k, (s, d) in enumerate(zip(switches, digits, strict=True)) if d != ON and k != free
+            s.digit: FIXED[d] for k, (s, d) in enumerate(zip(switches, digits, strict=True)) if d in FIXED and k != free
         }
         return fixed | {s: put_in(e, fixed) for s, e in self.solve(on).items()}
 

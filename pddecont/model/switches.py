@@ -14,6 +14,8 @@ import sympy
 
 # What the digit of a switch says, and the words for it in names of modes.
 BELOW, ABOVE, ON = 0, 1, 2
+# Instead of a digit: it is not put in, and its symbol stands.
+OPEN = -1
 WORDS = ("below", "above", "on")
 # One digit for each switch.
 Digits: TypeAlias = tuple[int, ...]

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Hashable, Mapping
+from dataclasses import dataclass, field
 from itertools import product
 
 import sympy
 from sympy.logic.boolalg import Boolean
 
-from pddecont.model.sliding import Surfaces, put_in
-from pddecont.model.switches import ABOVE, BELOW, ON, Digits
+from pddecont.model.sliding import FIXED, Surfaces, put_in
+from pddecont.model.switches import ABOVE, BELOW, ON, OPEN, Digits
 
 
 @dataclass(frozen=True)
@@ -23,27 +23,63 @@ class Undecided:
 
 @dataclass(frozen=True)
 class Way:
-    """Digits that follow where ``guard`` holds in the states after an event."""
+    """Digits that follow where ``guard`` holds in the states after an event.
+
+    ``rule`` is the same in the digits of the switches that do not change: many modes share one.
+    """
 
     digits: Digits
     guard: Boolean
+    rule: Boolean
 
 
-def list_ways(surfaces: Surfaces, digits: Digits, undecided: Mapping[int, Undecided]) -> list[Way]:
-    """Return the digits that may follow, each with its condition: the first that holds decides."""
-    numbers = list(undecided)
-    every = [
-        after
-        for chosen in product(*(undecided[k].options for k in numbers))
-        if surfaces.may_slide(after := _replace(digits, dict(zip(numbers, chosen, strict=True))))
-    ]
+@dataclass
+class WayFinder:
+    """Finds where motions go on; what it has worked out once it knows."""
+
+    surfaces: Surfaces
+    _rules: dict[Hashable, list[Boolean]] = field(default_factory=dict)
+    _guards: dict[Hashable, Boolean] = field(default_factory=dict)
+
+    def list_ways(self, digits: Digits, undecided: Mapping[int, Undecided]) -> list[Way]:
+        """Return the digits that may follow, each with its condition: the first that holds decides."""
+        numbers = tuple(undecided)
+        possible = [
+            chosen
+            for chosen in product(*(undecided[k].options for k in numbers))
+            if self.surfaces.may_slide(_replace(digits, dict(zip(numbers, chosen, strict=True))))
+        ]
+        kept = tuple(d if d == ON or k in undecided else OPEN for k, d in enumerate(digits))
+        key = kept, tuple(undecided.items()), tuple(possible)
+        if key not in self._rules:
+            changed = [_replace(kept, dict(zip(numbers, chosen, strict=True))) for chosen in possible]
+            self._rules[key] = _list_rules(self.surfaces, changed, kept, undecided)
+        found = []
+        for chosen, rule in zip(possible, self._rules[key], strict=True):
+            guard = self._put_in(rule, digits)
+            if guard != sympy.false:
+                found.append(Way(_replace(digits, dict(zip(numbers, chosen, strict=True))), guard, rule))
+        return found
+
+    def _put_in(self, rule: Boolean, digits: Digits) -> Boolean:
+        """Return a rule with the digits of a mode."""
+        switches = self.surfaces.equations.switches
+        values = {s.digit: FIXED[d] for s, d in zip(switches, digits, strict=True) if s.digit in rule.free_symbols}
+        key = rule, tuple(values.items())
+        if key not in self._guards:
+            self._guards[key] = rule.xreplace(values) if values else rule
+        return self._guards[key]
+
+
+def _list_rules(
+    surfaces: Surfaces, changed: list[Digits], before: Digits, undecided: Mapping[int, Undecided]
+) -> list[Boolean]:
+    """Return the condition of each of the sets of digits that may follow; the last one holds where no other does."""
     conditions = [
-        sympy.And(*(_find_condition(surfaces, after, k, undecided[k], digits[k]) for k in numbers))
-        for after in every[:-1]
+        sympy.And(*(_find_condition(surfaces, after, k, undecided[k], before[k]) for k in undecided))
+        for after in changed[:-1]
     ]
-    rest = sympy.And(*map(sympy.Not, conditions))
-    guarded = zip(every, [*conditions, rest], strict=True)
-    return [Way(after, guard) for after, guard in guarded if guard != sympy.false]
+    return [*conditions, sympy.And(*map(sympy.Not, conditions))]
 
 
 def _replace(digits: Digits, changes: Mapping[int, int]) -> Digits:
