@@ -196,13 +196,22 @@ class DerivedModes:
         return name
 
     def _list_segments(self, digits: Digits) -> Iterator[Segment]:
+        tied = {self._find_tied(jump, digits) for jump in self.equations.jumps if self.equations.allows(jump, digits)}
         for jump in self.equations.jumps:
             yield from self._jump(jump, digits)
         for number, digit in enumerate(digits):
             if digit == ON:
                 yield from self._leave(number, digits)
-            else:
+            elif number not in tied:
                 yield from self._cross(number, digits)
+
+    def _find_tied(self, jump: Jump, digits: Digits) -> int | None:
+        """Return the switch of time alone that a jump passes as it comes, such as the edge of a wave at each dose."""
+        for k, switch in enumerate(self.equations.switches):
+            passes = {BELOW: "rising", ABOVE: "falling"}.get(digits[k]) == jump.direction
+            if passes and switch.argument == jump.function and not switch.remembers:
+                return None if switch.argument.free_symbols & set(self.equations.states) else k
+        return None
 
     def _cross(self, number: int, digits: Digits) -> Iterator[Segment]:
         """Yield what follows where a switch's function crosses its surface."""
@@ -259,8 +268,12 @@ class DerivedModes:
             elif u.free_symbols & set(changed):
                 zero = not switch.remembers and vanishes(sympy.expand(u.xreplace(changed)))
                 undecided[k] = list_options(self.surfaces, k, on_surface=zero)
+        tied, after = self._find_tied(jump, digits), digits
+        if tied is not None:
+            after = (*digits[:tied], ABOVE if digits[tied] == BELOW else BELOW, *digits[tied + 1 :])
+            undecided = self._find_disturbed(tied, after) | undecided
         written = self._name_segment(jump.name, -1, digits)
-        yield from self._branch(Segment(written, "", name, jump.direction, reset, ""), digits, digits, undecided)
+        yield from self._branch(Segment(written, "", name, jump.direction, reset, ""), digits, after, undecided)
 
     def _find_disturbed(self, number: int, digits: Digits) -> dict[int, Undecided]:
         """Return the other switches whose digits have to be read anew when one has changed."""
