@@ -9,7 +9,7 @@ from tests.conftest import ROOT
 
 BY_LABEL = {kind.label: kind for kind in BUILTIN}
 # Kinds that files of format 2 do not have.
-LATER = {"MC", "GD", "HB", "HH"}
+LATER = {"MC", "GD", "CS", "GS", "SS", "AS", "HB", "HH"}
 
 
 def test_labels_and_names_are_given_once():

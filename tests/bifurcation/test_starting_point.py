@@ -72,7 +72,7 @@ def test_only_some_points_are_followed_in_two_parameters(free_orbit):
         with pytest.raises(StartError) as caught:
             start()
         assert str(caught.value) == (
-            "it has two free parameters: it follows a special point (LP, PD, TR, GR, VS, GD or UF) and cannot start "
+            "it has two free parameters: it follows a special point (LP, PD, TR, GR, VS, GD, CS, GS, SS, AS or UF) and cannot start "
             "from a BP point"
         )
 
@@ -81,7 +81,7 @@ def test_kinds_that_are_made_known_are_among_those_that_can_be_started_from(free
     register_kind(SpecialPointKind("XX", "a new one", define=lambda *_: None, switch=lambda *_: "switched"))
     try:
         assert start_other_branch(free_orbit, "XX", np.zeros(3), in_parameters("c")) == "switched"
-        with pytest.raises(StartError, match=r"\(LP, PD, TR, GR, VS, GD, UF or XX\)"):
+        with pytest.raises(StartError, match=r"\(LP, PD, TR, GR, VS, GD, CS, GS, SS, AS, UF or XX\)"):
             start_curve(free_orbit, "", NO_REASON, in_parameters("omega", "c"))
     finally:
         forget_kind("XX")

@@ -28,7 +28,7 @@ def classify(points, owner, following, length, initial, delay, transient=200.0):
         simulator.work,
         template,
         np.array(initial),
-        0,
+        np.zeros(len(initial), dtype=np.int64),
         1,
         2 * np.pi,
         0.0,
