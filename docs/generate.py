@@ -17,7 +17,8 @@ What `pddecont run` and `pddecont check` read as a model. The run block `run:` h
 [run file](run_file.md) but `model`. Expressions: numbers, declared names, `+ - * / **`, parentheses, `pi`, `t`, delayed
 values `name(t - delay)`, and `sin cos tan asin acos atan atan2 sinh cosh tanh exp log sqrt`; in models that give
 `equations` also `sign heaviside abs max min clip deadzone where coulomb hysteresis mod square`
-([what they are](../howto/equations.md)). Conditions (`when`): expressions compared with `> >= < <=`, joined by `and`, `or`, `not`. A mapping takes names that you choose to what is
+([what they are](../howto/equations.md)). Conditions (`when`): expressions compared with `> >= < <=`, joined by `and`,
+`or`, `not`. A mapping takes names that you choose to what is
 said."""
 RUN_NOTE = """\
 What `pddecont run` reads as a run. A number may be an expression in the parameters where the table says so. `from`

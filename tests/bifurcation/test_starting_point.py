@@ -72,8 +72,8 @@ def test_only_some_points_are_followed_in_two_parameters(free_orbit):
         with pytest.raises(StartError) as caught:
             start()
         assert str(caught.value) == (
-            "it has two free parameters: it follows a special point (LP, PD, TR, GR, VS, GD, CS, GS, SS, AS or UF) and cannot start "
-            "from a BP point"
+            "it has two free parameters: it follows a special point (LP, PD, TR, GR, VS, GD, CS, GS, SS, AS or UF) "
+            "and cannot start from a BP point"
         )
 
 

@@ -126,7 +126,8 @@ def test_folds_alone_need_no_multipliers_though_points_may_have_them(tmp_path, c
         (["GG"], "'GG' is not found with one free parameter"),
         (
             ["GT", "LR"],
-            r"'LR' is not found with one free parameter \(there are: LP, BP, PD, TR, GR, VS, MC, GD, CS, GS, SS, AS, UF, HB\)",
+            r"'LR' is not found with one free parameter "
+            r"\(there are: LP, BP, PD, TR, GR, VS, MC, GD, CS, GS, SS, AS, UF, HB\)",
         ),
     ],
 )
