@@ -5,17 +5,18 @@ import math
 import numpy as np
 import pytest
 
+from pddecont.simulate import Method
 from tests.runs import to_yaml
-from tests.simulate.motions import trajectory_of
+from tests.simulate.motions import TIGHT, trajectory_of
 
 FORCED = {"name": "m", "states": ["x", "v"], "forcing": {"period": "2*pi"}}
 
 
-def simulate(equations, initial, t_end, **more):
+def simulate(equations, initial, t_end, method=TIGHT, keep_from=0.0, **more):
     """Return the trajectory of a model of equations."""
     states = [key[:-1] for key in equations]
     given = {"name": "m", "states": states, "equations": equations, "initial": initial, **more}
-    return trajectory_of(to_yaml(given), t_end)
+    return trajectory_of(to_yaml(given), t_end, method, keep_from=keep_from)
 
 
 @pytest.mark.parametrize("start", [0.35, 0.9, 3.3, 7.19])
@@ -155,3 +156,15 @@ def test_along_a_plane_a_motion_stays_on_it_for_long(equations, initial, u):
 )
 def test_along_a_surface_that_bends_or_moves_too(equations, initial, u):
     assert off_surface(equations, initial, u, 500.0) < 1e-13
+
+
+@pytest.mark.parametrize("n", [1000, pytest.param(100_000, marks=pytest.mark.slow)])
+def test_a_motion_stays_on_a_bent_surface_that_moves(n):
+    """x + y^2/4 = cos t throughout, and y = (sin t - cos t)/2; states at the beginnings of steps."""
+    law = {"x'": "-3*sign(x + y**2/4 - cos(t))", "y'": "sin(t) - y"}
+    end = 2 * np.pi * n
+    period = {"forcing": {"period": "2*pi"}}
+    t = simulate(law, {"x": 2}, end, method=Method(1e-9, 1e-11), keep_from=end - 200, **period)
+    (x, y), time = t.value[1:].T, t.time[1:]
+    assert np.max(np.abs(x + y**2 / 4 - np.cos(time))) < 1e-15
+    assert y == pytest.approx((np.sin(time) - np.cos(time)) / 2, abs=1e-8)
