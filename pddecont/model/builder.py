@@ -6,7 +6,7 @@ Expressions are parsed, names resolved, cross-references checked, and all proble
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -14,6 +14,7 @@ import sympy
 
 from pddecont.errors import ModelError, Problem, suggest
 from pddecont.model.conditions import list_differences
+from pddecont.model.delayed_drift import add_drifts
 from pddecont.model.derived_modes import DerivedModes, TooManyModesError, make_modes
 from pddecont.model.document import Document, KeyPath, parse_document, read_text
 from pddecont.model.equations import check_kind, declare_switches, read_equations
@@ -164,9 +165,8 @@ class _Builder(Findings):
         equations = read_equations(self.file, self.scope, self.collector, self, delays)
         if self.problems:
             return None
-        delayed = frozenset(s for s, name in self.variables.items() if s.name != name)
         try:
-            derived = make_modes(equations, delayed)
+            derived = make_modes(add_drifts(equations, dict(self.list_delayed()), self.delayed_value))
         except (UndecidedSlidingError, TooManyModesError) as exc:
             self.add_error(("equations",), str(exc), key=True)
             return None
@@ -197,6 +197,12 @@ class _Builder(Findings):
         """Return an expression's value at the parameters' values; None if it is no real number."""
         result = evaluate(expr, self.numbers)
         return result if math.isfinite(result) else None
+
+    def list_delayed(self) -> Iterator[tuple[sympy.Symbol, tuple[str, sympy.Expr]]]:
+        """Yield each delayed value's symbol, its state and its delay."""
+        for read in self.delayed:
+            state, delay = self.file.states[read.state], self.delays[read.delay]
+            yield make_delayed_symbol(state, delay), (state, delay)
 
     def delayed_value(self, state: str, delay: sympy.Expr) -> sympy.Expr:
         """Return the symbol for ``state(t - delay)`` and note the delay."""

@@ -56,7 +56,7 @@ def add_chain_states(model: Model, order: int, n: int) -> Model:
     }
     if model.derived is not None:
         left = model.derived.equations.change(lambda e: e.xreplace(delayed), ())
-        derived = make_modes(left.add_states(stages, tuple(equations)), frozenset())
+        derived = make_modes(left.add_states(stages, tuple(equations)))
         model = replace(model, derived=derived, **derived.parts)
     else:
         model = replace(

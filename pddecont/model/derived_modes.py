@@ -348,14 +348,14 @@ class DerivedModes:
         self.events.setdefault(event.name, event)
 
 
-def make_modes(equations: Equations, delayed: frozenset[sympy.Symbol]) -> DerivedModes:
-    """Return what is made of equations that read the ``delayed`` values.
+def make_modes(equations: Equations) -> DerivedModes:
+    """Return what is made of equations.
 
     Raises
     ------
     UndecidedSlidingError
         If the surfaces along which a motion slides do not determine how.
     """
-    made = DerivedModes(find_surfaces(equations, delayed))
+    made = DerivedModes(find_surfaces(equations))
     made.build_all()
     return made

@@ -93,8 +93,7 @@ def _values(cut: Reduction, fixed: Mapping[str, sympy.Expr], dropped: Collection
         name: _number(model, fixed[name]) if name in fixed else value for name, value in model.parameters.items()
     }
     if model.derived is not None:
-        left_symbols = frozenset(values.get(s, s) for s in model.delayed_symbols) - set(model.state_symbols)
-        made = _derive_anew(cut, model.derived, put_in, dropped, left_symbols)
+        made = _derive_anew(cut, model.derived, put_in, dropped)
     else:
         made = replace(
             model,
@@ -118,14 +117,10 @@ def _values(cut: Reduction, fixed: Mapping[str, sympy.Expr], dropped: Collection
 
 
 def _derive_anew(
-    cut: Reduction,
-    derived: DerivedModes,
-    put_in: Callable[[sympy.Expr], sympy.Expr],
-    dropped: Collection[str],
-    delayed: frozenset[sympy.Symbol],
+    cut: Reduction, derived: DerivedModes, put_in: Callable[[sympy.Expr], sympy.Expr], dropped: Collection[str]
 ) -> Model:
     """Return the model with modes, events, resets and segments made of what is left of its equations."""
-    model, now = cut.model, make_modes(derived.equations.change(put_in, dropped), delayed)
+    model, now = cut.model, make_modes(derived.equations.change(put_in, dropped))
     kinds: dict[str, tuple[Collection[str], Collection[str], str]] = {
         "modes": (model.modes, now.modes, "no switch left makes it"),
         "events": (model.events, now.events, "nothing left makes it"),

@@ -18,7 +18,7 @@ import sympy
 
 from pddecont.errors import PddecontError
 from pddecont.model.expression import TIME
-from pddecont.model.switches import ABOVE, BELOW, ON, Digits, Equations
+from pddecont.model.switches import ABOVE, BELOW, ON, Digits, Equations, Switch
 from pddecont.model.vanishing import vanishes, vanishes_where
 
 Values = Mapping[sympy.Symbol, sympy.Expr]
@@ -125,9 +125,9 @@ class Surfaces:
         return rate
 
 
-def find_surfaces(equations: Equations, delayed: frozenset[sympy.Symbol]) -> Surfaces:
-    """Return the switching surfaces of equations that read the ``delayed`` values."""
-    rates = tuple(_find_rate(equations, s.argument, delayed) for s in equations.switches)
+def find_surfaces(equations: Equations) -> Surfaces:
+    """Return the switching surfaces of equations."""
+    rates = tuple(_find_rate(equations, switch) for switch in equations.switches)
     moving = {*equations.states, TIME}
     slides = tuple(
         rate is not None
@@ -144,8 +144,9 @@ def put_in(expr: sympy.Expr, values: Values) -> sympy.Expr:
     return expr.xreplace(dict(values)) if expr.free_symbols & set(values) else expr
 
 
-def _find_rate(equations: Equations, u: sympy.Expr, delayed: frozenset[sympy.Symbol]) -> sympy.Expr | None:
-    if u.free_symbols & delayed:
+def _find_rate(equations: Equations, switch: Switch) -> sympy.Expr | None:
+    u = switch.argument
+    if switch.drift is None:
         return None
     moving = (u.diff(x) * f for x, f in zip(equations.states, equations.field, strict=True) if x in u.free_symbols)
-    return u.diff(TIME) + sum(moving, sympy.S.Zero)
+    return u.diff(TIME) + switch.drift + sum(moving, sympy.S.Zero)

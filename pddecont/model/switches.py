@@ -46,6 +46,8 @@ class Switch:
     low: sympy.Expr = sympy.S.Zero
     high: sympy.Expr = sympy.S.Zero
     grip: sympy.Expr = sympy.S.One
+    # How fast the delayed values in u change it; None where that is not known.
+    drift: sympy.Expr | None = sympy.S.Zero
 
     @property
     def remembers(self) -> bool:
@@ -105,7 +107,14 @@ class Equations:
             for j in kept
         ]
         switches = [
-            replace(s, argument=put_in(s.argument), low=put_in(s.low), high=put_in(s.high), grip=put_in(s.grip))
+            replace(
+                s,
+                argument=put_in(s.argument),
+                low=put_in(s.low),
+                high=put_in(s.high),
+                grip=put_in(s.grip),
+                drift=None if s.drift is None else put_in(s.drift),
+            )
             for s in self.switches
         ]
         zero = {s.digit: sympy.Rational(1, 2) for s in switches if s.argument == 0 and not s.remembers}

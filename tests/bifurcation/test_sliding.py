@@ -5,10 +5,11 @@ import math
 import numpy as np
 import pytest
 from scipy.optimize import brentq, minimize_scalar
+from scipy.special import lambertw
 
 from tests.bifurcation.friction import Block
 from tests.bifurcation.runs import follow, settle
-from tests.runs import labels, parameter, run
+from tests.runs import labels, multipliers, parameter, run
 
 BELT = {
     "name": "belt",
@@ -159,3 +160,36 @@ def test_brute_force_agrees_with_the_branch_on_both_sides(tmp_path, in_speed):
         names = [found.meta["segments"][k] for k in np.flatnonzero(found.points["n_segments"][i])]
         assert sum(name.endswith(">slip_on") for name in names) == sticks
     assert np.all(np.diff(vb) > -1e-12) and np.all(top >= vb.min())
+
+
+def test_along_a_surface_of_delayed_values_a_motion_slides_too(tmp_path):
+    """On v = F cos t - K x(t - 1) it is that of x' = F cos t - K x(t - 1), as long as friction A can hold it there."""
+    K, F = 0.9, 0.5
+    u = "v + K*x(t - tau) - F*cos(t)"
+    mapping = {
+        "name": "held",
+        "states": ["x", "v"],
+        "parameters": {"K": K, "tau": 1.0, "F": F, "A": 4},
+        "forcing": {"period": "2*pi"},
+        "switches": {"u": u},
+        "equations": {"x'": "v", "v'": f"-x - 0.1*v - A*sign({u})"},
+        "initial": {"x": 1},
+    }
+    steps = [
+        {"name": "s", "simulate": {"t_end": "80*2*pi"}},
+        {"name": "o", "orbit": {"from": "s", "stability": True}},
+        follow("b", "o", {"A": [0.02, 4]}, stability=True),
+    ]
+    more = {"mesh": MESH, "monitors": {"top": "max(x)"}, "steps": steps}
+    results = run({**mapping, "run": more}, tmp_path / "a.h5")
+    orbit, branch = results.step("o"), results.step("b")
+    X = F / (1j + K * np.exp(-1j))
+    assert orbit.orbit(0)["signature"].tobytes() == b"(u_on)"
+    assert orbit.points["monitors"][0][0] == pytest.approx(abs(X), abs=1e-12)
+    found = multipliers(orbit)
+    pair = np.exp(2.0 * math.pi * lambertw(-K, [0, -1]))
+    assert sorted(found[:2], key=np.imag) == pytest.approx(sorted(pair, key=np.imag), abs=1e-10)
+    # The motion leaves where the friction that it needs reaches A.
+    needed = -X - 0.1j * X - 1j * F + 1j * K * X * np.exp(-1j)
+    assert parameter(branch, "A", "AS1") == pytest.approx(abs(needed), abs=1e-10)
+    assert np.all(branch.points["verified"] == 1)
