@@ -189,7 +189,7 @@ def test_a_run_file_keeps_its_model_when_its_keys_are_replaced(in_folder):
         (("no_such_model",), RunError, "does not exist"),
         (("states: [x\n",), RunError, "not valid YAML"),
         ((RELAY.replace("a*x - 1", "a*y - 1"),), ModelError, "<python>:7:.*'y'"),
-        (({"name": "m", "states": ["x"]},), ModelError, "'modes' is missing"),
+        (({"name": "m", "states": ["x"]},), ModelError, "needs 'equations'"),
         (({"name": "m", "states": ["x"], "modes": {"m": {"x'": 0}}},), RunError, "says nothing of a run"),
         (({"name": object()},), RunError, "cannot be written in a run; expected text, a number"),
     ],

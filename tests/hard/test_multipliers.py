@@ -25,7 +25,7 @@ def test_the_delayed_cosine(record):
     mesh = Mesh(10, 1, segment_pieces(1, 2, equal_cuts([16])))
     theta = np.array([4.0, 1.0])
     values = np.cos(math.pi / 2 * mesh.base_times(theta))[:, None]
-    signature = Signature(numeric, (make_eventless("m"),))
+    signature = Signature(numeric, (make_eventless(numeric.model, "m"),))
     problem = OrbitProblem(signature, mesh, Direct(), numeric.parameter_values, reference=values)
     found = find_multipliers(Orbit(problem, problem.unknowns.join(values, [4.0], 0.0, [])), 6).values
     exact = np.exp(4 * lambertw(-math.pi / 2, k=[1, 2]))
@@ -85,7 +85,7 @@ def test_twelve_multipliers_within_a_thousandth_of_the_unit_circle(tmp_path, rec
         f"modes: {{m: {{{rates}}}}}\n"
     )
     mesh = Mesh(9, 1, segment_pieces(1, 1, equal_cuts([8])))
-    signature = Signature(numeric, (make_eventless("m"),))
+    signature = Signature(numeric, (make_eventless(numeric.model, "m"),))
     problem = OrbitProblem(signature, mesh, Direct(), numeric.parameter_values)
     guess = Orbit(problem, problem.unknowns.join(np.zeros((mesh.n_base, 12)), [period], 0.0, []))
     found = find_multipliers(solve_on_mesh(guess).at.orbit, 12)
