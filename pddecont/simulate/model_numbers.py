@@ -32,26 +32,16 @@ def make_system(
     A section that is an expression is one more event function, numbered after the model's own.
     """
     model, n = numeric.model, numeric.n_states
-    modes, events, resets = list(model.modes), list(model.events), list(model.resets)
     order, length = delay.simulated_stages
     pairs = np.array([(d.state, d.delay) for d in model.delayed], dtype=np.int64).reshape(-1, 2)
     kept = np.unique(pairs[:, 0])
     place = np.full(n, -1)
     place[kept] = np.arange(len(kept))
-    delayed = set(model.delayed_symbols)
+    delayed, events = set(model.delayed_symbols), list(model.events)
     after = [
         next(number for number, other in enumerate(model.events.values()) if other.starts(e)) if e.after else -1
         for e in model.events.values()
     ]
-    segments, names = model.segments.values(), _number(model.segments)
-    mode_number, event_number, reset_number = _number(modes), _number(events), _number(resets)
-    ending = [list_transitions(model, mode) for mode in modes]
-    crossing_first, crossing_segment = _group(
-        [names[s.name] for s in list_leaders(found.crossings)] for found in ending
-    )
-    ending_first, ending_segment = _group([names[s.name] for s in list_leaders(found.segments)] for found in ending)
-    held_first, held_event = _group([event_number[e] for e in list_held(model, mode)] for mode in modes)
-    clock_first, clock_event = _group([events.index(e) for e in list_clocks(model, event)] for event in events)
     return System(
         field=functions.field,
         field_case=_integers(functions.cases.of_mode),
@@ -69,21 +59,8 @@ def make_system(
         pair_delay=np.ascontiguousarray(pairs[:, 1]),
         kept=kept,
         place=place,
-        segment_mode=_integers(mode_number[s.mode] for s in segments),
-        segment_event=_integers(event_number[s.event] for s in segments),
-        segment_direction=_integers(DIRECTIONS[s.direction] for s in segments),
-        segment_reset=_integers(reset_number[s.reset] for s in segments),
-        segment_to=_integers(mode_number[s.to] for s in segments),
-        alternatives=_count_alternatives(model),
         segment_guard=_integers(functions.guard_numbers),
-        crossing_first=crossing_first,
-        crossing_segment=crossing_segment,
-        ending_first=ending_first,
-        ending_segment=ending_segment,
-        held_first=held_first,
-        held_event=held_event,
-        clock_first=clock_first,
-        clock_event=clock_event,
+        **_number_parts(model),
         after=_integers([*after, *([] if section.expr is None else [-1])]),
         reads=_integers(bool(delayed & h.free_symbols) for h in functions.events),
         chain_order=order,
@@ -92,7 +69,7 @@ def make_system(
         section_direction=DIRECTIONS[section.direction],
         stop_event=-1 if section.event is None else events.index(section.event),
         stiff=int(method.stiff),
-        n_modes=len(modes),
+        n_modes=len(model.modes),
     )
 
 
@@ -129,6 +106,29 @@ def make_values(
         longest=max(longest, float(max(tau, default=0.0))),
         stick=stick,
     )
+
+
+def _number_parts(model: Model) -> dict[str, NDArray[np.int64]]:
+    """Return the tables of a model's modes, events and segments, by their names in :class:`System`."""
+    modes, events, resets, names = map(_number, (model.modes, model.events, model.resets, model.segments))
+    segments, ending = model.segments.values(), [list_transitions(model, mode) for mode in modes]
+    groups = {
+        "crossing_first crossing_segment": [[names[s.name] for s in list_leaders(e.crossings)] for e in ending],
+        "ending_first ending_segment": [[names[s.name] for s in list_leaders(e.segments)] for e in ending],
+        "held_first held_event": [[events[e] for e in list_held(model, mode)] for mode in modes],
+        "clock_first clock_event": [[events[e] for e in list_clocks(model, event)] for event in events],
+    }
+    tables = {
+        "segment_mode": _integers(modes[s.mode] for s in segments),
+        "segment_event": _integers(events[s.event] for s in segments),
+        "segment_direction": _integers(DIRECTIONS[s.direction] for s in segments),
+        "segment_reset": _integers(resets[s.reset] for s in segments),
+        "segment_to": _integers(modes[s.to] for s in segments),
+        "alternatives": _count_alternatives(model),
+    }
+    for both, lists in groups.items():
+        tables |= dict(zip(both.split(), _group(lists), strict=True))
+    return tables
 
 
 def _count_alternatives(model: Model) -> NDArray[np.int64]:
