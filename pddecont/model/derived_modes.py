@@ -1,7 +1,8 @@
-"""Modes, events, resets and segments made of equations with switches; each mode when it is first asked for.
+"""Modes, events, resets and segments made of equations with switches.
 
 A mode is a set of digits. It ends where a switch's function crosses its surface, where the digit that keeps a motion on
-a surface reaches its bound, and at the jumps of the model.
+a surface reaches its bound, and at the jumps of the model. All modes are named at once; what fields and conditions have
+in common is worked out once.
 """
 
 from __future__ import annotations
@@ -28,8 +29,9 @@ from pddecont.model.ways import Undecided, WayFinder, list_options
 MAX_MODES = 5000
 
 Exprs = tuple[sympy.Expr, ...]
-# How a switch is passed: the digit before and after, and the word for it in a segment's name.
+# How the names of resets begin that put states on the surfaces of a mode.
 RETURN = "onto_"
+# The words for leaving a surface to a side.
 OFF = {ABOVE: "off_up", BELOW: "off_down"}
 
 
@@ -76,7 +78,7 @@ class Fields(Mapping[str, Exprs]):
 
 @dataclass
 class DerivedModes:
-    """What has been made of a model's equations so far."""
+    """What is made of a model's equations: fields, events, resets and segments by name."""
 
     surfaces: Surfaces
     events: dict[str, Event] = field(default_factory=dict)
@@ -141,7 +143,7 @@ class DerivedModes:
     def _name_exit(self, number: int, digits: Digits, side: int) -> str:
         """Return the name of the event at which a motion leaves a surface to a side."""
         switch, rate = self.equations.switches[number], self.surfaces.rates[number]
-        assert rate is not None, "no motion slides along a surface of delayed values"
+        assert rate is not None, "no motion slides along a surface whose rate is not known"
         return self._name_event(f"{switch.name}_{OFF[side]}", rate, number, digits)[0]
 
     def list_surfaces(self, mode: str) -> tuple[str, ...]:

@@ -35,8 +35,8 @@ class SwitchCollector:
     """The switches of a model while its expressions are read.
 
     ``variables`` are the symbols that change along a motion, with the state they belong to; ``taken`` names that no
-    switch may have, ``names`` those that no clock may have; ``evaluate`` returns the value
-    of an expression in the parameters, NaN of any other.
+    switch may have, ``names`` those that no clock may have; ``evaluate`` returns the value of an expression in the
+    parameters, NaN of any other.
     """
 
     variables: dict[sympy.Symbol, str]

@@ -33,8 +33,8 @@ class UndecidedSlidingError(PddecontError):
 class Surfaces:
     """The switching surfaces of a model's equations.
 
-    ``rates`` holds du/dt of each switch along the flow, as an expression in the digits, or None where u reads delayed
-    values; ``slides`` says along which of them motions can slide.
+    ``rates`` holds du/dt of each switch along the flow, as an expression in the digits, or None where delayed values
+    change u in a way that is not known; ``slides`` says along which of them motions can slide.
     """
 
     equations: Equations
@@ -90,7 +90,7 @@ class Surfaces:
 
     def find_rate(self, number: int, digits: Digits, value: sympy.Expr) -> sympy.Expr:
         """Return du/dt of a switch with the digit ``value``, the others having ``digits``."""
-        rate = put_in(self._find_rate(number), self.find_values(digits, number))
+        rate = put_in(self._rate_of(number), self.find_values(digits, number))
         return put_in(rate, {self.equations.switches[number].digit: value})
 
     def find_bounds(self, number: int, digits: Digits) -> tuple[sympy.Expr, sympy.Expr]:
@@ -111,17 +111,17 @@ class Surfaces:
         matrix = self._find_matrix(on)
         determinant = matrix.det(method="berkowitz")
         zero = dict.fromkeys(unknown, sympy.S.Zero)
-        rest = sympy.Matrix([-put_in(self._find_rate(k), zero) for k in on])
+        rest = sympy.Matrix([-put_in(self._rate_of(k), zero) for k in on])
         solution = (matrix.adjugate() * rest) / determinant if len(on) > 1 else rest / determinant
         return dict(zip(unknown, solution, strict=True))
 
     def _find_matrix(self, on: tuple[int, ...]) -> sympy.Matrix:
         unknown = [self.equations.switches[k].digit for k in on]
-        return sympy.Matrix([[self._find_rate(k).diff(h) for h in unknown] for k in on])
+        return sympy.Matrix([[self._rate_of(k).diff(h) for h in unknown] for k in on])
 
-    def _find_rate(self, number: int) -> sympy.Expr:
+    def _rate_of(self, number: int) -> sympy.Expr:
         rate = self.rates[number]
-        assert rate is not None, "the rate of a function of delayed values is not known"
+        assert rate is not None, "how delayed values change this function is not known"
         return rate
 
 

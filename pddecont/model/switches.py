@@ -153,9 +153,7 @@ class Equations:
         switches = list(self.switches)
         while True:
             exprs = [*self.field, *(s.argument for s in switches)]
-            exprs += [
-                e for j in self.jumps for e in (*j.reset, j.when, *((j.function,) if j.function is not None else ()))
-            ]
+            exprs += [e for j in self.jumps for e in (*j.reset, j.when, j.function) if e is not None]
             read = set().union(*(e.free_symbols for e in exprs))
             left = [s for s in switches if s.digit in read or s.name in clocks]
             if len(left) == len(switches):
