@@ -21,6 +21,7 @@ from pddecont.collocation import MeshRule
 from pddecont.continuation import CurvePoint, find_tangent
 from pddecont.errors import ConvergenceError
 from pddecont.orbit import (
+    INSTANT,
     Orbit,
     OrbitEvaluation,
     PeriodicOrbitSystem,
@@ -37,6 +38,8 @@ MEETING, VANISHING = "meeting", "vanishing"
 AT_ONCE = 1e-9
 # Where equations do not determine an orbit so near, this is near enough.
 NEARLY_AT_ONCE = 1e-6
+# What is left of it then, in periods: the equations have no orbit with a segment of no duration.
+RESIDUE = 2.0 * INSTANT
 # A segment that vanishes is shortened by this factor at a time.
 SHRINK = 0.3
 # The duration, in periods, at which a segment of a special orbit has vanished: what is left of it changes the
@@ -126,18 +129,12 @@ def vanish_segment(point: CurvePoint[OrbitEvaluation], rule: MeshRule) -> Vanish
     signature = point.at.orbit.signature
     before, segment = signature.segments[s - 1], signature.segments[s]
     same = before.event == segment.event
-    last = (INSIDE if same else AT_ONCE) * point.at.orbit.period
-    if not same and point.at.orbit.durations[s] <= last:
-        point = set_duration(point.at.system, point.x, s, last)
-    try:
-        while point.at.orbit.durations[s] > last:
-            point = set_duration(point.at.system, point.x, s, max(last, SHRINK * float(point.at.orbit.durations[s])))
-    except ConvergenceError:
-        if same or point.at.orbit.durations[s] > NEARLY_AT_ONCE * point.at.orbit.period:
-            raise
     if not same:
         reason = make_reason(MEETING, event=before.event, other=segment.event)
-        return VanishedSegment(replace(point, direction=NO_DIRECTION), reason, False)
+        return VanishedSegment(replace(_let_meet(point, s), direction=NO_DIRECTION), reason, False)
+    last = INSIDE * point.at.orbit.period
+    while point.at.orbit.durations[s] > last:
+        point = set_duration(point.at.system, point.x, s, max(last, SHRINK * float(point.at.orbit.durations[s])))
     shorter, guess = make_shorter_system(point.at, rule, (s - 1) % len(signature))
     defining = define_grazing(guess)
     if defining is None:
@@ -145,6 +142,31 @@ def vanish_segment(point: CurvePoint[OrbitEvaluation], rule: MeshRule) -> Vanish
     special, solution = solve_special_orbit(shorter, guess.x, defining)
     found = CurvePoint(special.inner, solution.at.inner, solution, NO_DIRECTION)
     return VanishedSegment(found, make_reason(VANISHING, segment=segment.name), True)
+
+
+def _let_meet(point: CurvePoint[OrbitEvaluation], s: int) -> CurvePoint[OrbitEvaluation]:
+    """Return the orbit at which the two events at the ends of segment ``s`` happen at once.
+
+    It lies on the line through two orbits with short segments; the error is of the order of the square of the duration.
+    """
+    last = AT_ONCE * point.at.orbit.period
+    if point.at.orbit.durations[s] <= last:
+        point = set_duration(point.at.system, point.x, s, last / SHRINK)
+    longer = point
+    try:
+        while point.at.orbit.durations[s] > last:
+            shorter = set_duration(point.at.system, point.x, s, SHRINK * float(point.at.orbit.durations[s]))
+            longer, point = point, shorter
+    except ConvergenceError:
+        if point.at.orbit.durations[s] > NEARLY_AT_ONCE * point.at.orbit.period:
+            raise
+    if longer is point:
+        return point
+    long, short = (float(p.at.orbit.durations[s]) for p in (longer, point))
+    on = (short - RESIDUE * point.at.orbit.period) / (long - short)
+    system = point.system
+    x = point.x + on * (point.x - system.interpolate_from(longer.system, longer.x))
+    return replace(point, at=system.at(x))
 
 
 def shrink_segment(at: ExtendedEvaluation) -> tuple[CurvePoint[ExtendedEvaluation], str]:

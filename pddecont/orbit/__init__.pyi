@@ -43,6 +43,7 @@ from .motion import guess_from_motion as guess_from_motion
 from .orbit import Orbit as Orbit
 from .orbit import Reads as Reads
 from .past import make_past as make_past
+from .problem import INSTANT as INSTANT
 from .problem import OrbitProblem as OrbitProblem
 from .remesh import adapt_mesh as adapt_mesh
 from .remesh import make_mesh as make_mesh

@@ -102,7 +102,7 @@ def is_undecided(examined: Examination, window: Window, record: MotionRecord) ->
     if _is_hardly_carried(examined, segment.event if unexpected is None else model.segments[unexpected[1]].event):
         return True
     if unexpected is None:
-        return False
+        return _ends_before_event(examined, window, record)
     t, name = unexpected
     if is_alternative(orbit.signature, window.s, name):
         return abs(measure_guard(orbit, window.s)) <= find_allowed(examined)
@@ -124,6 +124,17 @@ def find_unexpected(examined: Examination, window: Window, record: MotionRecord)
     alike = [k for k, (_, name) in enumerate(events) if segment.event and name == segment.name]
     expected = min(alike, key=lambda k: abs(events[k][0] - window.event), default=None)
     return next((event for k, event in enumerate(events) if k != expected), None)
+
+
+def _ends_before_event(examined: Examination, window: Window, record: MotionRecord) -> bool:
+    """Return whether the window ends so soon after the event that errors in time decide whether it holds the event.
+
+    The motion has to be where the orbit is then.
+    """
+    allowed = find_allowed(examined)
+    soon = window.end - window.event <= allowed * examined.orbit.period
+    nothing = record.failure is None and not record.segments
+    return soon and nothing and measure_deviation(examined, window, record) <= allowed
 
 
 def _touches(examined: Examination, s: int) -> bool:

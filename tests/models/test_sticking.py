@@ -226,8 +226,7 @@ def test_the_relay_slides_along_the_equivalent_control(tmp_path):
         return relay.miss(half)[1]
 
     exact = brentq(crossing, 1.3, 1.7, xtol=1e-15)
-    # The point is recorded where a segment still lasts 1e-9 of the period.
-    assert parameter(step, "rho", "CS1") == pytest.approx(exact, abs=1e-7)
+    assert parameter(step, "rho", "CS1") == pytest.approx(exact, abs=1e-10)
     sliding = np.flatnonzero(parameter(step, "rho") < exact - 1e-3)
     for i in sliding[:: max(len(sliding) // 6, 1)]:
         relay, last = Relay(parameter(step, "rho")[i]), 0.0
