@@ -54,6 +54,7 @@ from .resegmentation import SegmentSpan as SegmentSpan
 from .resegmentation import resegment as resegment
 from .resegmentation import sample_spans as sample_spans
 from .residual import Rows as Rows
+from .resting import make_resting_orbit as make_resting_orbit
 from .serialise import orbit_from_rows as orbit_from_rows
 from .serialise import orbit_to_rows as orbit_to_rows
 from .signature import DelayedEventLink as DelayedEventLink

@@ -52,6 +52,34 @@ ORBIT_ROWS = {
     "delayed": Column("f8", ("delayed",)),
     "reason": REASON,
 }
+EQUILIBRIUM_POINTS = {
+    "kind": KIND,
+    "arclength": FLOAT,
+    "parameters": PARAMETERS,
+    "states": STATES,
+    "stable": TRUTH,
+    "admissible": TRUTH,
+    "counted": TRUTH,
+    "n_unstable": SMALL,
+    "frequency": FLOAT,
+    "coefficient": FLOAT,
+    "error_estimate": FLOAT,
+    "monitors": Column("f8", ("monitors",)),
+    "n_iterations": COUNT,
+    "step": FLOAT,
+    "n_unknowns": COUNT,
+    "unexplained": SMALL,
+    "side": Column("f8", (2,)),
+}
+# The mode stands where the signature of an orbit does.
+EQUILIBRIUM_ROWS = {
+    "unknowns": FLOAT,
+    "tangent": FLOAT,
+    "roots": Column("f8", (2,)),
+    "residual": FLOAT,
+    "signature": REASON,
+    "reason": REASON,
+}
 ATTRACTOR_POINTS = {
     "kind": KIND,
     "parameters": PARAMETERS,
@@ -113,6 +141,8 @@ CONTINUE = StepFormat(
     has_branch=True,
     check=_check_signatures,
 )
+EQUILIBRIUM = StepFormat("equilibrium", EQUILIBRIUM_POINTS, EQUILIBRIUM_ROWS, check=_check_signatures)
+EQUILIBRIA = StepFormat("equilibria", EQUILIBRIUM_POINTS, EQUILIBRIUM_ROWS, has_branch=True, check=_check_signatures)
 SIMULATE = StepFormat(
     "simulate",
     {"parameters": PARAMETERS, "t_end": FLOAT, "n_steps": COUNT, "n_events": COUNT},
@@ -175,7 +205,7 @@ PRECISION = StepFormat(
     (("time", "states"),),
     check=_check_precision,
 )
-_FORMATS = {f.kind: f for f in (SIMULATE, ORBIT, CONTINUE, SWEEP, BASIN, PRECISION)}
+_FORMATS = {f.kind: f for f in (SIMULATE, EQUILIBRIUM, ORBIT, EQUILIBRIA, CONTINUE, SWEEP, BASIN, PRECISION)}
 
 
 def register_format(step_format: StepFormat) -> None:

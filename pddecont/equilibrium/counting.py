@@ -1,0 +1,117 @@
+"""How many characteristic roots lie to the right of the imaginary axis beside those of a list.
+
+The quotient Q = det Delta(lambda) / prod_k (lambda - lambda_k) over the K roots of a list has the others as its zeros
+and grows as lambda^(n - K). By the argument principle
+
+    zeros to the right = (n - K) / 2 - (change of arg Q(i omega) from omega = 0 to infinity) / pi
+
+Roots of the list may lie on the axis or next to it: in Q they are gone.
+
+Reference: Stepan, Retarded Dynamical Systems (1989), section 2.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pddecont.equilibrium.characteristic import CharacteristicMatrix
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+# Points on the axis at first, and as many more for each turn of an exponential.
+FEW, PER_TURN = 33, 6
+# Beyond this many times the bound of roots the argument of Q changes by what closed form says.
+FAR = 2.0
+# Between neighbours the logarithm of Q changes by less than this; else a point is put between them.
+CHANGE = 0.7
+MAX_POINTS = 200_000
+# Neighbours nearer than this part of the whole way: the axis goes through a root that is not in the list.
+NEAREST = 1e-12
+# The least point beside zero, as a part of the whole way; and places where a root may be, at most.
+LEAST, MANY = 1e-6, 40
+# Terms of the series for what is left beyond: each is at most half of the one before.
+TERMS = 12
+
+
+@dataclass(frozen=True, eq=False)
+class Count:
+    """What the argument of Q says: how many roots to the right a list lacks, and about where they are (n_places,).
+
+    ``number`` is None where a root that is not in the list lies on the axis.
+    """
+
+    number: int | None
+    places: Complex
+
+
+def count_missing(matrix: CharacteristicMatrix, listed: Complex) -> Count:
+    """Return how many roots to the right of the imaginary axis a list lacks.
+
+    ``listed`` holds both of each conjugate pair.
+    """
+    longest = float(np.max(matrix.delays, initial=0.0))
+    end = FAR * max(matrix.find_bound(), float(np.max(np.abs(listed), initial=0.0)), np.finfo(float).tiny)
+    n_points = FEW + int(PER_TURN * end * longest / (2.0 * np.pi))
+    if n_points > MAX_POINTS:
+        return Count(None, np.zeros(0, dtype=complex))
+    # Roots near zero need points near zero: others are spaced evenly.
+    omega = np.union1d(np.linspace(0.0, end, n_points), np.geomspace(LEAST * end, end, FEW))
+    values = _find_log_quotients(matrix, omega, listed)
+    while True:
+        change = np.diff(values)
+        turns = np.angle(np.exp(1j * change.imag))
+        rough = np.hypot(change.real, turns) >= CHANGE
+        if not np.any(rough):
+            break
+        gaps = np.diff(omega)[rough]
+        if np.min(gaps) < NEAREST * end or len(omega) > MAX_POINTS:
+            return Count(None, 1j * omega[:-1][rough])
+        where = np.flatnonzero(rough) + 1
+        between = (0.5 * (omega[:-1] + omega[1:]))[rough]
+        omega = np.insert(omega, where, between)
+        values = np.insert(values, where, _find_log_quotients(matrix, between, listed))
+    total = float(np.sum(turns)) + _find_rest(matrix, end, listed)
+    number = round(0.5 * (matrix.n - len(listed)) - total / np.pi)
+    return Count(number, _find_places(omega, turns) if number > 0 else np.zeros(0, dtype=complex))
+
+
+def _find_places(omega: Array, turns: Array) -> Complex:
+    """Return where roots to the right make the argument fall: by a / (a^2 + (omega - b)^2) for the root a + i b."""
+    rates, middles = turns / np.diff(omega), 0.5 * (omega[:-1] + omega[1:])
+    padded = np.concatenate([[np.inf], rates, [np.inf]])
+    lowest = np.flatnonzero((rates < 0.0) & (rates <= padded[:-2]) & (rates <= padded[2:]))
+    lowest = lowest[np.argsort(rates[lowest])][:MANY]
+    return np.asarray(-1.0 / rates[lowest] + 1j * middles[lowest])
+
+
+def _find_log_quotients(matrix: CharacteristicMatrix, omega: Array, listed: Complex) -> Complex:
+    """Return log Q at i omega (n,), imaginary parts up to whole turns."""
+    points: Complex = np.asarray(1j * omega, dtype=np.complex128)
+    return np.asarray(matrix.log_determinants(points) - np.sum(np.log(points[:, None] - listed), axis=1))
+
+
+def _find_rest(matrix: CharacteristicMatrix, end: float, listed: Complex) -> float:
+    """Return by how much the argument of Q changes from i ``end`` to infinity.
+
+    Delta(lambda) = lambda (I - S / lambda): log det(I - S / lambda) is small there, and zero at infinity.
+    """
+    at = 1j * end
+    # The logarithm of the determinant less that of lambda^n, on the branch that is zero at infinity.
+    own = complex(matrix.log_determinants(np.array([at]))[0] - matrix.n * np.log(at))
+    near = own.imag - 2.0 * np.pi * round((own.imag - _guess_rest(matrix, at)) / (2.0 * np.pi))
+    return -near + float(np.sum(np.log(1.0 - listed / at).imag))
+
+
+def _guess_rest(matrix: CharacteristicMatrix, at: complex) -> float:
+    """Return the argument of det(I - S / lambda) by the series -tr(S / lambda) - tr(S^2 / lambda^2) / 2 - ..."""
+    scaled = matrix.unit - matrix.at(at)[0] / at
+    if not matrix.is_sparse:
+        return float(np.sum(np.log(1.0 - np.linalg.eigvals(scaled)).imag))
+    power, total = scaled, 0.0
+    for k in range(1, TERMS + 1):
+        total -= complex(power.diagonal().sum()).imag / k
+        power = power @ scaled
+    return total

@@ -1,0 +1,172 @@
+"""Doing a ``continue`` step that starts from an equilibrium: a branch of equilibria in one free parameter."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from pddecont.continuation import (
+    BranchPoint,
+    BranchState,
+    CurvePoint,
+    FixedUnknowns,
+    Home,
+    StepSettings,
+    find_tangent,
+    follow_branch,
+)
+from pddecont.equilibrium import (
+    NAMES,
+    EquilibriumEvaluation,
+    EquilibriumProblem,
+    EquilibriumSystem,
+    make_tests,
+    measure_sizes,
+    solve_equilibrium,
+)
+from pddecont.errors import ConvergenceError, RunError
+from pddecont.orbit import DelayBoundary, RangeBoundary
+from pddecont.reasons import Reason
+from pddecont.results import EQUILIBRIA, Step, StepWriter
+from pddecont.runfile import PlannedStep
+from pddecont.steps.context import Context
+from pddecont.steps.continuation import ContinueSettings, in_range
+from pddecont.steps.execution.directions import find_unfinished, make_branch_ending
+from pddecont.steps.execution.ending import report_done
+from pddecont.steps.execution.equilibrium import find_equilibrium
+from pddecont.steps.execution.equilibrium_rows import equilibrium_from_row, equilibrium_to_row, make_equilibrium_meta
+
+# How far ahead of its first point a branch sets out, in scaled unknowns, to be known again by its direction.
+AHEAD = 1e-3
+Evaluation = EquilibriumEvaluation
+
+
+@dataclass(eq=False)
+class _Branch:
+    """A branch on its way into the results file."""
+
+    context: Context
+    step: PlannedStep[ContinueSettings]
+    writer: StepWriter
+    first: BranchState[Evaluation]
+    last: BranchPoint[Evaluation] | None = None
+
+    def record(self, point: BranchPoint[Evaluation]) -> None:
+        """Write a point to the file."""
+        state, at = point.state, point.state.point.at
+        solution = state.point.solution
+        error = float(np.finfo(float).eps)
+        if solution is not None:
+            step = solution.solve(np.append(-at.residual, 0.0)) / state.point.system.scaling.scale
+            error = max(error, float(np.max(np.abs(step))))
+        points, rows = equilibrium_to_row(
+            at.equilibrium,
+            at.roots,
+            list(self.context.plan.monitors.values()),
+            unknowns=at.x,
+            kind=point.kind,
+            arclength=state.arclength,
+            step=state.step,
+            tangent=state.tangent,
+            n_iterations=point.n_iterations,
+            error=error,
+            n_unexplained=point.n_unexplained,
+        )
+        self.writer.append(points, rows, point.reason)
+        self.last = point
+        values = zip(self.step.settings.free, at.x[-len(self.step.settings.free) :], strict=True)
+        shown = ", ".join(f"{name} = {value:.8g}" for name, value in values)
+        self.context.reporter.progress(f"{self.writer.n} points, {shown}{f' {point.kind}' if point.kind else ''}")
+
+    def follow(self, state: BranchState[Evaluation], way: int) -> Reason:
+        """Follow one direction; return how it ended."""
+        steps, problem = self.step.settings, self.first.point.at.problem
+        settings = StepSettings(steps.step_initial, steps.step_min, steps.step_max, steps.max_points)
+        delays = DelayBoundary(problem.motion.numeric, problem.parameters, problem.free)
+        boundaries = (RangeBoundary(steps.free, steps.ranges), delays)
+        functions = make_tests(state.point.at, steps.detect)
+        home = _make_home(replace(self.first, point=_turn(self.first.point, way)))
+        end = follow_branch(state, boundaries, functions, settings, self.record, way, home)
+        return make_branch_ending(end, way)
+
+
+def starts_from_equilibrium(context: Context, step: PlannedStep[ContinueSettings]) -> bool:
+    """Return whether a step starts from an equilibrium and follows equilibria."""
+    assert step.source is not None, "a continue step's schema has a source"
+    return "roots" in context.read_source(step.source)[1].format.orbits
+
+
+def run_equilibrium_branch(context: Context, step: PlannedStep[ContinueSettings], recorded: Step | None) -> None:
+    """Follow a branch of equilibria in each direction asked for, from the start or from where ``recorded`` stopped."""
+    settings = step.settings
+    start = _find_start(context, step)
+    first = BranchState(start, 0.0, settings.step_initial, 1)
+    states, kept = {way: replace(first, point=_turn(start, way)) for way in settings.ways}, 0
+    endings: dict[int, Reason] = {}
+    if recorded is not None and len(recorded):
+        endings = {int(ending.values.get("direction", 0)): ending for ending in recorded.endings}
+        way, row, kept = find_unfinished(recorded, settings.ways, endings)
+        if row is not None:
+            states[way] = _restore(start, recorded, row)
+    meta: dict[str, Any] = {
+        **make_equilibrium_meta(context.plan, NAMES),
+        "free": list(settings.free),
+        "directions": len(settings.ways),
+        "curve": "",
+        "curve_reason": "",
+    }
+    with context.open_step(step, EQUILIBRIA, meta, recorded=recorded, kept=kept) as writer:
+        branch = _Branch(context, step, writer, first)
+        if writer.n == 0:
+            branch.record(BranchPoint(first, "", 0))
+        for place, way in enumerate(settings.ways):
+            if way not in endings:
+                endings[way] = branch.follow(states[way], way)
+                writer.terminate(endings[way], place)
+    report_done(context, step)
+
+
+def _find_start(context: Context, step: PlannedStep[ContinueSettings]) -> CurvePoint[Evaluation]:
+    """Return the first point, with its tangent towards larger values of the free parameter."""
+    recorded, row = find_equilibrium(context, step)
+    plan, settings = context.plan, step.settings
+    guess = equilibrium_from_row(plan, step.delay, recorded, row)
+    try:
+        found, _, _ = solve_equilibrium(replace(guess, parameters=plan.set_parameters(step, guess.parameters)))
+    except ConvergenceError as exc:
+        text = f"step '{step.name}': the equilibrium it starts from does not converge: {exc}"
+        raise ConvergenceError(text, exc.history) from exc
+    free = tuple(plan.numeric.parameter_index(name) for name in settings.free)
+    problem = EquilibriumProblem(found.motion, found.parameters, free)
+    widths = tuple(high - low for low, high in settings.ranges)
+    system = EquilibriumSystem(problem, measure_sizes(found.states), widths)
+    x = problem.join(found)
+    for name, (low, high), value in zip(settings.free, settings.ranges, x[-len(free) :].tolist(), strict=True):
+        if not in_range(value, low, high):
+            outside = f"starts at {name} = {value:g}, outside its range [{low:g}, {high:g}]; widen the range"
+            raise RunError.at(plan.source, 0, 0, f"step '{step.name}' {outside}")
+    at, towards = system.at(x), np.zeros(len(x))
+    towards[-1] = 1.0
+    direction = find_tangent(at, system.scaling, towards)
+    return CurvePoint(FixedUnknowns(system), at, None, direction)
+
+
+def _turn(point: CurvePoint[Evaluation], way: int) -> CurvePoint[Evaluation]:
+    return replace(point, direction=way * point.tangent)
+
+
+def _make_home(start: BranchState[Evaluation]) -> Home[Evaluation]:
+    """Return how the first equilibrium of a branch is known again."""
+    ahead = start.x + AHEAD * start.tangent
+    return Home(lambda at: [start.x], lambda at: [ahead], lambda at: float(np.finfo(float).eps))
+
+
+def _restore(start: CurvePoint[Evaluation], recorded: Step, row: int) -> BranchState[Evaluation]:
+    """Return the state that a recorded point left."""
+    rows, points = recorded.orbit(row), recorded.points
+    arclength, way = float(points["arclength"][row]), np.sign(points["arclength"][row])
+    before = (points["arclength"][: row + 1] * way > 0) & (points["kind"][: row + 1] == b"")
+    point = replace(start, at=start.system.at(np.array(rows["unknowns"])), direction=np.array(rows["tangent"]))
+    return BranchState(point, arclength, float(points["step"][row]), int(np.sum(before)) + 1, is_start=False)
