@@ -22,8 +22,8 @@ def find_transfer_factor(method: DelayMethod, s: Complex) -> tuple[Complex, Comp
             factor: Complex = np.exp(-s)
             return factor, -factor
         one, slope = _pass_stage(stages, s / stages.n)
-        power: Complex = one ** (stages.n - 1)
-        return power * one, power * slope
+        power = one ** (stages.n - 1)
+        return np.asarray(power * one, dtype=complex), np.asarray(power * slope, dtype=complex)
 
 
 def _pass_stage(stages: LineStages, z: Complex) -> tuple[Complex, Complex]:
@@ -32,4 +32,4 @@ def _pass_stage(stages: LineStages, z: Complex) -> tuple[Complex, Complex]:
     matrix = z[..., None, None] * np.diag(line.mass) - line.A
     states = np.linalg.solve(matrix, line.B[:, None])
     slopes = -np.linalg.solve(matrix, line.mass[:, None] * states)
-    return states[..., line.out, 0], slopes[..., line.out, 0]
+    return np.asarray(states[..., line.out, 0], dtype=complex), np.asarray(slopes[..., line.out, 0], dtype=complex)

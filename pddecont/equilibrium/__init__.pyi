@@ -18,4 +18,5 @@ from .roots import find_roots as find_roots
 from .sides import Side as Side
 from .sides import find_passed_side as find_passed_side
 from .sides import list_sides as list_sides
+from .special_values import find_special_values as find_special_values
 from .stability import find_own_roots as find_own_roots

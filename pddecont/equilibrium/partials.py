@@ -6,10 +6,12 @@ not zero are one compiled function; the forms B(u, v) = sum d2f/(dy_a dy_b) u_a 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from itertools import combinations_with_replacement, permutations
 from math import factorial
+from typing import Any
 
 import numpy as np
 import sympy
@@ -34,7 +36,7 @@ class Partials:
     arguments: Ints
     function: ArrayFunction
 
-    def apply(self, values: Array, directions: list[Array], n: int) -> Array:
+    def apply(self, values: Array, directions: Sequence[NDArray[Any]], n: int) -> NDArray[Any]:
         """Return the form of ``values`` (n_entries,) at as many ``directions`` (m,) as the order, shape (n,)."""
         order = self.arguments.shape[1]
         terms = np.zeros(len(values), dtype=np.result_type(values, *directions))

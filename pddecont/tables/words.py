@@ -43,6 +43,12 @@ _WORDS: dict[str, Callable[[Values], str]] = {
     "tangential": lambda v: "event turns tangential",
     "meeting": lambda v: f"{v['event']} meets {v['other']}",
     "vanishing": lambda v: f"{v['segment']} vanishes",
+    "hopf_normal_form": lambda v: (
+        f"{v['nature']}, frequency {v['frequency']:.8g}, l1 = {v['coefficient']:.5g}; orbits at {v['side']} "
+        f"{v['parameter']}"
+    ),
+    "fold_normal_form": lambda v: f"a = {v['coefficient']:.5g}",
+    "boundary_equilibrium": lambda v: f"on the surface of event '{v['event']}'",
     "halves_equal": lambda v: "halves become equal",
     "grazing": lambda v: "grazing",
     "hopf_point": lambda v: f"Hopf point{_name_where(v)}",

@@ -22,6 +22,7 @@ from pddecont.equilibrium import (
     EquilibriumEvaluation,
     EquilibriumProblem,
     EquilibriumSystem,
+    find_special_values,
     make_tests,
     measure_sizes,
     solve_equilibrium,
@@ -61,6 +62,7 @@ class _Branch:
         if solution is not None:
             step = solution.solve(np.append(-at.residual, 0.0)) / state.point.system.scaling.scale
             error = max(error, float(np.max(np.abs(step))))
+        special = find_special_values(point, self.step.settings.free[0])
         points, rows = equilibrium_to_row(
             at.equilibrium,
             at.roots,
@@ -72,9 +74,11 @@ class _Branch:
             tangent=state.tangent,
             n_iterations=point.n_iterations,
             error=error,
+            frequency=special.frequency,
+            coefficient=special.coefficient,
             n_unexplained=point.n_unexplained,
         )
-        self.writer.append(points, rows, point.reason)
+        self.writer.append(points, rows, special.reason)
         self.last = point
         values = zip(self.step.settings.free, at.x[-len(self.step.settings.free) :], strict=True)
         shown = ", ".join(f"{name} = {value:.8g}" for name, value in values)
