@@ -7,6 +7,7 @@ from .extended_system import extend_system as extend_system
 from .extended_system import find_good_side as find_good_side
 from .grazing import measure_grazing_gap as measure_grazing_gap
 from .hopf import end_at_equilibrium as end_at_equilibrium
+from .hopf_start import start_at_hopf as start_at_hopf
 from .kinds import SpecialPointKind as SpecialPointKind
 from .registry import find_kind as find_kind
 from .registry import forget_kind as forget_kind

@@ -1,3 +1,5 @@
+from .birth import Birth as Birth
+from .birth import find_birth as find_birth
 from .branch_tests import BOUNDARY_CODE as BOUNDARY_CODE
 from .branch_tests import NAMES as NAMES
 from .branch_tests import make_tests as make_tests

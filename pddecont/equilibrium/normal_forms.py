@@ -10,9 +10,9 @@ With Delta the characteristic matrix, B and C the second and third derivatives o
 On the centre manifold y' = a y^2 + ..., and z' = i omega z + c1 z |z|^2 + ... with x = x_0 + 2 Re(z q e^(i omega t)).
 Orbits are born stable, beside a stable equilibrium, where l1 < 0. The size of a and l1 depends on |q| = 1.
 
-References: Kuznetsov, Elements of Applied Bifurcation Theory (2004), section 5.4; Janssens, On a normalization technique
-for codimension two bifurcations of equilibria of delay differential equations (Utrecht, 2010); Bosschaert, Janssens,
-Kuznetsov, SIAM J. Appl. Dyn. Syst. 19 (2020).
+References: Kuznetsov, Elements of Applied Bifurcation Theory (2004), section 5.4; Janssens, On a normalization
+technique for codimension two bifurcations of equilibria of delay differential equations (Utrecht, 2010); Bosschaert,
+Janssens, Kuznetsov, SIAM J. Appl. Dyn. Syst. 19 (2020).
 """
 
 from __future__ import annotations
@@ -31,8 +31,6 @@ from pddecont.equilibrium.partials import Partials
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
-# Length of the steps over which Delta is differentiated along the branch, in sizes of its unknowns.
-DIFFERENCE = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,12 +121,6 @@ def find_cubic_coefficient(forms: Forms, critical: CriticalRoot) -> complex:
     h20 = forms.lift(forms.solve(2.0 * root, forms.second(phi, phi)), 2.0 * root)
     total = forms.third(phi, phi, bar) + 2.0 * forms.second(phi, h11) + forms.second(bar, h20)
     return complex(critical.left @ total) / 2.0
-
-
-def find_lyapunov_coefficient(at: Equilibrium, omega: float) -> float:
-    """Return the first Lyapunov coefficient l1 of a Hopf point with the roots +-i ``omega``."""
-    forms = Forms(at)
-    return find_cubic_coefficient(forms, forms.find_critical(1j * omega)).real / omega
 
 
 def find_root_speed(critical: CriticalRoot, before: Equilibrium, after: Equilibrium, between: float) -> complex:

@@ -40,7 +40,7 @@ def _make_row(step: Step, i: int) -> Row:
 
 
 def list_roots(step: Step, row: int | None = None) -> list[Row]:
-    """Return one row a characteristic root, by falling real part: of all points in order along the branch, or of one."""
+    """Return one row a characteristic root, by falling real part: of all points in branch order, or of one."""
     if row is not None:
         check_index(step, row)
     free = [(name, list(step.meta["parameters"]).index(name)) for name in step.meta.get("free") or []]

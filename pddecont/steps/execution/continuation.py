@@ -52,7 +52,8 @@ from pddecont.steps.continuation import ContinueSettings
 from pddecont.steps.execution.branch_start import start_step
 from pddecont.steps.execution.directions import find_unfinished, make_branch_ending
 from pddecont.steps.execution.ending import report_done
-from pddecont.steps.execution.equilibrium_branch import run_equilibrium_branch, starts_from_equilibrium
+from pddecont.steps.execution.equilibrium_branch import run_equilibrium_branch
+from pddecont.steps.execution.equilibrium_start import follows_equilibria
 from pddecont.steps.execution.orbit_rows import make_multiplier_cache, make_orbit_meta, make_referee, orbit_to_row
 from pddecont.tables import UNRELIABLE
 
@@ -156,7 +157,7 @@ class _Branch:
 def run_continue(context: Context, step: PlannedStep[ContinueSettings], recorded: Step | None) -> None:
     """Follow the branch in each direction asked for, from the start or from where ``recorded`` stopped."""
     plan, body = context.plan, step.settings
-    if starts_from_equilibrium(context, step):
+    if follows_equilibria(context, step):
         run_equilibrium_branch(context, step, recorded)
         return
     settings = BranchSettings(

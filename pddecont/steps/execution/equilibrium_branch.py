@@ -62,7 +62,7 @@ class _Branch:
         if solution is not None:
             step = solution.solve(np.append(-at.residual, 0.0)) / state.point.system.scaling.scale
             error = max(error, float(np.max(np.abs(step))))
-        special = find_special_values(point, self.step.settings.free[0])
+        special = find_special_values(point, self.step.settings.free[0], state.point.system.scaling.scale[-1])
         points, rows = equilibrium_to_row(
             at.equilibrium,
             at.roots,
@@ -94,12 +94,6 @@ class _Branch:
         home = _make_home(replace(self.first, point=_turn(self.first.point, way)))
         end = follow_branch(state, boundaries, functions, settings, self.record, way, home)
         return make_branch_ending(end, way)
-
-
-def starts_from_equilibrium(context: Context, step: PlannedStep[ContinueSettings]) -> bool:
-    """Return whether a step starts from an equilibrium and follows equilibria."""
-    assert step.source is not None, "a continue step's schema has a source"
-    return "roots" in context.read_source(step.source)[1].format.orbits
 
 
 def run_equilibrium_branch(context: Context, step: PlannedStep[ContinueSettings], recorded: Step | None) -> None:
