@@ -1,10 +1,18 @@
 from .birth import Birth as Birth
 from .birth import find_birth as find_birth
+from .branch_tests import BOUNDARY as BOUNDARY
 from .branch_tests import BOUNDARY_CODE as BOUNDARY_CODE
+from .branch_tests import BRANCH as BRANCH
+from .branch_tests import FOLD as FOLD
+from .branch_tests import HOPF as HOPF
 from .branch_tests import NAMES as NAMES
 from .branch_tests import make_tests as make_tests
 from .characteristic import CharacteristicMatrix as CharacteristicMatrix
 from .constant_motion import ConstantMotion as ConstantMotion
+from .critical import CriticalEvaluation as CriticalEvaluation
+from .critical import make_critical_start as make_critical_start
+from .curve_tests import CURVE_NAMES as CURVE_NAMES
+from .curve_tests import make_curve_tests as make_curve_tests
 from .equations import Equilibrium as Equilibrium
 from .equations import EquilibriumEvaluation as EquilibriumEvaluation
 from .equations import EquilibriumProblem as EquilibriumProblem
@@ -20,5 +28,6 @@ from .roots import find_roots as find_roots
 from .sides import Side as Side
 from .sides import find_passed_side as find_passed_side
 from .sides import list_sides as list_sides
+from .special_values import find_curve_values as find_curve_values
 from .special_values import find_special_values as find_special_values
 from .stability import find_own_roots as find_own_roots

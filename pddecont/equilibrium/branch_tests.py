@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -66,12 +67,13 @@ def _measure_branching(point: Point) -> float:
 
 
 @dataclass(frozen=True)
-class _PairTest:
+class PairTest:
     """The real part of the pair of roots with so many pairs to its right."""
 
     number: int
 
-    def __call__(self, point: Point) -> float:
+    def __call__(self, point: CurvePoint[Any]) -> float:
+        """Return it; NaN where there are not so many pairs."""
         values = point.at.roots.values
         pairs = values[values.imag > 0.0].real
         return float(pairs[self.number]) if self.number < len(pairs) else float("nan")
@@ -81,7 +83,7 @@ def _explain(before: Counts, after: Counts) -> Sequence[TestFunction[Equilibrium
     """Return the test of a pair that crosses; nothing where a real root does, or two meet on the real axis."""
     real, pairs = after[0] - before[0], after[1] - before[1]
     if real == 0 and abs(pairs) == 1:
-        return [TestFunction(HOPF, _PairTest(min(before[1], after[1])))]
+        return [TestFunction(HOPF, PairTest(min(before[1], after[1])))]
     if (abs(real) <= 1 and pairs == 0) or (real, pairs) in ((2, -1), (-2, 1)):
         return []
     return None

@@ -9,8 +9,9 @@ import numpy as np
 from pddecont.continuation import BranchPoint
 from pddecont.equilibrium.birth import find_birth
 from pddecont.equilibrium.branch_tests import FOLD, HOPF
+from pddecont.equilibrium.critical import CriticalEvaluation
 from pddecont.equilibrium.equations import EquilibriumEvaluation
-from pddecont.equilibrium.normal_forms import find_fold_coefficient
+from pddecont.equilibrium.normal_forms import Forms, find_cubic_coefficient, find_fold_coefficient
 from pddecont.errors import ConvergenceError
 from pddecont.reasons import Reason, make_reason
 
@@ -59,3 +60,19 @@ def _describe_hopf(point: BranchPoint[EquilibriumEvaluation], parameter: str, wi
         parameter=parameter,
     )
     return SpecialValues(birth.frequency, birth.coefficient, reason)
+
+
+def find_curve_values(at: CriticalEvaluation, reason: Reason) -> SpecialValues:
+    """Return what is recorded of a point of a curve: the frequency and the coefficient of its normal form."""
+    kind, smooth = at.system.critical.label, not at.system.problem.n_forces
+    try:
+        if kind == FOLD and smooth:
+            return SpecialValues(np.nan, find_fold_coefficient(at.equilibrium), reason)
+        if kind == HOPF:
+            omega = abs(float(at.own[-1]))
+            forms = Forms(at.equilibrium)
+            cubic = find_cubic_coefficient(forms, forms.find_critical(1j * omega)) if smooth else complex(np.nan)
+            return SpecialValues(omega, cubic.real / omega if omega else np.nan, reason)
+    except ConvergenceError:
+        pass
+    return SpecialValues(np.nan, np.nan, reason)

@@ -13,16 +13,26 @@ from pddecont.continuation import (
     CurvePoint,
     FixedUnknowns,
     Home,
+    NewtonSettings,
     StepSettings,
+    correct,
     find_tangent,
     follow_branch,
+    tangent_at,
 )
 from pddecont.equilibrium import (
+    BOUNDARY,
+    CURVE_NAMES,
+    FOLD,
+    HOPF,
     NAMES,
-    EquilibriumEvaluation,
+    CriticalEvaluation,
+    Equilibrium,
     EquilibriumProblem,
     EquilibriumSystem,
     find_special_values,
+    make_critical_start,
+    make_curve_tests,
     make_tests,
     measure_sizes,
     solve_equilibrium,
@@ -41,7 +51,10 @@ from pddecont.steps.execution.equilibrium_rows import equilibrium_from_row, equi
 
 # How far ahead of its first point a branch sets out, in scaled unknowns, to be known again by its direction.
 AHEAD = 1e-3
-Evaluation = EquilibriumEvaluation
+# Special points that are followed in two parameters.
+FOLLOWED = (FOLD, HOPF, BOUNDARY)
+# A parameter that moves less than this part of what another does stays, where it is asked which way a curve goes.
+STILL = 1e-6
 
 
 @dataclass(eq=False)
@@ -51,10 +64,10 @@ class _Branch:
     context: Context
     step: PlannedStep[ContinueSettings]
     writer: StepWriter
-    first: BranchState[Evaluation]
-    last: BranchPoint[Evaluation] | None = None
+    first: BranchState[Any]
+    last: BranchPoint[Any] | None = None
 
-    def record(self, point: BranchPoint[Evaluation]) -> None:
+    def record(self, point: BranchPoint[Any]) -> None:
         """Write a point to the file."""
         state, at = point.state, point.state.point.at
         solution = state.point.solution
@@ -73,7 +86,7 @@ class _Branch:
             step=state.step,
             tangent=state.tangent,
             n_iterations=point.n_iterations,
-            error=error,
+            error=_measure_error(state.point),
             frequency=special.frequency,
             coefficient=special.coefficient,
             n_unexplained=point.n_unexplained,
@@ -84,13 +97,17 @@ class _Branch:
         shown = ", ".join(f"{name} = {value:.8g}" for name, value in values)
         self.context.reporter.progress(f"{self.writer.n} points, {shown}{f' {point.kind}' if point.kind else ''}")
 
-    def follow(self, state: BranchState[Evaluation], way: int) -> Reason:
+    def follow(self, state: BranchState[Any], way: int) -> Reason:
         """Follow one direction; return how it ended."""
-        steps, problem = self.step.settings, self.first.point.at.problem
+        steps, at = self.step.settings, self.first.point.at
+        problem = at.system.problem if isinstance(at, CriticalEvaluation) else at.problem
         settings = StepSettings(steps.step_initial, steps.step_min, steps.step_max, steps.max_points)
         delays = DelayBoundary(problem.motion.numeric, problem.parameters, problem.free)
         boundaries = (RangeBoundary(steps.free, steps.ranges), delays)
-        functions = make_tests(state.point.at, steps.detect)
+        at = state.point.at
+        functions = (
+            make_curve_tests(at, steps.detect) if isinstance(at, CriticalEvaluation) else make_tests(at, steps.detect)
+        )
         home = _make_home(replace(self.first, point=_turn(self.first.point, way)))
         end = follow_branch(state, boundaries, functions, settings, self.record, way, home)
         return make_branch_ending(end, way)
@@ -109,10 +126,10 @@ def run_equilibrium_branch(context: Context, step: PlannedStep[ContinueSettings]
         if row is not None:
             states[way] = _restore(start, recorded, row)
     meta: dict[str, Any] = {
-        **make_equilibrium_meta(context.plan, NAMES),
+        **make_equilibrium_meta(context.plan, {**NAMES, **CURVE_NAMES}),
         "free": list(settings.free),
         "directions": len(settings.ways),
-        "curve": "",
+        "curve": start.at.system.critical.label if isinstance(start.at, CriticalEvaluation) else "",
         "curve_reason": "",
     }
     with context.open_step(step, EQUILIBRIA, meta, recorded=recorded, kept=kept) as writer:
@@ -126,7 +143,7 @@ def run_equilibrium_branch(context: Context, step: PlannedStep[ContinueSettings]
     report_done(context, step)
 
 
-def _find_start(context: Context, step: PlannedStep[ContinueSettings]) -> CurvePoint[Evaluation]:
+def _find_start(context: Context, step: PlannedStep[ContinueSettings]) -> CurvePoint[Any]:
     """Return the first point, with its tangent towards larger values of the free parameter."""
     recorded, row = find_equilibrium(context, step)
     plan, settings = context.plan, step.settings
@@ -136,32 +153,69 @@ def _find_start(context: Context, step: PlannedStep[ContinueSettings]) -> CurveP
     except ConvergenceError as exc:
         text = f"step '{step.name}': the equilibrium it starts from does not converge: {exc}"
         raise ConvergenceError(text, exc.history) from exc
+    _check_range(context, step, found)
     free = tuple(plan.numeric.parameter_index(name) for name in settings.free)
     problem = EquilibriumProblem(found.motion, found.parameters, free)
     widths = tuple(high - low for low, high in settings.ranges)
     system = EquilibriumSystem(problem, measure_sizes(found.states), widths)
-    x = problem.join(found)
-    for name, (low, high), value in zip(settings.free, settings.ranges, x[-len(free) :].tolist(), strict=True):
+    kind = recorded.kind_of(row)
+    if len(free) == 1:
+        at, towards = system.at(problem.join(found)), np.zeros(problem.n_unknowns)
+        towards[-1] = 1.0
+        direction = find_tangent(at, system.scaling, towards)
+        return CurvePoint(FixedUnknowns(system), at, None, direction)
+    if kind not in FOLLOWED:
+        raise RunError.at(
+            plan.source,
+            0,
+            0,
+            f"step '{step.name}': it has two free parameters: it follows a special point ({', '.join(FOLLOWED)}) and "
+            f"cannot start from {f'a {kind} point' if kind else 'an ordinary point'}",
+        )
+    return _start_curve(system, kind, str(recorded.reason(row).values.get("event", "")), found)
+
+
+def _start_curve(system: EquilibriumSystem, kind: str, event: str, found: Equilibrium) -> CurvePoint[Any]:
+    """Return the first point of a curve of special points, towards larger values of the first parameter that moves."""
+    critical, start = make_critical_start(system, kind, event, found)
+    scaling = critical.scaling
+    null = np.linalg.svd(critical.at(start).jacobian() * scaling.scale)[2][-1] * scaling.scale
+    solution = correct(critical, start, null, NewtonSettings())
+    direction = tangent_at(solution, critical.scaling, null)
+    moves = direction[-2:] / np.array(system.widths)
+    forward = next((float(np.sign(m)) for m in moves if abs(m) > STILL * np.max(np.abs(moves))), 1.0)
+    return CurvePoint(critical, solution.at, None, forward * direction)
+
+
+def _check_range(context: Context, step: PlannedStep[ContinueSettings], found: Equilibrium) -> None:
+    plan, settings = context.plan, step.settings
+    for name, (low, high) in zip(settings.free, settings.ranges, strict=True):
+        value = float(found.parameters[plan.numeric.parameter_index(name)])
         if not in_range(value, low, high):
             outside = f"starts at {name} = {value:g}, outside its range [{low:g}, {high:g}]; widen the range"
             raise RunError.at(plan.source, 0, 0, f"step '{step.name}' {outside}")
-    at, towards = system.at(x), np.zeros(len(x))
-    towards[-1] = 1.0
-    direction = find_tangent(at, system.scaling, towards)
-    return CurvePoint(FixedUnknowns(system), at, None, direction)
 
 
-def _turn(point: CurvePoint[Evaluation], way: int) -> CurvePoint[Evaluation]:
+def _measure_error(point: CurvePoint[Any]) -> float:
+    """Return the largest error of an unknown relative to its size, as one more Newton step would change it."""
+    least = float(np.finfo(float).eps)
+    if point.solution is None:
+        return least
+    step = point.solution.solve(np.append(-point.at.residual, 0.0)) / point.system.scaling.scale
+    return max(least, float(np.max(np.abs(step))))
+
+
+def _turn(point: CurvePoint[Any], way: int) -> CurvePoint[Any]:
     return replace(point, direction=way * point.tangent)
 
 
-def _make_home(start: BranchState[Evaluation]) -> Home[Evaluation]:
+def _make_home(start: BranchState[Any]) -> Home[Any]:
     """Return how the first equilibrium of a branch is known again."""
     ahead = start.x + AHEAD * start.tangent
     return Home(lambda at: [start.x], lambda at: [ahead], lambda at: float(np.finfo(float).eps))
 
 
-def _restore(start: CurvePoint[Evaluation], recorded: Step, row: int) -> BranchState[Evaluation]:
+def _restore(start: CurvePoint[Any], recorded: Step, row: int) -> BranchState[Any]:
     """Return the state that a recorded point left."""
     rows, points = recorded.orbit(row), recorded.points
     arclength, way = float(points["arclength"][row]), np.sign(points["arclength"][row])
