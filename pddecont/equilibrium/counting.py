@@ -28,6 +28,8 @@ FAR = 2.0
 # Between neighbours the logarithm of Q changes by less than this; else a point is put between them.
 CHANGE = 0.7
 MAX_POINTS = 200_000
+# How far to the right of the axis Q is taken, as a part of the whole way: a root on the axis is no zero to divide by.
+ASIDE = 1e-10
 # Neighbours nearer than this part of the whole way: the axis goes through a root that is not in the list.
 NEAREST = 1e-12
 # The least point beside zero, as a part of the whole way; and places where a root may be, at most.
@@ -57,9 +59,10 @@ def count_missing(matrix: CharacteristicMatrix, listed: Complex) -> Count:
     n_points = FEW + int(PER_TURN * end * longest / (2.0 * np.pi))
     if n_points > MAX_POINTS:
         return Count(None, np.zeros(0, dtype=complex))
+    aside = ASIDE * end
     # Roots near zero need points near zero: others are spaced evenly.
     omega = np.union1d(np.linspace(0.0, end, n_points), np.geomspace(LEAST * end, end, FEW))
-    values = _find_log_quotients(matrix, omega, listed)
+    values = _find_log_quotients(matrix, aside, omega, listed)
     while True:
         change = np.diff(values)
         turns = np.angle(np.exp(1j * change.imag))
@@ -72,7 +75,7 @@ def count_missing(matrix: CharacteristicMatrix, listed: Complex) -> Count:
         where = np.flatnonzero(rough) + 1
         between = (0.5 * (omega[:-1] + omega[1:]))[rough]
         omega = np.insert(omega, where, between)
-        values = np.insert(values, where, _find_log_quotients(matrix, between, listed))
+        values = np.insert(values, where, _find_log_quotients(matrix, aside, between, listed))
     total = float(np.sum(turns)) + _find_rest(matrix, end, listed)
     number = round(0.5 * (matrix.n - len(listed)) - total / np.pi)
     return Count(number, _find_places(omega, turns) if number > 0 else np.zeros(0, dtype=complex))
@@ -87,9 +90,9 @@ def _find_places(omega: Array, turns: Array) -> Complex:
     return np.asarray(-1.0 / rates[lowest] + 1j * middles[lowest])
 
 
-def _find_log_quotients(matrix: CharacteristicMatrix, omega: Array, listed: Complex) -> Complex:
-    """Return log Q at i omega (n,), imaginary parts up to whole turns."""
-    points: Complex = np.asarray(1j * omega, dtype=np.complex128)
+def _find_log_quotients(matrix: CharacteristicMatrix, aside: float, omega: Array, listed: Complex) -> Complex:
+    """Return log Q at ``aside`` + i omega (n,), imaginary parts up to whole turns."""
+    points: Complex = np.asarray(aside + 1j * omega, dtype=np.complex128)
     return np.asarray(matrix.log_determinants(points) - np.sum(np.log(points[:, None] - listed), axis=1))
 
 

@@ -19,8 +19,8 @@ from pddecont.equilibrium.stability import find_own_roots
 from pddecont.errors import ConvergenceError
 
 Array = NDArray[np.float64]
-# A state at zero counts as this size where no other says more.
-UNIT = 1.0
+# Where all states are zero, to rounding, they count as this size.
+ZERO, UNIT = 1e-12, 1.0
 # A state smaller than this part of the largest one has the largest one's size.
 SMALL = 1e-3
 # Newton steps from a guess that somebody wrote.
@@ -141,7 +141,8 @@ class EquilibriumSystem:
 
 def measure_sizes(states: Array) -> Array:
     """Return the typical size of each state (n_states,): its own, or where it is small that of the largest."""
-    largest = float(np.max(np.abs(states), initial=0.0)) or UNIT
+    largest = float(np.max(np.abs(states), initial=0.0))
+    largest = largest if largest > ZERO else UNIT
     return np.where(np.abs(states) > SMALL * largest, np.abs(states), largest)
 
 

@@ -30,6 +30,7 @@ from pddecont.equilibrium import (
     Equilibrium,
     EquilibriumProblem,
     EquilibriumSystem,
+    find_curve_values,
     find_special_values,
     make_critical_start,
     make_curve_tests,
@@ -70,12 +71,10 @@ class _Branch:
     def record(self, point: BranchPoint[Any]) -> None:
         """Write a point to the file."""
         state, at = point.state, point.state.point.at
-        solution = state.point.solution
-        error = float(np.finfo(float).eps)
-        if solution is not None:
-            step = solution.solve(np.append(-at.residual, 0.0)) / state.point.system.scaling.scale
-            error = max(error, float(np.max(np.abs(step))))
-        special = find_special_values(point, self.step.settings.free[0], state.point.system.scaling.scale[-1])
+        if isinstance(at, CriticalEvaluation):
+            special = find_curve_values(at, point.reason)
+        else:
+            special = find_special_values(point, self.step.settings.free[0], state.point.system.scaling.scale[-1])
         points, rows = equilibrium_to_row(
             at.equilibrium,
             at.roots,
@@ -148,39 +147,52 @@ def _find_start(context: Context, step: PlannedStep[ContinueSettings]) -> CurveP
     recorded, row = find_equilibrium(context, step)
     plan, settings = context.plan, step.settings
     guess = equilibrium_from_row(plan, step.delay, recorded, row)
+    guess = replace(guess, parameters=plan.set_parameters(step, guess.parameters))
+    if len(settings.free) == 2:
+        return _start_curve(context, step, recorded, row, guess)
     try:
-        found, _, _ = solve_equilibrium(replace(guess, parameters=plan.set_parameters(step, guess.parameters)))
+        found, _, _ = solve_equilibrium(guess)
     except ConvergenceError as exc:
         text = f"step '{step.name}': the equilibrium it starts from does not converge: {exc}"
         raise ConvergenceError(text, exc.history) from exc
     _check_range(context, step, found)
-    free = tuple(plan.numeric.parameter_index(name) for name in settings.free)
-    problem = EquilibriumProblem(found.motion, found.parameters, free)
+    system = _make_system(context, step, found)
+    at, towards = system.at(system.problem.join(found)), np.zeros(system.problem.n_unknowns)
+    towards[-1] = 1.0
+    return CurvePoint(FixedUnknowns(system), at, None, find_tangent(at, system.scaling, towards))
+
+
+def _make_system(context: Context, step: PlannedStep[ContinueSettings], at: Equilibrium) -> EquilibriumSystem:
+    settings = step.settings
+    free = tuple(context.plan.numeric.parameter_index(name) for name in settings.free)
+    problem = EquilibriumProblem(at.motion, at.parameters, free)
     widths = tuple(high - low for low, high in settings.ranges)
-    system = EquilibriumSystem(problem, measure_sizes(found.states), widths)
+    return EquilibriumSystem(problem, measure_sizes(at.states), widths)
+
+
+def _start_curve(
+    context: Context, step: PlannedStep[ContinueSettings], recorded: Step, row: int, guess: Equilibrium
+) -> CurvePoint[Any]:
+    """Return the first point of a curve of special points, towards larger values of the first parameter that moves."""
     kind = recorded.kind_of(row)
-    if len(free) == 1:
-        at, towards = system.at(problem.join(found)), np.zeros(problem.n_unknowns)
-        towards[-1] = 1.0
-        direction = find_tangent(at, system.scaling, towards)
-        return CurvePoint(FixedUnknowns(system), at, None, direction)
     if kind not in FOLLOWED:
         raise RunError.at(
-            plan.source,
+            context.plan.source,
             0,
             0,
             f"step '{step.name}': it has two free parameters: it follows a special point ({', '.join(FOLLOWED)}) and "
             f"cannot start from {f'a {kind} point' if kind else 'an ordinary point'}",
         )
-    return _start_curve(system, kind, str(recorded.reason(row).values.get("event", "")), found)
-
-
-def _start_curve(system: EquilibriumSystem, kind: str, event: str, found: Equilibrium) -> CurvePoint[Any]:
-    """Return the first point of a curve of special points, towards larger values of the first parameter that moves."""
-    critical, start = make_critical_start(system, kind, event, found)
-    scaling = critical.scaling
-    null = np.linalg.svd(critical.at(start).jacobian() * scaling.scale)[2][-1] * scaling.scale
-    solution = correct(critical, start, null, NewtonSettings())
+    system = _make_system(context, step, guess)
+    critical, start = make_critical_start(system, kind, str(recorded.reason(row).values.get("event", "")), guess)
+    scale = critical.scaling.scale
+    null = np.linalg.svd(critical.at(start).jacobian() * scale)[2][-1] * scale
+    try:
+        solution = correct(critical, start, null, NewtonSettings())
+    except ConvergenceError as exc:
+        text = f"step '{step.name}': the {kind} point that it follows does not converge: {exc}"
+        raise ConvergenceError(text, exc.history) from exc
+    _check_range(context, step, solution.at.equilibrium)
     direction = tangent_at(solution, critical.scaling, null)
     moves = direction[-2:] / np.array(system.widths)
     forward = next((float(np.sign(m)) for m in moves if abs(m) > STILL * np.max(np.abs(moves))), 1.0)
