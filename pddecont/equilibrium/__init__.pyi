@@ -1,5 +1,7 @@
 from .birth import Birth as Birth
 from .birth import find_birth as find_birth
+from .boundary import WayOn as WayOn
+from .boundary import find_way_on as find_way_on
 from .branch_tests import BOUNDARY as BOUNDARY
 from .branch_tests import BOUNDARY_CODE as BOUNDARY_CODE
 from .branch_tests import BRANCH as BRANCH
@@ -7,6 +9,7 @@ from .branch_tests import FOLD as FOLD
 from .branch_tests import HOPF as HOPF
 from .branch_tests import NAMES as NAMES
 from .branch_tests import make_tests as make_tests
+from .branching import find_other_tangent as find_other_tangent
 from .characteristic import CharacteristicMatrix as CharacteristicMatrix
 from .constant_motion import ConstantMotion as ConstantMotion
 from .critical import CriticalEvaluation as CriticalEvaluation

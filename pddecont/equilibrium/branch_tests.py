@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 
 from pddecont.continuation import (
     CountFunction,
@@ -23,9 +24,10 @@ from pddecont.continuation import (
     TestFunction,
     TestFunctions,
     add_row,
-    equilibrate,
-    find_log_determinant,
+    factor,
+    scale_matrix,
 )
+from pddecont.equilibrium.characteristic import DENSE
 from pddecont.equilibrium.equations import EquilibriumEvaluation
 from pddecont.equilibrium.sides import Side, list_sides
 from pddecont.equilibrium.stability import count_unstable
@@ -59,11 +61,23 @@ def _test_side(side: Side) -> TestFunction[EquilibriumEvaluation]:
 
 
 def _measure_branching(point: Point) -> float:
-    """Return the determinant of the Jacobian bordered by the tangent, with the size of its largest factor taken out."""
-    scaling = point.system.scaling
-    bordered = add_row(point.at.jacobian(), scaling.covector(point.tangent))
-    logarithm = find_log_determinant(equilibrate(bordered, scaling.scale).matrix)
-    return float(np.cos(logarithm.imag) * np.exp(logarithm.real / len(point.x)))
+    """Return a smooth function with the zeros of the determinant of the Jacobian bordered by the tangent.
+
+    It is the last unknown of the bordered matrix, bordered once more by vectors that nothing depends on.
+    """
+    scaling, n = point.system.scaling, len(point.x)
+    columns = scale_matrix(point.at.jacobian(), np.ones(n - 1), scaling.size)
+    border = np.random.default_rng(0).normal(size=(2, n))
+    square = sp.bmat(
+        [
+            [sp.csc_matrix(add_row(columns, point.tangent / scaling.size)), sp.csc_matrix(border[0][:, None])],
+            [sp.csc_matrix(border[1][None]), None],
+        ],
+        format="csc",
+    )
+    unit = np.zeros(n + 1)
+    unit[-1] = 1.0
+    return float(factor(square if n > DENSE else square.toarray())(unit)[-1])
 
 
 @dataclass(frozen=True)

@@ -48,7 +48,9 @@ _WORDS: dict[str, Callable[[Values], str]] = {
         f"{v['parameter']}"
     ),
     "fold_normal_form": lambda v: f"a = {v['coefficient']:.5g}",
-    "boundary_equilibrium": lambda v: f"on the surface of event '{v['event']}'",
+    "boundary_equilibrium": lambda v: (
+        (f"{v['nature']}: " if v.get("nature") else "") + f"on the surface of event '{v['event']}'"
+    ),
     "halves_equal": lambda v: "halves become equal",
     "grazing": lambda v: "grazing",
     "hopf_point": lambda v: f"Hopf point{_name_where(v)}",

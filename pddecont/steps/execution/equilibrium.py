@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from dataclasses import replace
 
 import numpy as np
@@ -27,8 +28,8 @@ from pddecont.steps.registry import list_step_kinds
 # What a row of an equilibrium step is.
 EQUILIBRIUM_KIND = "EQ"
 KINDS = {EQUILIBRIUM_KIND: "equilibrium"}
-# How often the mode is read anew from the equilibrium that was found in another.
-MODES_TRIED = 4
+# Modes in which an equilibrium is looked for that lies in its mode, at most.
+MODES_TRIED = 50
 
 
 def run_equilibrium(context: Context, step: PlannedStep[EquilibriumSettings], recorded: Step | None) -> None:
@@ -55,13 +56,8 @@ def _find_near(context: Context, step: PlannedStep[EquilibriumSettings]) -> tupl
         guess = replace(guess, motion=replace(guess.motion, mode=asked))
     try:
         found = solve_equilibrium(guess)
-        for _ in range(MODES_TRIED if asked is None else 0):
-            if find_passed_side(found[0]) is None:
-                break
-            mode = read_mode(found[0])
-            if mode == found[0].motion.mode:
-                break
-            found = solve_equilibrium(replace(found[0], motion=replace(found[0].motion, mode=mode)))
+        if asked is None and find_passed_side(found[0]) is not None:
+            found = _find_in_other_mode(found[0]) or found
     except ConvergenceError as exc:
         raise ConvergenceError(
             f"step '{step.name}': no equilibrium near the guess in mode '{guess.motion.mode}': {exc}. What usually "
@@ -69,6 +65,24 @@ def _find_near(context: Context, step: PlannedStep[EquilibriumSettings]) -> tupl
             exc.history,
         ) from exc
     return found
+
+
+def _find_in_other_mode(virtual: Equilibrium) -> tuple[Equilibrium, float, int] | None:
+    """Return an equilibrium that lies in its mode, near a virtual one of a neighbouring mode; None if there is none."""
+    model = virtual.motion.numeric.model
+    tried, ahead = {virtual.motion.mode}, [read_mode(virtual)]
+    ahead += [s.to for s in model.segments_by_mode.get(virtual.motion.mode, ())]
+    while ahead and len(tried) < MODES_TRIED:
+        mode = ahead.pop(0)
+        if mode in tried:
+            continue
+        tried.add(mode)
+        with contextlib.suppress(ConvergenceError):
+            found = solve_equilibrium(replace(virtual, motion=replace(virtual.motion, mode=mode)))
+            if find_passed_side(found[0]) is None:
+                return found
+        ahead += [s.to for s in model.segments_by_mode.get(mode, ())]
+    return None
 
 
 def _make_guess(context: Context, step: PlannedStep[EquilibriumSettings]) -> Equilibrium:

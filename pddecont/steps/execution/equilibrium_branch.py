@@ -22,6 +22,7 @@ from pddecont.continuation import (
 )
 from pddecont.equilibrium import (
     BOUNDARY,
+    BRANCH,
     CURVE_NAMES,
     FOLD,
     HOPF,
@@ -30,8 +31,11 @@ from pddecont.equilibrium import (
     Equilibrium,
     EquilibriumProblem,
     EquilibriumSystem,
+    WayOn,
     find_curve_values,
+    find_other_tangent,
     find_special_values,
+    find_way_on,
     make_critical_start,
     make_curve_tests,
     make_tests,
@@ -52,6 +56,8 @@ from pddecont.steps.execution.equilibrium_rows import equilibrium_from_row, equi
 
 # How far ahead of its first point a branch sets out, in scaled unknowns, to be known again by its direction.
 AHEAD = 1e-3
+# Modes that one direction goes through at most.
+MAX_MODES = 100
 # Special points that are followed in two parameters.
 FOLLOWED = (FOLD, HOPF, BOUNDARY)
 # A parameter that moves less than this part of what another does stays, where it is asked which way a curve goes.
@@ -67,6 +73,7 @@ class _Branch:
     writer: StepWriter
     first: BranchState[Any]
     last: BranchPoint[Any] | None = None
+    way_on: WayOn | None = None
 
     def record(self, point: BranchPoint[Any]) -> None:
         """Write a point to the file."""
@@ -75,6 +82,10 @@ class _Branch:
             special = find_curve_values(at, point.reason)
         else:
             special = find_special_values(point, self.step.settings.free[0], state.point.system.scaling.scale[-1])
+        reason = special.reason
+        if point.kind == BOUNDARY and not isinstance(at, CriticalEvaluation):
+            self.way_on = find_way_on(state.point, str(point.reason.values["event"]))
+            reason = Reason(reason.code, {**reason.values, "nature": self.way_on.nature if self.way_on else ""})
         points, rows = equilibrium_to_row(
             at.equilibrium,
             at.roots,
@@ -90,25 +101,36 @@ class _Branch:
             coefficient=special.coefficient,
             n_unexplained=point.n_unexplained,
         )
-        self.writer.append(points, rows, special.reason)
+        self.writer.append(points, rows, reason)
         self.last = point
         values = zip(self.step.settings.free, at.x[-len(self.step.settings.free) :], strict=True)
         shown = ", ".join(f"{name} = {value:.8g}" for name, value in values)
         self.context.reporter.progress(f"{self.writer.n} points, {shown}{f' {point.kind}' if point.kind else ''}")
 
     def follow(self, state: BranchState[Any], way: int) -> Reason:
-        """Follow one direction; return how it ended."""
-        steps, at = self.step.settings, self.first.point.at
-        problem = at.system.problem if isinstance(at, CriticalEvaluation) else at.problem
+        """Follow one direction through all its modes; return how it ended."""
+        steps = self.step.settings
         settings = StepSettings(steps.step_initial, steps.step_min, steps.step_max, steps.max_points)
-        delays = DelayBoundary(problem.motion.numeric, problem.parameters, problem.free)
-        boundaries = (RangeBoundary(steps.free, steps.ranges), delays)
-        at = state.point.at
-        functions = (
-            make_curve_tests(at, steps.detect) if isinstance(at, CriticalEvaluation) else make_tests(at, steps.detect)
-        )
         home = _make_home(replace(self.first, point=_turn(self.first.point, way)))
-        end = follow_branch(state, boundaries, functions, settings, self.record, way, home)
+        for _ in range(MAX_MODES):
+            at = state.point.at
+            on_curve = isinstance(at, CriticalEvaluation)
+            problem = at.system.problem if on_curve else at.problem
+            delays = DelayBoundary(problem.motion.numeric, problem.parameters, problem.free)
+            boundaries = (RangeBoundary(steps.free, steps.ranges), delays)
+            functions = make_curve_tests(at, steps.detect) if on_curve else make_tests(at, steps.detect)
+            self.way_on = None
+            end = follow_branch(state, boundaries, functions, settings, self.record, way, home)
+            if self.way_on is None or self.last is None or not steps.follows_signatures:
+                break
+            # A mode may be short-lived: begin it as a branch is begun.
+            state = replace(
+                self.last.state,
+                point=self.way_on.point,
+                step=min(self.last.state.step, steps.step_initial),
+                is_start=True,
+            )
+            home = None
         return make_branch_ending(end, way)
 
 
@@ -150,6 +172,8 @@ def _find_start(context: Context, step: PlannedStep[ContinueSettings]) -> CurveP
     guess = replace(guess, parameters=plan.set_parameters(step, guess.parameters))
     if len(settings.free) == 2:
         return _start_curve(context, step, recorded, row, guess)
+    if settings.switches:
+        return _start_crossing(context, step, recorded, row, guess)
     try:
         found, _, _ = solve_equilibrium(guess)
     except ConvergenceError as exc:
@@ -160,6 +184,29 @@ def _find_start(context: Context, step: PlannedStep[ContinueSettings]) -> CurveP
     at, towards = system.at(system.problem.join(found)), np.zeros(system.problem.n_unknowns)
     towards[-1] = 1.0
     return CurvePoint(FixedUnknowns(system), at, None, find_tangent(at, system.scaling, towards))
+
+
+def _start_crossing(
+    context: Context, step: PlannedStep[ContinueSettings], recorded: Step, row: int, at: Equilibrium
+) -> CurvePoint[Any]:
+    """Return a branch point with the tangent of the other branch, towards larger values of the free parameter."""
+    kind, tangent = recorded.kind_of(row), np.array(recorded.orbit(row)["tangent"])
+    if kind != BRANCH:
+        raise RunError.at(
+            context.plan.source,
+            0,
+            0,
+            f"step '{step.name}': 'branch: switch' leads from an HB point to orbits and from a BP point to the other "
+            f"equilibria; found {f'a {kind} point' if kind else 'an ordinary point'}",
+        )
+    system = _make_system(context, step, at)
+    x = system.problem.join(at)
+    _check_range(context, step, at)
+    if len(tangent) != len(x):
+        raise ConvergenceError(f"step '{step.name}': the branch that the point was found on has other unknowns")
+    other = find_other_tangent(system, x, tangent)
+    forward = float(np.sign(other[-1])) or 1.0
+    return CurvePoint(FixedUnknowns(system), system.at(x), None, forward * other)
 
 
 def _make_system(context: Context, step: PlannedStep[ContinueSettings], at: Equilibrium) -> EquilibriumSystem:
