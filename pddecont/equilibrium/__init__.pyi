@@ -1,5 +1,6 @@
 from .birth import Birth as Birth
 from .birth import find_birth as find_birth
+from .birth import find_other_frequency as find_other_frequency
 from .boundary import WayOn as WayOn
 from .boundary import find_way_on as find_way_on
 from .branch_tests import BOUNDARY as BOUNDARY

@@ -37,8 +37,10 @@ class Birth:
     growth: float
 
 
-def find_birth(at: Equilibrium, free: int, width: float) -> Birth:
+def find_birth(at: Equilibrium, free: int, width: float, frequency: float | None = None) -> Birth:
     """Return what is known of a Hopf point for the parameter numbered ``free`` with a range of that ``width``.
+
+    Of several pairs on the imaginary axis it is that nearest to a ``frequency``.
 
     Raises
     ------
@@ -47,7 +49,8 @@ def find_birth(at: Equilibrium, free: int, width: float) -> Birth:
     """
     values = find_own_roots(at.motion, at.states, at.parameters).values
     pairs = values[values.imag > 0.0]
-    nearest = complex(pairs[int(np.argmin(np.abs(pairs.real)))]) if len(pairs) else 0.0j
+    away = np.abs(pairs.real if frequency is None else pairs - 1j * frequency)
+    nearest = complex(pairs[int(np.argmin(away))]) if len(pairs) else 0.0j
     if not abs(nearest.real) <= ON_AXIS * nearest.imag or nearest == 0.0:
         raise ConvergenceError("no pair of characteristic roots lies on the imaginary axis here")
     omega = nearest.imag
@@ -59,6 +62,22 @@ def find_birth(at: Equilibrium, free: int, width: float) -> Birth:
     before, after = (_move(at, free, sign * DIFFERENCE * width) for sign in (-1.0, 1.0))
     speed = find_root_speed(critical, before, after, 2.0 * DIFFERENCE * width)
     return Birth(at, omega, critical.right, cubic.real / omega, -speed.real / cubic.real if cubic.real else np.inf)
+
+
+def find_other_frequency(at: Equilibrium, own: float) -> float:
+    """Return the frequency of the pair next to the imaginary axis that is not the one of the frequency ``own``.
+
+    Raises
+    ------
+    ConvergenceError
+        If there is none.
+    """
+    values = find_own_roots(at.motion, at.states, at.parameters).values
+    pairs = values[values.imag > 0.0]
+    pairs = np.delete(pairs, np.argmin(np.abs(pairs - 1j * own)))
+    if not len(pairs) or not np.min(np.abs(pairs.real)) <= ON_AXIS * own:
+        raise ConvergenceError("no second pair of characteristic roots lies on the imaginary axis here")
+    return float(pairs[int(np.argmin(np.abs(pairs.real)))].imag)
 
 
 def _move(at: Equilibrium, free: int, distance: float) -> Equilibrium:
