@@ -13,6 +13,7 @@ from .branch_tests import make_tests as make_tests
 from .branching import find_other_tangent as find_other_tangent
 from .characteristic import CharacteristicMatrix as CharacteristicMatrix
 from .constant_motion import ConstantMotion as ConstantMotion
+from .critical import BoundaryCondition as BoundaryCondition
 from .critical import CriticalEvaluation as CriticalEvaluation
 from .critical import make_critical_start as make_critical_start
 from .curve_tests import CURVE_NAMES as CURVE_NAMES

@@ -26,12 +26,15 @@ from pddecont.continuation import FixedUnknowns, Scaling
 from pddecont.equilibrium.equations import Equilibrium, EquilibriumEvaluation, EquilibriumProblem, EquilibriumSystem
 from pddecont.equilibrium.roots import Roots
 from pddecont.equilibrium.stability import find_own_roots
+from pddecont.errors import ConvergenceError
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 # Length of the steps over which what is special is differentiated, in sizes of the unknowns: the error is of the order
 # of its square, and only slows Newton's method.
 DIFFERENCE = 1e-5
+# How far from a double root zero the first Hopf point is looked for, in scaled unknowns.
+OFF = 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -269,30 +272,56 @@ class CriticalSystem(FixedUnknowns[CriticalEvaluation]):
 
 
 def make_critical_start(
-    inner: EquilibriumSystem, label: str, event: str, at: Equilibrium
+    inner: EquilibriumSystem, label: str, event: str, at: Equilibrium, frequency: float | None = None
 ) -> tuple[CriticalSystem, Array]:
-    """Return the system of a curve of special points and its unknowns at the point ``at``.
+    """Return the system of a curve of special points and its unknowns at the point ``at``, or next to it.
 
-    ``event`` is that of a boundary equilibrium.
+    ``event`` is that of a boundary equilibrium. Of several pairs of roots on the imaginary axis the one nearest to
+    ``frequency`` is meant; zero: a curve of Hopf points begins there, at a double root zero.
     """
     inside = inner.problem.join(at)
-    if label == "BE":
-        critical: Critical = BoundaryCondition(event)
-        own = np.zeros(0)
-    elif label == "LP":
-        evaluation = EquilibriumEvaluation(inner.problem, inside)
-        _, _, right = np.linalg.svd(_dense(evaluation.jacobian())[:, : len(inside) - 2])
-        own = right[-1]
-        critical = FoldCondition(own)
-    else:
+    critical: Critical = BoundaryCondition(event)
+    own = np.zeros(0)
+    if label == "LP" or frequency == 0.0:
+        null = _find_null(inner, inside)
+        critical, own = FoldCondition(null), null
+    if label == "HB" and frequency == 0.0:
+        null = own[: inner.problem.motion.n_states] / np.linalg.norm(own[: inner.problem.motion.n_states])
+        critical, own = HopfCondition(null.astype(complex)), np.concatenate([null, np.zeros(len(null) + 1)])
+        start = np.concatenate([inside[:-2], own, inside[-2:]])
+        system = CriticalSystem(inner, critical, start)
+        return system, start + OFF * _leave_double_zero(system, start)
+    if label == "HB":
         roots = find_own_roots(at.motion, at.states, at.parameters)
         pairs = np.flatnonzero(roots.values.imag > 0.0)
-        nearest = int(pairs[np.argmin(np.abs(roots.values[pairs].real))])
+        if not len(pairs):
+            raise ConvergenceError("there is no pair of complex characteristic roots here")
+        values = roots.values[pairs]
+        away = np.abs(values.real if frequency is None else values - 1j * frequency)
+        nearest = int(pairs[np.argmin(away)])
         q = roots.vectors[nearest] / np.linalg.norm(roots.vectors[nearest])
         own = np.concatenate([q.real, q.imag, [roots.values[nearest].imag]])
-        critical = HopfCondition(np.conj(q))
+        critical = HopfCondition(np.asarray(np.conj(q), dtype=complex))
     start = np.concatenate([inside[:-2], own, inside[-2:]])
     return CriticalSystem(inner, critical, start), start
+
+
+def _find_null(inner: EquilibriumSystem, inside: Array) -> Array:
+    """Return the null vector of the Jacobian in what determines the equilibrium."""
+    evaluation = EquilibriumEvaluation(inner.problem, inside)
+    return np.asarray(np.linalg.svd(_dense(evaluation.jacobian())[:, : len(inside) - 2])[2][-1])
+
+
+def _leave_double_zero(system: CriticalSystem, start: Array) -> Array:
+    """Return the direction of the Hopf points at a double root zero, omega = 0, where folds solve the equations too.
+
+    Both directions lie in the null space; along the Hopf points the parameters stay, to the first order.
+    """
+    scale = system.scaling.scale
+    null = np.linalg.svd(system.at(start).jacobian() * scale)[2][-2:] * scale
+    weights = np.linalg.svd(null[:, -2:].T / scale[-2:])[2][-1]
+    direction = weights @ null
+    return np.asarray(direction * np.sign(direction[-3]) / system.scaling.length(direction))
 
 
 def split_pair(own: Array) -> tuple[Complex, float]:

@@ -21,6 +21,7 @@ from pddecont.equilibrium.critical import CriticalEvaluation, HopfCondition, spl
 from pddecont.equilibrium.normal_forms import Forms, find_cubic_coefficient
 from pddecont.equilibrium.stability import count_unstable
 from pddecont.errors import ConvergenceError
+from pddecont.reasons import make_reason
 
 CUSP, TAKENS, ZERO_HOPF, DOUBLE_HOPF, BAUTIN = "CP", "BT", "ZH", "HH", "GH"
 CURVE_NAMES = {
@@ -30,6 +31,8 @@ CURVE_NAMES = {
     DOUBLE_HOPF: "Hopf-Hopf",
     BAUTIN: "generalised Hopf",
 }
+# What is said of a Bogdanov-Takens point.
+HOMOCLINIC = make_reason("homoclinic")
 Point = CurvePoint[CriticalEvaluation]
 
 
@@ -44,11 +47,11 @@ def make_curve_tests(
     kind, smooth = at.system.critical.label, not at.system.problem.n_forces
     tests: list[TestFunction[CriticalEvaluation]] = []
     if kind == "LP" and smooth:
-        tests = [TestFunction(CUSP, _measure_cusp), TestFunction(TAKENS, _measure_takens)]
+        tests = [TestFunction(CUSP, _measure_cusp), TestFunction(TAKENS, _measure_takens, reason=HOMOCLINIC)]
         labels = ("", ZERO_HOPF)
     elif kind == "HB":
         # Beyond omega = 0 the curve is its own mirror image.
-        tests = [TestFunction(TAKENS, lambda point: float(point.at.own[-1]), End.SPECIAL)]
+        tests = [TestFunction(TAKENS, lambda point: float(point.at.own[-1]), End.SPECIAL, HOMOCLINIC)]
         tests += [TestFunction(BAUTIN, _measure_bautin)] if smooth else []
         labels = (ZERO_HOPF, DOUBLE_HOPF)
     else:

@@ -47,6 +47,7 @@ _WORDS: dict[str, Callable[[Values], str]] = {
         f"{v['nature']}, frequency {v['frequency']:.8g}, l1 = {v['coefficient']:.5g}; orbits at {v['side']} "
         f"{v['parameter']}"
     ),
+    "homoclinic": lambda v: "curves of folds, Hopf points and homoclinic orbits meet here",
     "fold_normal_form": lambda v: f"a = {v['coefficient']:.5g}",
     "boundary_equilibrium": lambda v: (
         (f"{v['nature']}: " if v.get("nature") else "") + f"on the surface of event '{v['event']}'"

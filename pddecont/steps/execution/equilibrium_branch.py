@@ -22,17 +22,20 @@ from pddecont.continuation import (
 )
 from pddecont.equilibrium import (
     BOUNDARY,
+    BOUNDARY_CODE,
     BRANCH,
     CURVE_NAMES,
     FOLD,
     HOPF,
     NAMES,
+    BoundaryCondition,
     CriticalEvaluation,
     Equilibrium,
     EquilibriumProblem,
     EquilibriumSystem,
     WayOn,
     find_curve_values,
+    find_other_frequency,
     find_other_tangent,
     find_special_values,
     find_way_on,
@@ -44,7 +47,7 @@ from pddecont.equilibrium import (
 )
 from pddecont.errors import ConvergenceError, RunError
 from pddecont.orbit import DelayBoundary, RangeBoundary
-from pddecont.reasons import Reason
+from pddecont.reasons import Reason, make_reason
 from pddecont.results import EQUILIBRIA, Step, StepWriter
 from pddecont.runfile import PlannedStep
 from pddecont.steps.context import Context
@@ -60,6 +63,17 @@ AHEAD = 1e-3
 MAX_MODES = 100
 # Special points that are followed in two parameters.
 FOLLOWED = (FOLD, HOPF, BOUNDARY)
+# What curve is followed from a point of codimension two, by the curve that it was found on: the other one through it.
+TAKENS, DOUBLE_HOPF = "BT", "HH"
+THROUGH = {
+    ("CP", FOLD): FOLD,
+    ("GH", HOPF): HOPF,
+    (TAKENS, FOLD): HOPF,
+    (TAKENS, HOPF): FOLD,
+    ("ZH", FOLD): HOPF,
+    ("ZH", HOPF): FOLD,
+    (DOUBLE_HOPF, HOPF): HOPF,
+}
 # A parameter that moves less than this part of what another does stays, where it is asked which way a curve goes.
 STILL = 1e-6
 
@@ -151,7 +165,7 @@ def run_equilibrium_branch(context: Context, step: PlannedStep[ContinueSettings]
         "free": list(settings.free),
         "directions": len(settings.ways),
         "curve": start.at.system.critical.label if isinstance(start.at, CriticalEvaluation) else "",
-        "curve_reason": "",
+        "curve_reason": _find_curve_reason(start),
     }
     with context.open_step(step, EQUILIBRIA, meta, recorded=recorded, kept=kept) as writer:
         branch = _Branch(context, step, writer, first)
@@ -184,6 +198,14 @@ def _find_start(context: Context, step: PlannedStep[ContinueSettings]) -> CurveP
     at, towards = system.at(system.problem.join(found)), np.zeros(system.problem.n_unknowns)
     towards[-1] = 1.0
     return CurvePoint(FixedUnknowns(system), at, None, find_tangent(at, system.scaling, towards))
+
+
+def _find_curve_reason(start: CurvePoint[Any]) -> str:
+    """Return, as JSON, the event whose boundary equilibria are followed; nothing of other curves."""
+    critical = start.at.system.critical if isinstance(start.at, CriticalEvaluation) else None
+    if not isinstance(critical, BoundaryCondition):
+        return ""
+    return make_reason(BOUNDARY_CODE, event=critical.event).to_json()
 
 
 def _start_crossing(
@@ -221,8 +243,9 @@ def _start_curve(
     context: Context, step: PlannedStep[ContinueSettings], recorded: Step, row: int, guess: Equilibrium
 ) -> CurvePoint[Any]:
     """Return the first point of a curve of special points, towards larger values of the first parameter that moves."""
-    kind = recorded.kind_of(row)
-    if kind not in FOLLOWED:
+    kind, own = recorded.kind_of(row), str(recorded.meta.get("curve", ""))
+    label = kind if kind in FOLLOWED else THROUGH.get((kind, own), "")
+    if not label:
         raise RunError.at(
             context.plan.source,
             0,
@@ -230,8 +253,14 @@ def _start_curve(
             f"step '{step.name}': it has two free parameters: it follows a special point ({', '.join(FOLLOWED)}) and "
             f"cannot start from {f'a {kind} point' if kind else 'an ordinary point'}",
         )
+    frequency = None
+    if kind == DOUBLE_HOPF:
+        frequency = find_other_frequency(guess, float(recorded.points["frequency"][row]))
+    elif kind == TAKENS:
+        frequency = 0.0
     system = _make_system(context, step, guess)
-    critical, start = make_critical_start(system, kind, str(recorded.reason(row).values.get("event", "")), guess)
+    event = str((recorded.curve_reason if own else recorded.reason(row)).values.get("event", ""))
+    critical, start = make_critical_start(system, label, event, guess, frequency)
     scale = critical.scaling.scale
     null = np.linalg.svd(critical.at(start).jacobian() * scale)[2][-1] * scale
     try:
