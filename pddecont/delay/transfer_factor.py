@@ -14,9 +14,9 @@ from pddecont.delay.interface import DelayMethod, LineStages
 Complex = NDArray[np.complex128]
 
 
-def find_transfer_factor(method: DelayMethod, s: Complex) -> tuple[Complex, Complex]:
+def find_transfer_factor(method: DelayMethod, s: Complex | complex) -> tuple[Complex, Complex]:
     """Return H and its derivative at s = lambda tau, of any shape, for a way to discretise the delay."""
-    stages = method.stages
+    stages, s = method.stages, np.asarray(s, dtype=complex)
     with np.errstate(over="ignore", invalid="ignore"):
         if stages is None:
             factor: Complex = np.exp(-s)

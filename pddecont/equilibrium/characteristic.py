@@ -61,7 +61,7 @@ class CharacteristicMatrix:
     def at(self, root: complex) -> tuple[Any, Any]:
         """Return Delta and its derivative in lambda, shape (n, n) each."""
         matrix, slope = root * self.unit - self.present, self.unit.astype(complex)
-        for through, (factor, rate) in zip(self.delayed, self.list_factors(np.array(root)), strict=True):
+        for through, (factor, rate) in zip(self.delayed, self.list_factors(root), strict=True):
             matrix = matrix - complex(factor) * through
             slope = slope - complex(rate) * through
         return matrix, slope
@@ -75,7 +75,7 @@ class CharacteristicMatrix:
             slope = slope - rate[:, None, None] * through
         return matrix, slope
 
-    def list_factors(self, roots: Complex) -> list[tuple[Complex, Complex]]:
+    def list_factors(self, roots: Complex | complex) -> list[tuple[Complex, Complex]]:
         """Return what each term is multiplied by, and the derivative of that in lambda, of the shape of ``roots``."""
         found = []
         orders = np.zeros(len(self.delays), dtype=np.intp) if self.orders is None else self.orders

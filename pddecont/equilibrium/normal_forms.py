@@ -70,7 +70,7 @@ class Forms:
         if not model.delayed:
             return present
         groups = sorted({(v.delay, v.derivative) for v in model.delayed})
-        factors = [factor for factor, _ in self.matrix.list_factors(np.array(root))]
+        factors = [factor for factor, _ in self.matrix.list_factors(root)]
         of_value = [complex(factors[groups.index((v.delay, v.derivative))]) for v in model.delayed]
         return np.asarray(present * np.concatenate([np.ones(n), of_value]))
 

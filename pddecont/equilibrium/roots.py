@@ -225,6 +225,6 @@ def _with_conjugates(values: Complex, vectors: Complex) -> tuple[Complex, Comple
 def _measure_residual(matrix: CharacteristicMatrix, root: complex, q: Complex) -> float:
     """Return |Delta q| relative to the sum of its terms, in the largest rows."""
     delta, terms = matrix.at(root)[0], abs(root) * matrix.unit + abs(matrix.present)
-    for through, (factor, _) in zip(matrix.delayed, matrix.list_factors(np.array(root)), strict=True):
+    for through, (factor, _) in zip(matrix.delayed, matrix.list_factors(root), strict=True):
         terms = terms + float(abs(factor)) * abs(through)
     return float(np.max(np.abs(delta @ q)) / max(float(np.max(terms @ np.abs(q))), float(np.finfo(float).tiny)))
