@@ -154,19 +154,21 @@ def _gather(
     """
     found: list[complex] = [] if known is None else [z for z in known[0].tolist() if z.imag >= 0.0]
     vectors: list[Complex] = [] if known is None else list(known[1][known[0].imag >= 0.0])
-    values, q, moved = _correct(matrix, guesses, scale)
+    values, q, moved, started = _correct(matrix, guesses, scale)
     values = np.where(values.imag < 0.0, np.conj(values), values)
     values = np.where(np.abs(values.imag) < SAME * scale, values.real, values)
-    for z, vector, away in zip(values.tolist(), q, moved.tolist(), strict=True):
+    for z, vector, away, start in zip(values.tolist(), q, moved.tolist(), started.tolist(), strict=True):
         is_guess = known is None and away < CLOSE
         if is_guess or not any(abs(z - other) <= SAME * scale for other in found):
-            found.append(complex(z))
-            vectors.append(vector)
+            # A pair that meets on the real axis is a double root.
+            times = 2 if is_guess and start.imag > 0.0 and z.imag == 0.0 else 1
+            found += [complex(z)] * times
+            vectors += [vector] * times
     return np.array(found, dtype=complex), np.array(vectors, dtype=complex).reshape(-1, matrix.n)
 
 
-def _correct(matrix: CharacteristicMatrix, guesses: Complex, scale: float) -> tuple[Complex, Complex, Array]:
-    """Return the roots to which guesses lead, their vectors (n_roots, n), and how far away the guesses were."""
+def _correct(matrix: CharacteristicMatrix, guesses: Complex, scale: float) -> tuple[Complex, Complex, Array, Complex]:
+    """Return the roots to which guesses lead, their vectors (n_roots, n), how far away guesses were, and the guesses."""
     values = guesses.astype(complex)
     q = np.array([matrix.find_smallest(z)[1] for z in values.tolist()], dtype=complex).reshape(-1, matrix.n)
     active, settled = np.ones(len(values), dtype=bool), np.zeros(len(values), dtype=bool)
@@ -182,7 +184,7 @@ def _correct(matrix: CharacteristicMatrix, guesses: Complex, scale: float) -> tu
         settled[here] = np.isfinite(size) & (size < np.sqrt(STEP))
     moved = np.abs(values - guesses) / (np.abs(guesses) + SMALL * scale)
     good = settled & (moved < NEAR)
-    return values[good], q[good], moved[good]
+    return values[good], q[good], moved[good], guesses[good]
 
 
 def _find_steps(matrix: CharacteristicMatrix, roots: Complex, q: Complex) -> tuple[Complex, Complex]:
