@@ -1,3 +1,4 @@
+from .better_side import find_better_side as find_better_side
 from .birth import Birth as Birth
 from .birth import find_birth as find_birth
 from .birth import find_other_frequency as find_other_frequency

@@ -34,6 +34,7 @@ from pddecont.equilibrium import (
     EquilibriumProblem,
     EquilibriumSystem,
     WayOn,
+    find_better_side,
     find_curve_values,
     find_other_frequency,
     find_other_tangent,
@@ -114,6 +115,7 @@ class _Branch:
             frequency=special.frequency,
             coefficient=special.coefficient,
             n_unexplained=point.n_unexplained,
+            side=find_better_side(at) if isinstance(at, CriticalEvaluation) else None,
         )
         self.writer.append(points, rows, reason)
         self.last = point
