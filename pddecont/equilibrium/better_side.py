@@ -17,7 +17,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.equilibrium.critical import BoundaryCondition, CriticalEvaluation, FoldCondition, HopfCondition, split_pair
+from pddecont.equilibrium.critical import (
+    BoundaryCondition,
+    CriticalEvaluation,
+    FoldCondition,
+    HopfCondition,
+    split_pair,
+)
 from pddecont.equilibrium.equations import Equilibrium, EquilibriumEvaluation
 from pddecont.equilibrium.normal_forms import Forms, find_root_speed
 from pddecont.equilibrium.sides import list_sides
@@ -60,8 +66,8 @@ def _find_growth(at: CriticalEvaluation) -> Array:
         return UNKNOWN
     root = Forms(at.equilibrium).find_critical(1j * abs(split_pair(at.own)[1]))
     for move, width in zip(moves.T, at.system.inner.widths, strict=True):
-        ends = [_shift(at.inner, sign * DIFFERENCE * width * move) for sign in (-1.0, 1.0)]
-        speeds.append(find_root_speed(root, *ends, 2.0 * DIFFERENCE * width).real)
+        before, after = (_shift(at.inner, sign * DIFFERENCE * width * move) for sign in (-1.0, 1.0))
+        speeds.append(find_root_speed(root, before, after, 2.0 * DIFFERENCE * width).real)
     return np.array(speeds)
 
 

@@ -14,6 +14,11 @@ from pddecont.tables.words import describe_reason
 Row = dict[str, Any]
 
 
+def holds_equilibria(step: Step) -> bool:
+    """Return whether the points of a step are equilibria."""
+    return "roots" in step.format.orbits
+
+
 def list_equilibria(step: Step) -> list[Row]:
     """Return one row an equilibrium, in order along the branch."""
     return [_make_row(step, int(i)) for i in step.order]
