@@ -91,6 +91,7 @@ ATTRACTOR_POINTS = {
 }
 ATTRACTOR_ROWS = {"returns": STATES, "return_slopes": STATES, "return_time": FLOAT, "memory": FLOAT, "reason": REASON}
 RETURNS = ("returns", "return_slopes", "return_time")
+ROOTS = ("roots", "residual")
 BASE_POINTS = ("time", "states", "segment", "delayed")
 
 
@@ -141,8 +142,10 @@ CONTINUE = StepFormat(
     has_branch=True,
     check=_check_signatures,
 )
-EQUILIBRIUM = StepFormat("equilibrium", EQUILIBRIUM_POINTS, EQUILIBRIUM_ROWS, check=_check_signatures)
-EQUILIBRIA = StepFormat("equilibria", EQUILIBRIUM_POINTS, EQUILIBRIUM_ROWS, has_branch=True, check=_check_signatures)
+EQUILIBRIUM = StepFormat("equilibrium", EQUILIBRIUM_POINTS, EQUILIBRIUM_ROWS, (ROOTS,), check=_check_signatures)
+EQUILIBRIA = StepFormat(
+    "equilibria", EQUILIBRIUM_POINTS, EQUILIBRIUM_ROWS, (ROOTS,), has_branch=True, check=_check_signatures
+)
 SIMULATE = StepFormat(
     "simulate",
     {"parameters": PARAMETERS, "t_end": FLOAT, "n_steps": COUNT, "n_events": COUNT},
