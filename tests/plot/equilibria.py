@@ -17,9 +17,20 @@ UP = make_reason("range", direction=1, detail="range", parameter="K", value=0.9)
 
 
 def rest(
-    k, K, x, roots, *, tau_d=3.8, v=0.0, kind="", mode="low", admissible=1, side=(np.nan, np.nan), counted=1,
+    k,
+    K,
+    x,
+    roots,
+    *,
+    tau_d=3.8,
+    v=0.0,
+    kind="",
+    mode="low",
+    admissible=1,
+    side=(np.nan, np.nan),
+    counted=1,
     reason=NO_REASON,
-):  # fmt: skip
+):
     """Return what is put into a file of one equilibrium: its number along the branch, and all its roots."""
     n_unstable = int(np.sum(np.real(roots) > 0.0))
     return (
