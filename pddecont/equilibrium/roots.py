@@ -74,9 +74,9 @@ class Roots:
 def find_roots(matrix: CharacteristicMatrix, n_roots: int = N_ROOTS) -> Roots:
     """Return at least the ``n_roots`` characteristic roots farthest to the right, and all unstable ones."""
     scale = max(matrix.find_bound(), float(np.finfo(float).tiny))
-    turns = scale * float(np.max(matrix.delays, initial=0.0))
-    generator = _make_generator(matrix, int(FEW_POINTS + min(PER_RADIAN * turns, MANY_POINTS)))
-    found = _gather(matrix, _guess(generator, scale, n_roots), None, scale)
+    longest = float(np.max(matrix.delays, initial=0.0))
+    turns = scale * longest
+    generator, found = _find_resolved(matrix, scale, n_roots)
     for _ in range(ROUNDS):
         values, vectors = _with_conjugates(*found)
         count = count_missing(matrix, values)
@@ -92,6 +92,29 @@ def find_roots(matrix: CharacteristicMatrix, n_roots: int = N_ROOTS) -> Roots:
     values, vectors = values[:kept], vectors[:kept]
     residuals = np.array([_measure_residual(matrix, z, q) for z, q in zip(values.tolist(), vectors, strict=True)])
     return Roots(values, residuals, vectors, count.number)
+
+
+def _find_resolved(
+    matrix: CharacteristicMatrix, scale: float, n_roots: int
+) -> tuple[Generator, tuple[Complex, Complex]]:
+    """Return a discretised equation that resolves the roots that are kept, and the roots to which it leads."""
+    longest = float(np.max(matrix.delays, initial=0.0))
+    n_points = int(FEW_POINTS + min(PER_RADIAN * scale * longest, MANY_POINTS))
+    while True:
+        generator = _make_generator(matrix, n_points)
+        found = _gather(matrix, _guess(generator, scale, n_roots), None, scale)
+        values, _ = _with_conjugates(*found)
+        farthest = float(np.max(np.abs(values[:n_roots]), initial=0.0))
+        needed = int(FEW_POINTS + PER_RADIAN * farthest * longest)
+        made = len(generator.history.g)
+        if (
+            needed <= n_points
+            or made < n_points
+            or n_points >= MANY_POINTS + FEW_POINTS
+            or matrix.method.stages is not None
+        ):
+            return generator, found
+        n_points = min(needed, MANY_POINTS + FEW_POINTS)
 
 
 def _make_generator(matrix: CharacteristicMatrix, n_points: int) -> Generator:
@@ -168,7 +191,7 @@ def _gather(
 
 
 def _correct(matrix: CharacteristicMatrix, guesses: Complex, scale: float) -> tuple[Complex, Complex, Array, Complex]:
-    """Return the roots to which guesses lead, their vectors (n_roots, n), how far away guesses were, and the guesses."""
+    """Return the roots to which guesses lead, their vectors (n_roots, n), how far the guesses were, and the guesses."""
     values = guesses.astype(complex)
     q = np.array([matrix.find_smallest(z)[1] for z in values.tolist()], dtype=complex).reshape(-1, matrix.n)
     active, settled = np.ones(len(values), dtype=bool), np.zeros(len(values), dtype=bool)
