@@ -126,7 +126,8 @@ def is_regular(slopes: Interval, widths: Array) -> Bools:
     value do not count.
     """
     wide = widths > 0.0
-    distance = np.where(wide[:, None] & wide[None], measure_distance(slopes), 0.0)
+    scale = np.where(wide, widths, 1.0)
+    distance = np.where(wide[:, None] & wide[None], measure_distance(slopes) * scale[None] / scale[:, None], 0.0)
     d = np.where(wide, 1.0, 0.0)
     for _ in range(POWERS):
         reached = np.einsum("jkb,kb->jb", distance, d)

@@ -19,10 +19,10 @@ from pddecont.intervals.contraction import Outcome, contract
 from pddecont.intervals.enclosure import Enclosure
 from pddecont.intervals.proof import Zone, find_zone
 
-# Boxes examined at a time.
+# Boxes examined at a time, and in all; fewer of more than so many unknowns, whose matrices are larger.
 MANY = 2048
-# Boxes examined in all.
 BUDGET = 60_000
+UNKNOWNS = 8
 # A box narrower than this part of the region is not cut any more.
 SMALLEST = 2.0**-26
 # A box that was made narrower by this factor is examined anew before it is cut.
@@ -54,9 +54,11 @@ def find_zeros(equations: Enclosure, low: Array, high: Array, sizes: Array, budg
     """
     search = _Search(equations, make_box(low, high), sizes)
     queue, n_examined = search.region, 0
+    share = min(1.0, (UNKNOWNS / max(len(low), 1)) ** 2)
+    many = max(int(share * MANY), 1)
     with np.errstate(all="ignore"):
-        while len(queue) and n_examined < budget:
-            now, later = queue[:MANY], queue[MANY:]
+        while len(queue) and n_examined < share * budget:
+            now, later = queue[:many], queue[many:]
             n_examined += len(now)
             queue = join_boxes([later, search.examine(now)])
     left = join_boxes([*search.undecided, search.drop_known(queue)])

@@ -12,6 +12,7 @@ from pddecont.errors import ResultsError
 from pddecont.reasons import Reason
 from pddecont.results import Step
 from pddecont.tables.attractors import estimate_shares, find_attractors, name_motion
+from pddecont.tables.equilibrium_endings import describe_equilibrium_step
 from pddecont.tables.orbits import find_signature
 from pddecont.tables.precision import describe_cheapest, describe_reference
 from pddecont.tables.words import describe_reason
@@ -38,6 +39,15 @@ BRANCH_ENDS = {
     "shrinks": ("the orbits shrink to an equilibrium", ""),
     "resonance": ("the curve ends where its pair of multipliers meets on the real axis", ""),
 }
+# What is said otherwise where branches are of equilibria.
+EQUILIBRIA_ENDS = {
+    "step_too_small": (
+        "the step fell below 'step: {min}'",
+        "look at the last equilibria for a sharp fold, or lower 'step: {min}'",
+    ),
+    "impossible": ("can go no further in this mode", ""),
+    "special": ("stopped at a special point where the equilibrium leaves its mode", ""),
+}
 UNRELIABLE = (
     "the multipliers are lost among those of this delay line's own stages, which are far shorter than mesh intervals: "
     "use more intervals, a lower 'n' or order, or the direct method"
@@ -50,6 +60,10 @@ UNCOUNTED = (
 UNSTATED = (
     "the multipliers do not tell whether the orbit is stable: a count does not confirm them, or they are lost among "
     "those of a delay line's own stages; use a finer mesh, or parameters a little apart"
+)
+UNSTATED_ROOTS = (
+    "the characteristic roots do not tell whether the equilibrium is stable: a count does not confirm them; take "
+    "parameters a little apart"
 )
 # Values of an ending that are not those of its detail.
 _OWN = ("direction", "unexplained", "detail", "next_signature")
@@ -87,9 +101,11 @@ def forget_ending(kind: str) -> None:
     _BY_KIND.pop(kind, None)
 
 
-def describe_branch_end(code: str, detail: Reason, n_unexplained: int = 0) -> str:
+def describe_branch_end(
+    code: str, detail: Reason, n_unexplained: int = 0, ends: Mapping[str, tuple[str, str]] = BRANCH_ENDS
+) -> str:
     """Return how a direction of a branch ended: what, where, what to do, why."""
-    what, advice = BRANCH_ENDS.get(code, (code.replace("_", " "), ""))
+    what, advice = ends.get(code, (code.replace("_", " "), ""))
     words = describe_reason(detail)
     where, why = (f", {words}", "") if code == "range" and words else ("", f" ({words})" if words else "")
     s = "s"[: n_unexplained - 1]
@@ -101,9 +117,10 @@ def _describe_continue(step: Step, ending: Reason) -> str:
     v = ending.values
     way = int(v["direction"])
     detail = Reason(str(v.get("detail", "")), {k: value for k, value in v.items() if k not in _OWN})
-    text = describe_branch_end(ending.code, detail, int(v.get("unexplained", 0)))
+    text = describe_branch_end(ending.code, detail, int(v.get("unexplained", 0)), _list_ends(step))
     names = _signatures_along(step, way)
-    through = f", through the signatures [{'], ['.join(names)}]" if len(names) > 1 else ""
+    parts = "modes" if _is_of_equilibria(step) else "signatures"
+    through = f", through the {parts} [{'], ['.join(names)}]" if len(names) > 1 else ""
     last = _last_reason(step, way)
     after = ""
     if "next_signature" in v:
@@ -111,6 +128,14 @@ def _describe_continue(step: Step, ending: Reason) -> str:
     elif last.code == "meeting":
         after = f": {describe_reason(last)}; beyond, they happen in another order: start anew from a simulation there"
     return f"{'down' if way < 0 else 'up'}: {text}{through}{after}"
+
+
+def _is_of_equilibria(step: Step) -> bool:
+    return step.kind == "equilibria"
+
+
+def _list_ends(step: Step) -> Mapping[str, tuple[str, str]]:
+    return BRANCH_ENDS | EQUILIBRIA_ENDS if _is_of_equilibria(step) else BRANCH_ENDS
 
 
 def _rows_along(step: Step, way: int) -> list[int]:
@@ -214,17 +239,23 @@ def count_unknown(step: Step, column: str) -> int:
 
 def list_warnings(step: Step) -> list[str]:
     """Return what is not known, or wrong, at points of a branch."""
-    unstated, undone = count_unknown(step, "stable"), count_unknown(step, "verified")
+    unstated, undone = describe_unstated(step), count_unknown(step, "verified")
     wrong = int(np.sum(step.points["verified"] == 0)) if "verified" in step.points else 0
     found = [f"{wrong} of its orbits are no motions of the model: see the column 'verified'"] if wrong else []
     found += [f"{undone} of its orbits could not be verified by a simulation"] if undone else []
-    return found + ([f"at {unstated} of the points {UNSTATED}"] if unstated else [])
+    return found + ([unstated] if unstated else [])
+
+
+def describe_unstated(step: Step) -> str:
+    """Return at how many points stability is not known though it was asked for; empty if it is at all."""
+    number, why = count_unknown(step, "stable"), UNSTATED_ROOTS if "roots" in step.format.orbits else UNSTATED
+    return f"at {number} of the points {why}" if number else ""
 
 
 def describe_done(step: Step) -> str:
     """Return what a step that is done came to, in one line."""
     texts = describe_endings(step)
-    if step.kind == "continue":
+    if step.format.has_branch:
         return _summarise_branch(step, texts)
     if step.kind == "precision":
         return f"{texts[0]}; cheapest for {describe_cheapest(step)[1]}"
@@ -232,7 +263,7 @@ def describe_done(step: Step) -> str:
 
 
 def _summarise_branch(step: Step, texts: Sequence[str]) -> str:
-    errors = step.points["trivial_error"]
+    errors = step.points.get("trivial_error", np.zeros(0))
     poor = bool(np.any(errors > TRIVIAL_ERROR))
     doubt = f"; WARNING: the trivial multiplier is off by up to {np.nanmax(errors):.1e}: refine 'mesh'" if poor else ""
     doubt += "".join(f"; WARNING: {warning}" for warning in list_warnings(step))
@@ -242,6 +273,8 @@ def _summarise_branch(step: Step, texts: Sequence[str]) -> str:
 
 _BY_KIND: dict[str, Callable[[Step, Reason], str]] = {
     "continue": _describe_continue,
+    "equilibria": _describe_continue,
+    "equilibrium": describe_equilibrium_step,
     "orbit": _describe_orbit,
     "simulate": _describe_simulate,
     "sweep": _describe_sweep,

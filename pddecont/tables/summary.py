@@ -9,7 +9,7 @@ import numpy as np
 
 from pddecont.results import Results, Step
 from pddecont.tables.attractors import name_motion
-from pddecont.tables.endings import TRIVIAL_ERROR, UNSTATED, count_unknown, describe_endings
+from pddecont.tables.endings import TRIVIAL_ERROR, count_unknown, describe_endings, describe_unstated
 from pddecont.tables.orbits import find_signature
 from pddecont.tables.precision import describe_cheapest
 from pddecont.tables.words import name_kind
@@ -95,8 +95,8 @@ def count_stable(step: Step) -> dict[str, Any]:
     }
     result: dict[str, Any] = {"stability": counts}
     warnings = []
-    if count_unknown(step, "stable"):
-        warnings.append(f"at {count_unknown(step, 'stable')} of the points {UNSTATED}")
+    if describe_unstated(step):
+        warnings.append(describe_unstated(step))
     errors = step.points.get("trivial_error", np.empty(0))
     if np.any(np.isfinite(errors)):
         worst = int(np.nanargmax(errors))
