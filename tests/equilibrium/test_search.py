@@ -42,10 +42,7 @@ SHARED = {
     "name": "shared",
     "states": ["x", "v"],
     "parameters": {"e": 0.5},
-    "modes": {
-        "out": {"x'": "v", "v'": "-0.1*v - x*(x**2 - 1)"},
-        "in": {"x'": "v", "v'": "-0.1*v - x*(x**2 - 1)"},
-    },
+    "modes": {"out": {"x'": "v", "v'": "-0.1*v - x*(x**2 - 1)"}, "in": {"x'": "v", "v'": "-0.1*v - x*(x**2 - 1)"}},
     "events": {"edge": "x - e"},
     "segments": {
         "enter": {"mode": "out", "event": "edge", "direction": "falling", "to": "in"},
@@ -112,11 +109,7 @@ def test_a_field_that_modes_share_is_searched_once(monkeypatch):
 
 
 def test_a_fold_is_undecided_in_each_mode():
-    model = {
-        **DELAYED,
-        "parameters": {"a": 0.25, "tau": 1.0},
-        "modes": {"m": {"x'": "x - x(t - tau)**2 - a"}},
-    }
+    model = {**DELAYED, "parameters": {"a": 0.25, "tau": 1.0}, "modes": {"m": {"x'": "x - x(t - tau)**2 - a"}}}
     findings = search(model, [-2], [3])
     assert not findings.equilibria
     (place,) = findings.undecided
