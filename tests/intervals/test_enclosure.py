@@ -48,7 +48,7 @@ def evaluate(expr, at):
         numbers = {s: mpmath.mpf(v) for s, v in at.items()}
         try:
             value = sympy.lambdify(list(numbers), expr, "mpmath")(*numbers.values())
-        except (ValueError, ZeroDivisionError, OverflowError):
+        except (ValueError, ZeroDivisionError, OverflowError, AttributeError, TypeError):
             return None
         return value if isinstance(value, mpmath.mpf) and mpmath.isfinite(value) else None
 

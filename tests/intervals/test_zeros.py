@@ -129,6 +129,6 @@ def test_newton_from_many_guesses_finds_no_other_zero(seed):
                 break
         if np.max(np.abs(step)) < 1e-10 and np.max(np.abs(at)) < 2 - 1e-9:
             near = np.min(np.max(np.abs(zeros.points - at), axis=1), initial=np.inf)
-            inside = np.any(np.all((zeros.undecided.low.T <= at) & (at <= zeros.undecided.high.T), axis=1))
+            inside = np.any(np.all((at >= zeros.undecided.low.T) & (at <= zeros.undecided.high.T), axis=1))
             assert near < 1e-9 or inside
     assert np.allclose([f(*point) for point in zeros.points], 0.0, atol=1e-10)

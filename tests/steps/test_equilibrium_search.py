@@ -54,7 +54,7 @@ def test_which_of_several_has_to_be_said(tmp_path):
 
 def test_a_box_without_any_is_said_to_be_so_and_nothing_starts_from_it(tmp_path):
     branch = {"from": "all", "free": ["b"], "range": {"b": [1, 3]}}
-    with pytest.raises(ResultsError, match="step 'all' of .* found no equilibrium: search in another box"):
+    with pytest.raises(ResultsError, match=r"step 'all' of .* found no equilibrium: search in another box"):
         search(DELAYED, tmp_path / "r.h5", {"x": [1.1, 3]}, {"name": "c", "continue": branch})
     step = search(DELAYED, tmp_path / "s.h5", {"x": [1.1, 3]}).step("all")
     assert len(step) == 0
