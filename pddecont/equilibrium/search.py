@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from pddecont.equilibrium.constant_motion import ConstantMotion
 from pddecont.equilibrium.equations import Equilibrium, solve_equilibrium
+from pddecont.equilibrium.sides import list_sides
 from pddecont.errors import ConvergenceError
 from pddecont.intervals import BUDGET, Enclosure, Zeros, find_zeros
 
@@ -34,16 +35,20 @@ class FoundEquilibrium:
 
 @dataclass(frozen=True, eq=False)
 class Place:
-    """A box from ``low`` to ``high`` (n_states,) in which a ``mode`` may have equilibria that are not known."""
+    """A box from ``low`` to ``high`` (n_states,) in which a ``mode`` may have equilibria that are not known.
+
+    They are all virtual if the mode is known not to hold there (``virtual``).
+    """
 
     mode: str
     low: Array
     high: Array
+    virtual: bool
 
 
 @dataclass(frozen=True, eq=False)
 class Findings:
-    """The equilibria in a box; all of them if no place is ``undecided``."""
+    """The equilibria in a box; all of them if no place is ``undecided``, all but virtual ones if such places are."""
 
     equilibria: list[FoundEquilibrium]
     undecided: list[Place]
@@ -70,14 +75,25 @@ class RestEquations:
 
 def make_rest_equations(motion: ConstantMotion) -> RestEquations:
     """Return the equations of a mode with delayed values put equal to present ones, and past rates to zero."""
+    model, resting = motion.numeric.model, _find_resting(motion)
+    surfaces = tuple(_find_function(motion, name) for name in motion.surfaces)
+    return RestEquations(tuple(f.xreplace(resting) for f in model.modes[motion.mode]), surfaces)
+
+
+def _find_resting(motion: ConstantMotion) -> dict[sympy.Symbol, sympy.Expr]:
+    """Return what delayed values stand for at rest."""
     model = motion.numeric.model
-    resting = {
+    return {
         symbol: sympy.S.Zero if value.derivative else model.state_symbols[value.state]
         for symbol, value in zip(model.delayed_symbols, model.delayed, strict=True)
     }
-    functions = [model.events[name].function for name in motion.surfaces]
-    surfaces = tuple(u.xreplace(resting) for u in functions if u is not None)
-    return RestEquations(tuple(f.xreplace(resting) for f in model.modes[motion.mode]), surfaces)
+
+
+def _find_function(motion: ConstantMotion, event: str) -> sympy.Expr:
+    """Return the function of an event at rest."""
+    function = motion.numeric.model.events[event].function
+    assert function is not None, f"event {event} is a delayed event"
+    return function.xreplace(_find_resting(motion))
 
 
 def find_equilibria(motions: Iterable[ConstantMotion], p: Array, low: Array, high: Array) -> Findings:
@@ -116,10 +132,24 @@ def _measure_forces(enclosure: Enclosure, low: Array, high: Array) -> Array:
 def _add(findings: Findings, motion: ConstantMotion, zeros: Zeros, p: Array) -> None:
     """Add what was found to the equilibria of a mode."""
     n = motion.n_states
+    places = [(low[:n], high[:n]) for low, high in zip(zeros.undecided.low.T, zeros.undecided.high.T, strict=True)]
     for point in zeros.points:
         try:
             findings.equilibria.append(FoundEquilibrium(*solve_equilibrium(Equilibrium(motion, point[:n], p))))
         except ConvergenceError:
-            findings.undecided.append(Place(motion.mode, point[:n], point[:n]))
-    for low, high in zip(zeros.undecided.low.T, zeros.undecided.high.T, strict=True):
-        findings.undecided.append(Place(motion.mode, low[:n], high[:n]))
+            places.append((point[:n], point[:n]))
+    findings.undecided.extend(
+        Place(motion.mode, low, high, not _may_hold(motion, p, low, high)) for low, high in places
+    )
+
+
+def _may_hold(motion: ConstantMotion, p: Array, low: Array, high: Array) -> bool:
+    """Return whether a motion that rests somewhere in a box may lie on the near side of all that ends its mode."""
+    model = motion.numeric.model
+    sides = list_sides(model, motion.mode)
+    constants = dict(zip(model.parameter_symbols, p.tolist(), strict=True))
+    near = tuple(-side.sign * _find_function(motion, side.event) for side in sides)
+    if not near:
+        return True
+    values = Enclosure(near, model.state_symbols, constants).values(low[:, None], high[:, None])
+    return bool(np.all(values.high >= 0.0))

@@ -24,21 +24,25 @@ def describe_equilibrium_step(step: Step, ending: Reason) -> str:
     """Return what a step found: one equilibrium near a guess, or those in a box and whether these are all."""
     if ending.code == "equilibrium":
         return _describe_one(step)
-    undecided = int(ending.values["undecided"])
+    places = [place for place in step.meta["undecided"] if not place["virtual"]]
+    hidden = len(step.meta["undecided"]) > len(places)
     number = int(np.sum(step.points["admissible"] != 0))
     text = "1 equilibrium" if number == 1 else f"{number or 'no'} equilibria"
-    if not undecided:
+    if not places:
         text = f"{('no', 'the only')[number]} equilibrium" if number < 2 else f"all {number} equilibria"
-    text += f" in the box{_describe_virtual(len(step) - number)}"
+    text += f" in the box{_describe_virtual(len(step) - number, hidden)}"
     unknown = int(np.sum(step.points["stable"] < 0))
     text += f"; WARNING: at {unknown} of them {UNCOUNTED}" if unknown else ""
-    return f"{text}; WARNING: {_describe_places(step, undecided)}" if undecided else text
+    return f"{text}; WARNING: {_describe_places(step, places)}" if places else text
 
 
-def _describe_virtual(number: int) -> str:
-    if number < 2:
-        return "; also 1 virtual one, where its mode does not hold" if number else ""
-    return f"; also {number} virtual ones, where their modes do not hold"
+def _describe_virtual(number: int, hidden: bool) -> str:
+    """Return how many equilibria lie where their modes do not hold; there may be more, ``hidden``."""
+    if number == 0:
+        return "; there may be virtual ones, where their modes do not hold" if hidden else ""
+    if number == 1 and not hidden:
+        return "; also 1 virtual one, where its mode does not hold"
+    return f"; also {number}{' or more' if hidden else ''} virtual ones, where their modes do not hold"
 
 
 def _describe_one(step: Step) -> str:
@@ -62,11 +66,10 @@ def _format_root(root: complex) -> str:
     return f"{root.real:.6g}" if root.imag == 0.0 else f"{root.real:.6g} {root.imag:+.6g}i"
 
 
-def _describe_places(step: Step, number: int) -> str:
+def _describe_places(step: Step, places: Sequence[Mapping[str, Any]]) -> str:
     """Return where equilibria may have been missed."""
-    box, modes = step.meta["search"], len(step.meta["modes"]) > 1
-    places = [_name_place(step.meta["states"], box, place, modes) for place in step.meta["undecided"]]
-    named = " and ".join(places[:NAMED])
+    box, modes, number = step.meta["search"], len(step.meta["modes"]) > 1, len(places)
+    named = " and ".join(_name_place(step.meta["states"], box, place, modes) for place in places[:NAMED])
     more = f" and {number - NAMED} more" if number > NAMED else ""
     return (
         f"{number} place{'s'[: number - 1]} undecided, {named}{more}; there may be more there: a smaller box may "

@@ -77,6 +77,22 @@ def test_a_fold_is_a_place_that_is_undecided(tmp_path):
     assert place["low"][0] <= 0.5 <= place["high"][0]
 
 
+def test_a_place_beyond_the_surface_of_its_mode_leaves_no_doubt_about_others(tmp_path):
+    """A double zero at x = 2 of the field that holds below 1."""
+    model = {
+        "name": "beyond",
+        "states": ["x"],
+        "parameters": {"e": 1.0},
+        "equations": {"x'": "where(x > e, 2 - x, (x - 2)**2)"},
+        "initial": {"x": 0.0},
+    }
+    step = search(model, tmp_path / "r.h5", {"x": [-4, 5]}).step("all")
+    assert np.allclose(step.points["states"], [[2]])
+    assert describe_done(step) == (
+        "the only equilibrium in the box; there may be virtual ones, where their modes do not hold"
+    )
+
+
 def test_a_line_of_equilibria_is_a_place_with_its_extent(tmp_path):
     """Whatever x + y is stays so."""
     model = {

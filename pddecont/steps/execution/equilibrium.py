@@ -43,7 +43,7 @@ def run_equilibrium(context: Context, step: PlannedStep[EquilibriumSettings], re
     else:
         findings = search_box(context, step)
         found, meta = findings.equilibria, meta | make_search_meta(step, findings)
-        ending = make_reason("search", number=len(found), undecided=len(findings.undecided))
+        ending = make_reason("search")
     monitors = list(context.plan.monitors.values())
     with context.open_step(step, EQUILIBRIUM, meta, capacity=max(len(found), 1)) as writer:
         for one in found:

@@ -36,6 +36,7 @@ def make_search_meta(step: PlannedStep[EquilibriumSettings], findings: Findings)
     box = step.settings.box
     assert box is not None, "only asked of steps that search"
     undecided = [
-        {"mode": place.mode, "low": place.low.tolist(), "high": place.high.tolist()} for place in findings.undecided
+        {"mode": place.mode, "low": place.low.tolist(), "high": place.high.tolist(), "virtual": place.virtual}
+        for place in findings.undecided
     ]
     return {"search": {name: list(limits) for name, limits in box.items()}, "undecided": undecided}
