@@ -82,8 +82,8 @@ def test_a_place_beyond_the_surface_of_its_mode_leaves_no_doubt_about_others(tmp
     model = {
         "name": "beyond",
         "states": ["x"],
-        "parameters": {"e": 1.0},
-        "equations": {"x'": "where(x > e, 2 - x, (x - 2)**2)"},
+        "parameters": {"k": 1.0},
+        "equations": {"x'": "k*where(x > 1, 2 - x, (x - 2)**2)"},
         "initial": {"x": 0.0},
     }
     step = search(model, tmp_path / "r.h5", {"x": [-4, 5]}).step("all")
