@@ -31,6 +31,10 @@ from .hopf import solve_hopf as solve_hopf
 from .modes import read_mode as read_mode
 from .roots import Roots as Roots
 from .roots import find_roots as find_roots
+from .search import Findings as Findings
+from .search import FoundEquilibrium as FoundEquilibrium
+from .search import Place as Place
+from .search import find_equilibria as find_equilibria
 from .sides import Side as Side
 from .sides import find_passed_side as find_passed_side
 from .sides import list_sides as list_sides

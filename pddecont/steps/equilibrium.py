@@ -55,7 +55,9 @@ class Equilibrium(Strict):
     start: Start | None = Field(
         None, alias="from", description="states as a first guess (default: the model's initial ones), or a step"
     )
-    mode: Identifier | None = Field(None, description="mode in which it stays (default: that of the guess)")
+    mode: Identifier | None = Field(
+        None, description="mode in which it stays (default: that of the guess; all of them in a search)"
+    )
     search: dict[Identifier, Range] | None = Field(
         None, description="lowest and highest value of each state: every equilibrium in this box"
     )
@@ -82,7 +84,7 @@ class EquilibriumSettings:
     guess
         States to start from, by name; the model's initial ones for those that are not named.
     mode
-        The mode (None: that of the guess).
+        The mode (None: that of the guess, or all modes in a search).
     box
         Lowest and highest value of each state by name, where all equilibria are looked for; None otherwise.
     n_roots

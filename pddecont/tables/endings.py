@@ -14,7 +14,8 @@ from pddecont.results import Step
 from pddecont.tables.attractors import estimate_shares, find_attractors, name_motion
 from pddecont.tables.branch_endings import describe_direction, list_rows_along
 from pddecont.tables.equilibria import holds_equilibria
-from pddecont.tables.equilibrium_endings import UNSTATED_ROOTS, describe_equilibria, describe_equilibrium_branch
+from pddecont.tables.equilibrium_branch_endings import UNSTATED_ROOTS, describe_equilibrium_branch
+from pddecont.tables.equilibrium_endings import describe_equilibrium_step
 from pddecont.tables.orbits import find_signature
 from pddecont.tables.precision import describe_cheapest, describe_reference
 from pddecont.tables.words import describe_reason
@@ -200,7 +201,7 @@ def _summarise_branch(step: Step, texts: Sequence[str]) -> str:
 _BY_KIND: dict[str, Callable[[Step, Reason], str]] = {
     "continue": _describe_continue,
     "equilibria": describe_equilibrium_branch,
-    "equilibrium": describe_equilibria,
+    "equilibrium": describe_equilibrium_step,
     "orbit": _describe_orbit,
     "simulate": _describe_simulate,
     "sweep": _describe_sweep,

@@ -10,6 +10,7 @@ import numpy as np
 from pddecont.equilibrium import (
     ConstantMotion,
     Equilibrium,
+    FoundEquilibrium,
     find_own_roots,
     find_passed_side,
     read_mode,
@@ -23,6 +24,7 @@ from pddecont.steps.context import Context
 from pddecont.steps.equilibrium import EquilibriumSettings
 from pddecont.steps.execution.ending import report_done
 from pddecont.steps.execution.equilibrium_rows import equilibrium_from_row, equilibrium_to_row, make_equilibrium_meta
+from pddecont.steps.execution.equilibrium_search import make_search_meta, search_box
 from pddecont.steps.registry import list_step_kinds
 
 # What a row of an equilibrium step is.
@@ -34,18 +36,30 @@ MODES_TRIED = 50
 
 def run_equilibrium(context: Context, step: PlannedStep[EquilibriumSettings], recorded: Step | None) -> None:
     """Find and record the equilibria that a step asks for."""
-    settings = step.settings
-    found = [_find_near(context, step)]
-    meta = {**make_equilibrium_meta(context.plan, KINDS)}
+    settings, meta = step.settings, make_equilibrium_meta(context.plan, KINDS)
+    if settings.box is None:
+        found = [FoundEquilibrium(*_find_near(context, step))]
+        ending = make_reason("equilibrium")
+    else:
+        findings = search_box(context, step)
+        found, meta = findings.equilibria, meta | make_search_meta(step, findings)
+        ending = make_reason("search")
     monitors = list(context.plan.monitors.values())
-    with context.open_step(step, EQUILIBRIUM, meta, capacity=len(found)) as writer:
-        for at, error, n_iterations in found:
+    with context.open_step(step, EQUILIBRIUM, meta, capacity=max(len(found), 1)) as writer:
+        for one in found:
+            at = one.at
             roots = find_own_roots(at.motion, at.states, at.parameters, settings.n_roots)
             points, rows = equilibrium_to_row(
-                at, roots, monitors, unknowns=at.states, kind=EQUILIBRIUM_KIND, error=error, n_iterations=n_iterations
+                at,
+                roots,
+                monitors,
+                unknowns=at.states,
+                kind=EQUILIBRIUM_KIND,
+                error=one.error,
+                n_iterations=one.n_iterations,
             )
             writer.append(points, rows)
-        writer.terminate(make_reason("equilibria", number=len(found)))
+        writer.terminate(ending)
     report_done(context, step)
 
 
@@ -128,6 +142,8 @@ def find_equilibrium(context: Context, step: PlannedStep[object]) -> tuple[Step,
     results, recorded = context.read_source(source)
     if "roots" not in recorded.format.orbits:
         raise ResultsError(f"step '{source.step}' of {results.path} is a {recorded.kind} step and holds no equilibria")
+    if not len(recorded):
+        raise ResultsError(f"step '{source.step}' of {results.path} found no equilibrium: search in another box")
     if source.point is None and source.index is None and len(recorded) > 1:
         labels = ", ".join(label for label in recorded.labels if label)
         raise ResultsError(

@@ -21,7 +21,13 @@ Array = NDArray[np.float64]
 
 def make_equilibrium_meta(plan: Plan, kinds: dict[str, str]) -> dict[str, Any]:
     """Return what a step that records equilibria says of itself; ``kinds`` are its special points by label."""
-    return {"monitors": list(plan.monitors), "kinds": kinds, "units": find_units(plan), "modes": list(plan.model.modes)}
+    return {
+        "monitors": list(plan.monitors),
+        "kinds": kinds,
+        "units": find_units(plan),
+        "modes": list(plan.model.modes),
+        "asked": ["stable"],
+    }
 
 
 def equilibrium_to_row(
