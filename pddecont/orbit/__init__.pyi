@@ -40,6 +40,7 @@ from .linearisation import Linearisation as Linearisation
 from .monitor import Monitor as Monitor
 from .monitor import parse_monitor as parse_monitor
 from .motion import guess_from_motion as guess_from_motion
+from .motion_table import read_motion_table as read_motion_table
 from .orbit import Orbit as Orbit
 from .orbit import Reads as Reads
 from .past import make_past as make_past
@@ -55,6 +56,8 @@ from .resegmentation import resegment as resegment
 from .resegmentation import sample_spans as sample_spans
 from .residual import Rows as Rows
 from .resting import make_resting_orbit as make_resting_orbit
+from .sampled_cycle import SampledCycle as SampledCycle
+from .sampled_cycle import find_cycle as find_cycle
 from .serialise import orbit_from_rows as orbit_from_rows
 from .serialise import orbit_to_rows as orbit_to_rows
 from .signature import DelayedEventLink as DelayedEventLink

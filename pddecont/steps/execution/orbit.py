@@ -37,8 +37,12 @@ N_TOLD = 2
 
 
 def make_guess(context: Context, step: PlannedStep[Any]) -> Orbit:
-    """Return the first guess of the orbit that a step starts from: a simulation's, an attractor's, a recorded one."""
-    plan, source = context.plan, _source_of(step)
+    """Return the first guess of an orbit: from a file, a simulation, an attractor, a recorded orbit."""
+    plan = context.plan
+    if step.settings.cycle is not None:
+        p = plan.set_parameters(step, plan.parameters)
+        return guess_from_cycle(plan.numeric, p, step.delay, step.settings.cycle, step.rule)
+    source = _source_of(step)
     kinds = list_step_kinds()
     above = None if source.file is not None else plan.find_step(source.step)
     if above is not None and kinds[above.kind].holds == Holding.TRAJECTORY:
