@@ -74,26 +74,32 @@ class EventSearch:
             ends.append(float(h[-1]))
             for i in _list_changes(h, segment.direction):
                 at_jump = not motion.closed and i == len(t) - 2
-                found.append(Candidate(float(end) if at_jump else self._find_zero(segment.event, k, t[i : i + 2]), 0.0))
+                zero = float(end) if at_jump else self.find_end(segment, k, float(t[i]), float(t[i + 1]))
+                # One at the beginning is that at the end of the period.
+                is_first = zero - motion.edges[0] <= AT_EDGE * motion.period
+                found.append(Candidate(zero + motion.period * is_first, 0.0))
         known = {c.t for c in found}
         jumps = zip(self.jumps.tolist(), ends, strict=not motion.closed)
         return found + [
             Candidate(t, abs(h) / (size or 1.0)) for t, h in jumps if t not in known and abs(h) <= NEAR * size
         ]
 
-    def _find_zero(self, event: str, k: int, between: Array) -> float:
-        """Return where an event function crosses zero between two times on a curve, within (first edge, last]."""
+    def find_end(self, segment: Segment, k: int, low: float, high: float) -> float:
+        """Return where a segment along curve number ``k`` ends between two times.
+
+        That is where its event function crosses zero, or the one at which it is nearer to zero; halfway for a delayed
+        event.
+        """
+        if self.numeric.model.events[segment.event].function is None:
+            return 0.5 * (low + high)
 
         def value(t: float) -> float:
-            return float(self.evaluate(event, np.array([t]), np.array([k]))[0])
+            return float(self.evaluate(segment.event, np.array([t]), np.array([k]))[0])
 
-        low, high = map(float, between)
         signs = value(low), value(high)
-        t = low if abs(signs[0]) < abs(signs[1]) else high
         if signs[0] * signs[1] < 0.0:
-            t = float(scipy.optimize.brentq(value, low, high))
-        begin, period = float(self.motion.edges[0]), self.motion.period
-        return t + period * (t - begin <= AT_EDGE * period)
+            return float(scipy.optimize.brentq(value, low, high))
+        return low if abs(signs[0]) < abs(signs[1]) else high
 
     def find_next_row(self, t: float) -> float:
         """Return the time of the first row after a time."""

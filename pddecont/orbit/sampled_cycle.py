@@ -65,7 +65,7 @@ def find_cycle(
         return SampledCycle((), motion.edges, n_periods, only, motion)
     check_signature(model, names)
     if len(blocks) > 1 and table.segment is not None:
-        times, motion = _cut_at_blocks(table, blocks, names)
+        times, motion = _cut_at_blocks(numeric, p, table, blocks, names)
     else:
         times, motion = _cut_at_events(numeric, p, table, names)
     return SampledCycle(names, times, n_periods, model.segments[names[0]].mode, motion)
@@ -185,27 +185,33 @@ def _find_signature(
 
 
 def _cut_at_blocks(
-    table: MotionTable, blocks: list[tuple[int, int]], names: tuple[str, ...]
+    numeric: NumericModel, p: Array, table: MotionTable, blocks: list[tuple[int, int]], names: tuple[str, ...]
 ) -> tuple[Array, SampledMotion]:
     """Return where segments begin and end, by what the table says, and the motion.
 
-    Between two blocks that do not meet at one time a segment ends halfway.
+    A segment ends in the gap between its last row and the next: where its event function, read on from its own rows,
+    crosses zero or is nearest to it.
     """
     assert table.segment is not None, "blocks are those of a column"
     period, labels = float(table.t[-1] - table.t[0]), [table.segment[a] for a, _ in blocks]
     parts = [(table.t[a:b], table.x[a:b]) for a, b in blocks]
-    edges = [float(table.t[0]), *(0.5 * (a[-1] + b[0]) for (a, _), (b, _) in pairwise(parts)), float(table.t[-1])]
     if len(blocks) == len(names) + 1 and labels[0] == labels[-1]:
         # The rows begin inside of a segment.
         blocks, labels, parts = blocks[1:], labels[1:], _join_around(parts, period)
-        edges = [*edges[1:-1], edges[1] + period]
     first = _find_first(names, labels, [table.line[a] for a, _ in blocks])
     for (t, _), label in zip(parts, labels, strict=True):
         if not t[-1] > t[0]:
             raise SignatureError(
                 f"the rows of segment '{label}' are all at t = {t[0]:.10g}; expected two times or more in a segment"
             )
-    motion = join_rows([t for t, _ in parts], [x for _, x in parts], np.array(edges))
+    n, begins, ends = len(names), [t[0] for t, _ in parts], np.array([t[-1] for t, _ in parts])
+    gaps = list(zip(ends, [*begins[1:], begins[0] + period], strict=True))
+    motion = join_rows([t for t, _ in parts], [x for _, x in parts], np.append(ends[-1] - period, ends))
+    search = EventSearch(numeric, p, motion)
+    segments = [numeric.model.segments[names[(k - first) % n]] for k in range(n)]
+    cuts = [search.find_end(segments[k], k, *gap) if gap[1] > gap[0] else gap[0] for k, gap in enumerate(gaps)]
+    edges = [cuts[-1] - period, *cuts]
+    motion = replace(motion, edges=np.array(edges))
     return np.array([*edges[first:], *(edge + period for edge in edges[1 : first + 1])]), motion
 
 
