@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -74,10 +74,8 @@ class EventSearch:
             ends.append(float(h[-1]))
             for i in _list_changes(h, segment.direction):
                 at_jump = not motion.closed and i == len(t) - 2
-                zero = float(end) if at_jump else self.find_end(segment, k, float(t[i]), float(t[i + 1]))
-                # One at the beginning is that at the end of the period.
-                is_first = zero - motion.edges[0] <= AT_EDGE * motion.period
-                found.append(Candidate(zero + motion.period * is_first, 0.0))
+                zero = end if at_jump else self._wrap(self.find_end(segment, k, float(t[i]), float(t[i + 1])))
+                found.append(Candidate(float(zero), 0.0))
         known = {c.t for c in found}
         jumps = zip(self.jumps.tolist(), ends, strict=not motion.closed)
         return found + [
@@ -117,11 +115,18 @@ class EventSearch:
         found = []
         for source in sources.values():
             for c in self.list_candidates(source, signature):
-                t = motion.edges[-1] - (motion.edges[-1] - c.t - delay) % motion.period
-                near = self.jumps[np.abs(self.jumps - t) <= self._spacing()]
-                at = float(near[np.argmin(np.abs(near - t))]) if len(near) else float(t)
-                found.append(Candidate(at, c.miss + abs(at - t) / motion.period))
+                t = self._wrap(c.t + delay)
+                away = np.abs((self.jumps - t + 0.5 * motion.period) % motion.period - 0.5 * motion.period)
+                nearest = int(np.argmin(away)) if np.any(away <= self._spacing()) else None
+                at, miss = (t, 0.0) if nearest is None else (float(self.jumps[nearest]), float(away[nearest]))
+                found.append(Candidate(at, c.miss + miss / motion.period))
         return found
+
+    def _wrap(self, t: float) -> float:
+        """Return a time less whole periods: after the first edge, which stands for the last, up to the last."""
+        motion = self.motion
+        within = float((t - motion.edges[0]) % motion.period)
+        return float(motion.edges[0]) + within + motion.period * (within <= AT_EDGE * motion.period)
 
     def _spacing(self) -> float:
         return max(float(np.max(np.diff(rows))) for rows in self.motion.rows)
@@ -193,15 +198,20 @@ def _walk(search: EventSearch, signature: Sequence[Segment], first: int) -> _Wal
 
 def _explain_misfit(search: EventSearch, signature: Sequence[Segment]) -> str:
     """Return in words why a motion does not run through a signature: where its events are."""
+    motion = search.motion
+
+    def list_times(times: Iterable[float]) -> str:
+        # The beginning of the period stands for its end.
+        within = sorted(t - motion.period * (t >= motion.edges[-1]) for t in times)
+        return ", ".join(f"{t:.6g}" for t in within[:MAX_TOLD]) + (", .." if len(within) > MAX_TOLD else "")
+
     told = []
-    for segment in dict.fromkeys(signature):
-        times = [f"{c.t:.6g}" for c in search.list_candidates(segment, signature)]
-        more = ", .." if len(times) > MAX_TOLD else ""
-        told.append(f"'{segment.name}' may end at t = {', '.join(times[:MAX_TOLD])}{more}" if times else "")
-        told[-1] = told[-1] or f"'{segment.name}' ends nowhere"
-    jumps = [f"{t:.6g}" for t in search.jumps]
-    if jumps:
-        told.append(f"states jump at t = {', '.join(jumps[:MAX_TOLD])}{', ..' if len(jumps) > MAX_TOLD else ''}")
+    for segment in {s.name: s for s in signature}.values():
+        found = search.list_candidates(segment, signature)
+        where = f"may end at t = {list_times(c.t for c in found)}" if found else "ends nowhere"
+        told.append(f"'{segment.name}' {where}")
+    if len(search.jumps):
+        told.append(f"states jump at t = {list_times(search.jumps)}")
     return (
         f"the rows do not run through the signature [{', '.join(s.name for s in signature)}] once: {'; '.join(told)}. "
         "The last row closes the period, and a jump has two rows at one time; a column 'segment' says where segments "

@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 TIMES, SEGMENT = ("t", "time"), "segment"
 # Fewer rows do not tell a motion.
 MIN_ROWS = 4
-# A time may come before that of the row above by this part of the last: the two sides of an event differ by rounding.
+# Times that differ by this part of the largest are one: those of the two sides of an event do by rounding.
 ROUNDING = 1e-12
 # Letters of a value that a message repeats.
 MAX_SHOWN = 40
@@ -70,7 +70,9 @@ def read_motion_table(text: str, path: str, model: Model) -> MotionTable:
     columns = _read_header(path, lines[0], model)
     rows = [(k, line, _split(path, k, line, columns)) for k, line in lines[1:]]
     if len(rows) < MIN_ROWS:
-        raise RunError.at(path, 0, 0, f"holds {len(rows)} rows; one period of a motion takes at least {MIN_ROWS}")
+        raise RunError.at(
+            path, 0, 0, f"has too few rows, {len(rows)}; one period of a motion takes at least {MIN_ROWS}"
+        )
     numbers = np.array([list(_read_numbers(path, row, columns)) for row in rows])
     labels = None
     if columns.segment is not None:
@@ -86,7 +88,7 @@ def _is_row(line: str) -> bool:
 def _split(path: str, k: int, line: str, columns: _Columns | None = None) -> list[str]:
     """Return the fields of a line."""
     try:
-        fields = [field.strip() for field in next(csv.reader([line], strict=True))]
+        fields = [field.strip() for field in next(csv.reader([line], skipinitialspace=True))]
     except csv.Error as exc:
         raise RunError.at(path, k, 1, f"is not a line of a CSV file: {exc}") from exc
     if columns is not None and len(fields) != columns.n:
@@ -165,7 +167,7 @@ def _read_labels(labels: Sequence[str]) -> tuple[str | int, ...]:
 
 
 def _order_times(path: str, lines: Sequence[int], t: Array) -> Array:
-    """Return times that never fall; raise RunError where they do, or all of them are one."""
+    """Return times that never fall, with rounding taken away; raise RunError where they do, or all of them are one."""
     rounding = ROUNDING * float(np.max(np.abs(t)))
     for i in np.flatnonzero(np.diff(t) < -rounding)[:1]:
         raise RunError.at(
@@ -176,4 +178,7 @@ def _order_times(path: str, lines: Sequence[int], t: Array) -> Array:
         )
     if not t[-1] - t[0] > rounding:
         raise RunError.at(path, 0, 0, f"all rows are at the time {t[0]:.10g}; expected one period of a motion")
-    return np.asarray(np.maximum.accumulate(t))
+    ordered = t.copy()
+    for i in np.flatnonzero(np.diff(t) <= rounding):
+        ordered[i + 1] = ordered[i]
+    return ordered
