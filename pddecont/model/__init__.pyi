@@ -39,6 +39,7 @@ from .syntax import ExpressionError as ExpressionError
 from .system import DelayedValue as DelayedValue
 from .system import Model as Model
 from .system import check_signature as check_signature
+from .transitions import WAYS as WAYS
 from .transitions import Transitions as Transitions
 from .transitions import find_return as find_return
 from .transitions import list_alternatives as list_alternatives
