@@ -17,8 +17,7 @@ import numpy as np
 import sympy
 from numpy.typing import NDArray
 
-from pddecont.codegen import NumericModel
-from pddecont.codegen.numpy_backend import ArrayFunction
+from pddecont.codegen import ArrayFunction, NumericModel
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
