@@ -21,7 +21,7 @@ from sympy.logic.boolalg import Boolean
 from pddecont.codegen.cache import find_cache_folder
 from pddecont.codegen.compilation import compiler_settings
 from pddecont.codegen.printer import Names, ScalarPrinter, name_symbols, print_assignments
-from pddecont.model import ABOVE, ON, TIME, Model, Segment
+from pddecont.model import ABOVE, ON, TIME, Model, Segment, write_repulsions
 
 _make_pointer: Callable[[Any], Any] = types.CPointer
 DOUBLE_POINTER = _make_pointer(types.float64)
@@ -63,6 +63,11 @@ def find_field_cases(model: Model) -> FieldCases:
 
 def _rule_of(segment: Segment) -> Boolean:
     return segment.guard if segment.rule is None else segment.rule
+
+
+def _write_indicator(condition: Boolean) -> sympy.Expr:
+    """Return the number that is 1 where a condition holds and 0 elsewhere."""
+    return sympy.Piecewise((1, condition), (0, True))
 
 
 class MachineCode(Protocol):
@@ -125,11 +130,36 @@ class ModelFunctions:
         """The address of the conditions, 1 where they hold; ``which`` is their number. 0 if there are none."""
         if all(rule == sympy.true for rule in self._rules):
             return 0
-        return self._address([[sympy.Piecewise((1, rule), (0, True))] for rule in self._rules], self.cases.digits)
+        return self._address([[_write_indicator(rule)] for rule in self._rules], self.cases.digits)
 
     @cached_property
     def _rules(self) -> list[Boolean]:
         return list(dict.fromkeys(map(_rule_of, self.model.segments.values())))
+
+    @cached_property
+    def repulsion_numbers(self) -> tuple[int, ...]:
+        """What the condition is known by that a surface repels the motion after each segment; -1 without one."""
+        numbers = {rule: number for number, rule in enumerate(self._differing_repulsions)}
+        own, shift = self._digits, len(self.cases.digits)
+        return tuple(
+            numbers[rule] << shift | own[segment.to] if rule in numbers else -1
+            for segment, rule in zip(self.model.segments.values(), self._repulsions, strict=True)
+        )
+
+    @cached_property
+    def repulsion(self) -> int:
+        """The address of the conditions under which a surface repels a motion on it. 0 if there are none."""
+        if not self._differing_repulsions:
+            return 0
+        return self._address([[_write_indicator(rule)] for rule in self._differing_repulsions], self.cases.digits)
+
+    @cached_property
+    def _repulsions(self) -> list[Boolean]:
+        return write_repulsions(self.model)
+
+    @cached_property
+    def _differing_repulsions(self) -> list[Boolean]:
+        return [rule for rule in dict.fromkeys(self._repulsions) if rule != sympy.false]
 
     @cached_property
     def _digits(self) -> dict[str, int]:

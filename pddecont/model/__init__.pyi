@@ -23,13 +23,17 @@ from .expression import parse_expression as parse_expression
 from .expression import translate_expression as translate_expression
 from .identities import find_rate as find_rate
 from .identities import vanishes_identically as vanishes_identically
+from .initial_digits import find_start_digits as find_start_digits
 from .initial_digits import find_start_mode as find_start_mode
 from .left_out import LeftOut as LeftOut
 from .parts import IDENTITY as IDENTITY
 from .parts import Event as Event
 from .parts import Segment as Segment
 from .reduction import ReferencedNames as ReferencedNames
+from .repulsion import list_surfaces_met as list_surfaces_met
+from .repulsion import write_repulsions as write_repulsions
 from .schema import ModelFile as ModelFile
+from .sliding import UndecidedSlidingError as UndecidedSlidingError
 from .starts import explain_own_start as explain_own_start
 from .starts import explain_start_beyond_event as explain_start_beyond_event
 from .switches import ABOVE as ABOVE
@@ -46,6 +50,7 @@ from .transitions import list_carriers as list_carriers
 from .transitions import list_clocks as list_clocks
 from .transitions import list_held as list_held
 from .transitions import list_leaders as list_leaders
+from .transitions import list_opposite as list_opposite
 from .transitions import list_transitions as list_transitions
 from .transitions import may_slide as may_slide
 from .validation import UNION_TAG as UNION_TAG

@@ -117,16 +117,20 @@ class DerivedModes:
 
     def find_jump_of_rate(self, switch: int, mode: str) -> sympy.Expr:
         """Return by how much du/dt of a switch grows across its surface: motions slide where it is negative."""
-        low, high = self.surfaces.find_bounds(switch, self.equations.find_digits(mode) or ())
+        low, high = self.surfaces.find_bounds(switch, self.find_digits(mode))
         return high - low
+
+    def find_digits(self, mode: str) -> Digits:
+        """Return the digits of a mode."""
+        return self.equations.find_digits(mode) or ()
 
     def find_digit(self, mode: str, switch: int) -> int:
         """Return the digit of a switch in a mode."""
-        return (self.equations.find_digits(mode) or ())[switch]
+        return self.find_digits(mode)[switch]
 
     def list_exits(self, mode: str) -> list[tuple[str, Crossing]]:
         """Return the events at which motions cease to slide in a mode, and what they do."""
-        digits = self.equations.find_digits(mode) or ()
+        digits = self.find_digits(mode)
         found = []
         for k, digit in enumerate(digits):
             for side in (ABOVE, BELOW) if digit == ON else ():
@@ -136,7 +140,7 @@ class DerivedModes:
 
     def find_surface(self, mode: str, event: str) -> int | None:
         """Return the switch whose surface an event is in a mode beside it; None for other events."""
-        digits = self.equations.find_digits(mode) or ()
+        digits = self.find_digits(mode)
         beside = (k for k, d in enumerate(digits) if d != ON and not self.equations.switches[k].remembers)
         return next((k for k in beside if self._name_surface(k, digits)[0] == event), None)
 
@@ -148,7 +152,7 @@ class DerivedModes:
 
     def list_surfaces(self, mode: str) -> tuple[str, ...]:
         """Return the events whose functions are the surfaces that a motion slides along in a mode."""
-        digits = self.equations.find_digits(mode) or ()
+        digits = self.find_digits(mode)
         return tuple(self._name_surface(k, digits)[0] for k, d in enumerate(digits) if d == ON)
 
     def find_return(self, mode: str) -> str:
@@ -245,7 +249,9 @@ class DerivedModes:
             after = (*digits[:number], digit, *digits[number + 1 :])
             written = self._name_segment(word, number, digits)
             self.crossings[written] = Crossing(number, digit == ABOVE, leaves=True)
-            yield from self._branch(Segment(written, "", event, direction, IDENTITY, ""), digits, after, {})
+            # The digit goes on where it comes to 0 or 1; torn off from farther apart it jumps.
+            undecided = {} if switch.grip == 1 else self._find_disturbed(number, after)
+            yield from self._branch(Segment(written, "", event, direction, IDENTITY, ""), digits, after, undecided)
 
     def _jump(self, jump: Jump, digits: Digits) -> Iterator[Segment]:
         """Yield what follows a jump: each digit is read from the states after it."""
@@ -311,13 +317,15 @@ class DerivedModes:
             held = {k: list_options(self.surfaces, k, on_surface=True) for k, d in enumerate(after) if d == ON}
             undecided = held | undecided
         ways = self.finder.list_ways(after, undecided)
+        anew = tuple(k for k, u in undecided.items() if self.surfaces.slides[k] and {ABOVE, BELOW} <= set(u.options))
         for way in ways:
             to = self.equations.name_mode(way.digits)
             if len(ways) == 1:
-                yield replace(segment, mode=mode, to=to)
+                yield replace(segment, mode=mode, to=to, anew=anew)
             else:
                 name = f"{written}{ALTERNATIVE}{to}"
-                yield replace(segment, name=name, mode=mode, to=to, written=written, guard=way.guard, rule=way.rule)
+                segment = replace(segment, written=written, anew=anew)
+                yield replace(segment, name=name, mode=mode, to=to, guard=way.guard, rule=way.rule)
 
     def _name_segment(self, word: str, number: int, digits: Digits) -> str:
         """Return the name of a segment: the digits of the other switches, then what happens."""

@@ -46,7 +46,7 @@ def _begins(model: Model, segments: Sequence[Segment], s: int, event: str, left:
 
     It is followed back to a reset or an event that puts it there, ``left`` segments at most.
     """
-    before, h = segments[s - 1], model.events[event].function
+    before, h = segments[(s - 1) % len(segments)], model.events[event].function
     if left == 0 or not before.event:
         return False
     after = _after(h, model.state_symbols, model.resets[before.reset])

@@ -43,3 +43,5 @@ class Segment:
     guard: Boolean = sympy.true
     # Of a model given by its equations: the guard in the digits of the switches, which many modes share.
     rule: Boolean | None = None
+    # Likewise: the switches whose digits are read anew after it, and that motions slide along or are repelled by.
+    anew: tuple[int, ...] = ()

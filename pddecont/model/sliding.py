@@ -88,6 +88,10 @@ class Surfaces:
         minors = combinations(range(len(states)), len(on))
         return any(not vanishes(slopes[:, list(columns)].det(method="berkowitz")) for columns in minors)
 
+    def find_function(self, number: int, digits: Digits) -> sympy.Expr:
+        """Return the function of a switch, the others having ``digits``."""
+        return put_in(self.equations.switches[number].argument, self.find_values(digits))
+
     def find_rate(self, number: int, digits: Digits, value: sympy.Expr) -> sympy.Expr:
         """Return du/dt of a switch with the digit ``value``, the others having ``digits``."""
         rate = put_in(self._rate_of(number), self.find_values(digits, number))

@@ -13,6 +13,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
+from pddecont.model.derived_modes import Crossing
 from pddecont.model.parts import IDENTITY, Segment
 from pddecont.model.system import Model
 
@@ -58,6 +59,19 @@ def list_transitions(model: Model, mode: str) -> Transitions:
     segments = model.segments_by_mode.get(mode, ())
     crossings = tuple(s for s in segments if model.events[s.event].function is not None)
     return Transitions(segments, crossings, tuple(s for s in segments if s not in crossings))
+
+
+def list_opposite(model: Model) -> list[str | None]:
+    """Return for each segment that leaves a surface the first one that leaves it to the other side; None for others."""
+    found: dict[tuple[str, int, bool], str] = {}
+    leaving: list[tuple[str, Crossing] | None] = []
+    for segment in model.segments.values():
+        crossing = None if model.derived is None else model.derived.find_crossing(segment)
+        leaves = crossing is not None and crossing.leaves
+        leaving.append((segment.mode, crossing) if crossing is not None and leaves else None)
+        if crossing is not None and leaves:
+            found.setdefault((segment.mode, crossing.switch, crossing.up), segment.name)
+    return [None if own is None else found[own[0], own[1].switch, not own[1].up] for own in leaving]
 
 
 def list_held(model: Model, mode: str) -> tuple[str, ...]:

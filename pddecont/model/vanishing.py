@@ -32,7 +32,7 @@ def vanishes_where(expr: sympy.Expr, surface: sympy.Expr, moving: Collection[sym
     Points of the surface are found along one of the symbols ``moving``.
     """
     if expr.is_Number:
-        return bool(expr == 0)
+        return bool(expr.is_zero)
     draw = random.Random(1)
     symbols = sorted(expr.free_symbols | surface.free_symbols, key=str)
     along = sorted(surface.free_symbols & set(moving), key=str)

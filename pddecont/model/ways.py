@@ -59,6 +59,8 @@ class WayFinder:
             guard = self._put_in(rule, digits)
             if guard != sympy.false:
                 found.append(Way(_replace(digits, dict(zip(numbers, chosen, strict=True))), guard, rule))
+            if guard == sympy.true:
+                break
         return found
 
     def _put_in(self, rule: Boolean, digits: Digits) -> Boolean:

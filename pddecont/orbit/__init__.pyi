@@ -50,6 +50,8 @@ from .remesh import make_mesh as make_mesh
 from .remesh import mesh_is_valid as mesh_is_valid
 from .remesh import transfer_orbit as transfer_orbit
 from .remesh import transfer_to as transfer_to
+from .repulsion import Repeller as Repeller
+from .repulsion import list_repellers as list_repellers
 from .resegmentation import SegmentSpan as SegmentSpan
 from .resegmentation import resegment as resegment
 from .resegmentation import sample_spans as sample_spans

@@ -16,6 +16,7 @@ from pddecont.orbit.guards import explain_guard, list_guarded, measure_guard
 from pddecont.orbit.leaving import explain_sliding, find_leaving_rate, list_sliding_ends
 from pddecont.orbit.orbit import Orbit
 from pddecont.orbit.problem import INSTANT
+from pddecont.orbit.repulsion import list_repellers
 from pddecont.orbit.signature import WatchedEvent
 from pddecont.orbit.verdict import Verifier
 from pddecont.reasons import NO_REASON, Reason, make_reason
@@ -71,6 +72,9 @@ def _find_unlisted(orbit: Orbit) -> Iterator[Reason]:
     for s in list_guarded(orbit.signature):
         if measure_guard(orbit, s) < -RELATIVE_ZERO:
             yield explain_guard(orbit.signature, s)
+    for repeller in list_repellers(orbit):
+        if repeller.measure(orbit) < -RELATIVE_ZERO:
+            yield repeller.explain(orbit)
     for s in list_sliding_ends(orbit.signature):
         largest = float(np.max(np.abs(find_event_profile(orbit, orbit.signature.segments[s].event).values)))
         if find_leaving_rate(orbit, s) * orbit.period < -TANGENT * largest:

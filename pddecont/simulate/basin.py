@@ -67,8 +67,7 @@ def classify_row(task: MotionTask, row: BasinRow) -> ClassifiedRow:
     values, start, settings = simulator.values(row.p), row.start, row.settings
     labels, times = np.full(len(row.states), -1), np.zeros(len(row.states))
     template = simulator.start(values, start.states, start.mode, constant=start.constant).y
-    numbers = {mode: number for number, mode in enumerate(task.numeric.model.modes)}
-    modes = (
+    modes: list[str | None] = (
         simulator.find_start_modes(values, row.states, constant=start.constant)
         if start.mode is None
         else [start.mode] * len(row.states)
@@ -80,7 +79,7 @@ def classify_row(task: MotionTask, row: BasinRow) -> ClassifiedRow:
         simulator.work,
         template,
         row.states,
-        np.array([numbers[mode] for mode in modes], dtype=np.int64),
+        np.array([simulator.number_mode(mode) for mode in modes], dtype=np.int64),
         int(start.constant),
         settings.forcing_period,
         settings.phase,

@@ -6,8 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.codegen import NumericModel, find_non_finite
+from pddecont.model import find_start_digits, list_surfaces_met
 from pddecont.simulate.failure import FailureReason, MotionFailure
 from pddecont.simulate.integrator import LAST_EVENT, MODE, ZENO_TIME, IntegratorState, Status, T
+from pddecont.simulate.start_modes import name_numbers
 
 Array = NDArray[np.float64]
 # How far ahead a part of the vector field without a value is looked for, relative to the time: from the spacing of
@@ -20,6 +22,8 @@ def diagnose_halt(
 ) -> MotionFailure:
     """Return why an integration at parameters ``p`` came to a halt; ``delayed_values`` are those read last."""
     model, t = numeric.model, float(state.clock[T])
+    if status == Status.REPELLED:
+        return _diagnose_repulsion(numeric, state, p, delayed_values)
     mode = list(model.modes)[state.count[MODE]]
     if status in (Status.ZENO, Status.SLIDING):
         event = list(model.events)[state.count[LAST_EVENT]]
@@ -31,6 +35,22 @@ def diagnose_halt(
     return MotionFailure(
         FailureReason.NOT_FINITE if status == Status.NOT_FINITE else FailureReason.STEP_TOO_SMALL, t, None, mode
     )
+
+
+def _diagnose_repulsion(
+    numeric: NumericModel, state: IntegratorState, p: Array, delayed_values: Array
+) -> MotionFailure:
+    """Return which surface a motion is on that both fields point away from."""
+    model, t = numeric.model, float(state.clock[T])
+    assert model.derived is not None, "only equations have surfaces that repel"
+    derived, states = model.derived, state.y[: numeric.n_states]
+    numbers = name_numbers(numeric, p, t, states, delayed_values)
+    mode = None if state.count[MODE] < 0 else list(model.modes)[state.count[MODE]]
+    digits = find_start_digits(derived, numbers) if mode is None else derived.find_digits(mode)
+    # Where both fields only begin to point away their rates are zero.
+    found = max(list_surfaces_met(derived.surfaces, digits, numbers), key=lambda s: min(-s.below, s.above))
+    named = dict(zip(model.states, states.tolist(), strict=True))
+    return MotionFailure(FailureReason.REPELLED, t, found.switch.name, mode, found.describe(named))
 
 
 def _find_undefined_part(numeric: NumericModel, state: IntegratorState, p: Array, delayed_values: Array) -> str:

@@ -9,7 +9,15 @@ from numpy.typing import NDArray
 
 from pddecont.codegen import ModelFunctions, NumericModel
 from pddecont.delay import DelayMethod
-from pddecont.model import Model, list_alternatives, list_clocks, list_held, list_leaders, list_transitions
+from pddecont.model import (
+    Model,
+    list_alternatives,
+    list_clocks,
+    list_held,
+    list_leaders,
+    list_opposite,
+    list_transitions,
+)
 from pddecont.simulate.integrator import ParameterValues, System
 from pddecont.simulate.method import Method
 from pddecont.simulate.returns import ReturnSection
@@ -48,6 +56,7 @@ def make_system(
         event=functions.event,
         reset=functions.reset,
         guard=functions.guard,
+        repulsion=functions.repulsion,
         history=functions.history,
         field_jacobian=functions.field_jacobian if tangent or method.stiff else 0,
         event_jacobian=functions.event_jacobian,
@@ -60,6 +69,7 @@ def make_system(
         kept=kept,
         place=place,
         segment_guard=_integers(functions.guard_numbers),
+        segment_repulsion=_integers(functions.repulsion_numbers),
         **_number_parts(model),
         after=_integers([*after, *([] if section.expr is None else [-1])]),
         reads=_integers(bool(delayed & h.free_symbols) for h in functions.events),
@@ -125,6 +135,7 @@ def _number_parts(model: Model) -> dict[str, NDArray[np.int64]]:
         "segment_reset": _integers(resets[s.reset] for s in segments),
         "segment_to": _integers(modes[s.to] for s in segments),
         "alternatives": _count_alternatives(model),
+        "segment_opposite": _integers(-1 if other is None else names[other] for other in list_opposite(model)),
     }
     for both, lists in groups.items():
         tables |= dict(zip(both.split(), _group(lists), strict=True))

@@ -19,6 +19,7 @@ from pddecont.simulate.failure import MotionFailure, describe_failure
 from pddecont.simulate.integrator import (
     CONSTANT,
     LEVELS,
+    MODE,
     USED,
     IntegratorState,
     Log,
@@ -38,7 +39,7 @@ from pddecont.simulate.integrator import (
 from pddecont.simulate.method import Method
 from pddecont.simulate.model_numbers import make_system, make_values
 from pddecont.simulate.returns import ReturnSection
-from pddecont.simulate.start_modes import read_start_modes
+from pddecont.simulate.start_modes import read_mode, read_start_modes
 
 Array = NDArray[np.float64]
 # Steps between two reports of progress: some hundredths of a second.
@@ -116,7 +117,7 @@ class Simulator:
         ``states`` (n_states,) replaces the value of the history there. The history is the model's, or ``constant``: the
         states at the start. Without a ``mode`` it is the model's, of equations that of the states.
         """
-        model, system = self.numeric.model, self.system
+        system = self.system
         state = make_state(system, values)
         past = self.evaluate_history(values.p, t)
         state.y[: system.n] = past[0] if states is None else states
@@ -127,14 +128,21 @@ class Simulator:
             self._start_chain(state, values, t, constant)
         if self.tangent:
             state.y[system.n_full :] = np.random.default_rng(TANGENT_SEED).standard_normal(system.n_full)
-        mode = mode or self.find_start_modes(values, state.y[None, : system.n], constant=constant, t=t)[0]
-        initialise(system, values, state, self.work, t, list(model.modes).index(mode))
+        began = mode or self.find_start_modes(values, state.y[None, : system.n], constant=constant, t=t)[0]
+        initialise(system, values, state, self.work, t, self.number_mode(began))
         return state
+
+    def number_mode(self, mode: str | None) -> int:
+        """Return the number of a mode; -1 for none."""
+        return -1 if mode is None else list(self.numeric.model.modes).index(mode)
 
     def find_start_modes(
         self, values: ParameterValues, states: Array, *, constant: bool = False, t: float = 0.0
-    ) -> list[str]:
-        """Return the modes of motions that start with ``states`` (n, n_states): of the model, or of its equations."""
+    ) -> list[str | None]:
+        """Return the modes of motions that start with ``states`` (n, n_states): of the model, or of its equations.
+
+        It is None where both fields point away from a surface on which one starts.
+        """
         delayed = self.numeric.model.delayed
         xd = np.empty((len(states), len(delayed)))
         for i, read in enumerate(delayed):
@@ -147,13 +155,20 @@ class Simulator:
     ) -> tuple[IntegratorState, ParameterValues]:
         """Let parameters ``p`` hold from the present time on; return the state and the model's numbers.
 
-        The past is kept for ``longest``, or the longest delay.
+        The past is kept for ``longest``, or the longest delay. Of a model given by its equations the mode is read anew:
+        surfaces and what holds a motion on them change with the parameters.
         """
         after = self.values(p, longest)
         # Every jump in the past may come back once more.
         while len(state.breaking_time) <= (state.count[USED] + 2) * len(after.tau) * 2 + LEVELS:
             state = enlarge(state)
         change_parameters(self.system, after, state, self.work, values)
+        model = self.numeric.model
+        if model.derived is not None and state.count[MODE] >= 0:
+            states, delayed = state.y[: self.system.n], self.work.xd[: len(model.delayed)]
+            before = list(model.modes)[state.count[MODE]]
+            mode = read_mode(self.numeric, after.p, float(state.clock[T]), states, delayed, before)
+            state.count[MODE] = self.number_mode(mode)
         return state, after
 
     def evaluate_history(self, p: Array, t: float) -> list[Array]:

@@ -66,6 +66,11 @@ _WORDS: dict[str, Callable[[Values], str]] = {
         f"{_name_segment(v)}: beyond event '{v['event']}' the flow leads straight back: both fields point at its "
         "surface, and the motion slides along it"
     ),
+    "repels": lambda v: (
+        f"{_name_segment(v)}: after its event, {v['time']:.8g} after the orbit's start, the orbit is on the surface "
+        f"{v['surface']} = 0 of switch '{v['switch']}', and both fields point away from it (its rate is "
+        f"{v['below']:.6g} below and {v['above']:.6g} above): nothing decides on which side it goes on"
+    ),
     "halts": lambda v: (
         f"{_name_segment(v)}: the motion comes to a halt ({v['why']}{_name_part(' at event', v['event'])}"
         f"{_name_part(' in mode', v['mode'])})"

@@ -16,7 +16,13 @@ from pddecont.simulate.integrator.core import make_core
 from pddecont.simulate.integrator.event_handling import enter_sticking_mode, find_start_crossing, handle_events
 from pddecont.simulate.integrator.event_location import find_first_crossing
 from pddecont.simulate.integrator.event_sides import update_side
-from pddecont.simulate.integrator.history import interpolate_state, past_has_capacity, record_step, time_tolerance
+from pddecont.simulate.integrator.history import (
+    interpolate_state,
+    past_has_capacity,
+    read_delayed,
+    record_step,
+    time_tolerance,
+)
 from pddecont.simulate.integrator.sliding import return_to_surfaces
 from pddecont.simulate.integrator.state import (
     ARC,
@@ -46,7 +52,10 @@ EVENTS_AT_ONCE, LOG_HEADROOM = 16, 64
 
 @entry
 def initialise(system, values, state, work, t, mode):
-    """Set the clock of a new integration to ``t`` and its mode; its states are in ``state.y`` already."""
+    """Set the clock of a new integration to ``t`` and its mode; its states are in ``state.y`` already.
+
+    A mode of -1 says that nothing decides in which one it starts.
+    """
     c = make_core(system, values, state, make_log(0, 0, 0), work)
     c.clock[T] = c.clock[T_START] = t
     c.count[MODE] = mode
@@ -59,7 +68,8 @@ def change_parameters(system, values, state, work, before):
     """Let ``values`` hold from the present time on instead of ``before``.
 
     The vector field jumps now, and the jumps of the past come back after other delays. The variables of a chain are its
-    derivatives times powers of its step, which changes with the delay.
+    derivatives times powers of its step, which changes with the delay. The delayed values at the present time are left
+    in ``work.xd``.
     """
     c = make_core(system, values, state, make_log(0, 0, 0), work)
     t = c.clock[T]
@@ -88,6 +98,7 @@ def change_parameters(system, values, state, work, before):
             last = c.past_arc[j]
         pass_breaking_points(c, t)
     add_breaking_points(c, t, 0)
+    read_delayed(c, t, c.y, c.xd, 0)
 
 
 @entry
@@ -104,6 +115,9 @@ def advance(c, t_stop, most_steps):
     Each turn of the loop handles what is due at the present time or makes one step. At most ``most_steps`` are made.
     """
     n_steps = 0
+    if c.count[MODE] < 0:
+        read_delayed(c, c.clock[T], c.y, c.xd, 0)
+        return Status.REPELLED
     while True:
         t = c.clock[T]
         if not past_has_capacity(c) or not queues_have_capacity(c, EVENTS_AT_ONCE):

@@ -16,11 +16,11 @@ from pddecont.simulate.integrator.calls import internal, pointer
 Core = namedtuple(
     "Core",
     """
-    field field_case event reset guard history field_jacobian event_jacobian reset_jacobian n n_full dimension tangent
-    n_pairs n_delays n_kept n_segments n_events pair_state pair_delay kept place segment_mode segment_event
-    segment_direction segment_reset segment_to alternatives segment_guard
+    field field_case event reset guard repulsion history field_jacobian event_jacobian reset_jacobian n n_full dimension
+    tangent n_pairs n_delays n_kept n_segments n_events pair_state pair_delay kept place segment_mode segment_event
+    segment_direction segment_reset segment_to alternatives segment_guard segment_repulsion segment_opposite
     crossing_first crossing_segment ending_first ending_segment
-    held_first held_event     clock_first clock_event after reads chain_order chain_n section section_direction
+    held_first held_event clock_first clock_event after reads chain_order chain_n section section_direction
     stop_event stiff p tau event_delay max_step rtol atol longest stick clock count y constant mask past_time
     past_length past_end past_arc past_shift past_value past_coefficients cursor reading pending_time
     pending_event pending_shift breaking_time breaking_level accumulation segment_counts side residue next_step
@@ -40,6 +40,7 @@ def make_core(system, values, state, log, work):
         system.event,
         system.reset,
         system.guard,
+        system.repulsion,
         system.history,
         system.field_jacobian,
         system.event_jacobian,
@@ -64,6 +65,8 @@ def make_core(system, values, state, log, work):
         pointer(system.segment_to),
         pointer(system.alternatives),
         pointer(system.segment_guard),
+        pointer(system.segment_repulsion),
+        pointer(system.segment_opposite),
         pointer(system.crossing_first),
         pointer(system.crossing_segment),
         pointer(system.ending_first),

@@ -17,25 +17,29 @@ from pddecont.simulate.integrator.variational import find_event_shift, map_tange
 def handle_events(c, hit, direction):
     """Let everything happen that is due at the present time; segment ``hit`` (-1: none) crosses in ``direction``.
 
-    Returns a status: REACHED to go on, SECTION after the event that returns are counted at, ZENO or SLIDING; CAPACITY
-    or LOG_FULL after more events at one moment than there is capacity for.
+    Returns a status: REACHED to go on, SECTION after the event that returns are counted at, ZENO, SLIDING or REPELLED;
+    CAPACITY or LOG_FULL after more events at one moment than there is capacity for.
     """
     t = c.clock[T]
     _mark_crossings(c, t, hit, direction)
     forced = c.segment_event[hit] if hit >= 0 else -1
-    result = Status.REACHED
+    result, repelling = Status.REACHED, -1
     while True:
         segment, pending = _find_next_segment(c, t, forced)
         if segment < 0:
             break
         event = c.segment_event[segment]
-        status = _apply_event(c, segment, pending)
+        if _leaves_to_both_sides(c, segment):
+            result = Status.REPELLED
+        status, segment = _apply_event(c, segment, pending)
+        if _is_repelled(c, segment, t):
+            repelling = segment
         forced = -1
         if pending < 0:
             c.crossing[event] = 0
         if status != Status.REACHED:
             return status
-        if event == c.stop_event:
+        if event == c.stop_event and result == Status.REACHED:
             result = Status.SECTION
         if not queues_have_capacity(c, 1):
             return Status.CAPACITY
@@ -43,7 +47,8 @@ def handle_events(c, hit, direction):
             return Status.LOG_FULL
     while c.count[N_PENDING] > 0 and c.pending_time[0] <= t + time_tolerance(t):
         remove_pending(c, 0)
-    return result
+    # Other events of this moment may have moved it off the surface.
+    return Status.REPELLED if repelling >= 0 and _is_repelled(c, repelling, t) else result
 
 
 @internal
@@ -138,7 +143,8 @@ def _find_next_segment(c, t, forced):
 def _apply_event(c, segment, pending):
     """End a segment: reset, new mode, breaking points and delayed events to come; return a status.
 
-    ``pending`` is the place of the delayed event in the queue, -1 for an event function.
+    The segment that it turned out to be is returned too. ``pending`` is the place of the delayed event in the queue, -1
+    for an event function.
     """
     t, n, mode = c.clock[T], c.n, c.count[MODE]
     event = c.segment_event[segment]
@@ -187,11 +193,18 @@ def _apply_event(c, segment, pending):
     carry_sides(c, event if crossing != 0 else -1, resolution, mode, t)
     if is_sliding(c, event, crossing, mode, target, t, resolution):
         c.clock[ZENO_TIME] = t
-        return Status.SLIDING
+        return Status.SLIDING, segment
     if is_at_rest(c, event, crossing, target, t, resolution):
         c.clock[ZENO_TIME] = t
-        return Status.ZENO
-    return detect_accumulation(c, event, mode, t)
+        return Status.ZENO, segment
+    return detect_accumulation(c, event, mode, t), segment
+
+
+@internal
+def _leaves_to_both_sides(c, segment):
+    """Return whether a motion that leaves a surface by ``segment`` is let go to the other side at the same moment."""
+    other = c.segment_opposite[segment]
+    return other >= 0 and c.crossing[c.segment_event[other]] * c.segment_direction[other] > 0
 
 
 @internal
@@ -208,6 +221,17 @@ def _choose_alternative(c, segment, t, y):
             break
         segment += 1
     return segment
+
+
+@internal
+def _is_repelled(c, segment, t):
+    """Return whether the motion is on a surface after ``segment`` from which both fields point away."""
+    if c.segment_repulsion[segment] < 0:
+        return False
+    read_delayed(c, t, c.y, c.xd, 0)
+    c.gradient[0] = 0.0
+    call(c.repulsion, c.segment_repulsion[segment], t, c.y, c.xd, c.p, c.gradient)
+    return c.gradient[0] > 0.0
 
 
 @internal

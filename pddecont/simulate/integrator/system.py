@@ -16,7 +16,7 @@ class System(NamedTuple):
 
     Attributes
     ----------
-    field, event, reset, guard, history, field_jacobian, event_jacobian, reset_jacobian
+    field, event, reset, guard, repulsion, history, field_jacobian, event_jacobian, reset_jacobian
         Addresses of the model's compiled functions; 0 for one that is not needed.
     field_case
         What the vector field and its Jacobian know each mode by (n_modes,).
@@ -33,6 +33,10 @@ class System(NamedTuple):
     alternatives
         How many segments, from this one on, it may turn out to be when it ends: the first whose guard holds
         (n_segments,).
+    segment_repulsion
+        The condition under which both fields point away from a surface after each segment (n_segments,); -1: none.
+    segment_opposite
+        Of a segment that leaves a surface the first one that leaves it to the other side (n_segments,); -1: others.
     crossing_first, crossing_segment
         The segments of mode m that end at event functions: crossing_segment[crossing_first[m]:crossing_first[m + 1]].
         Of alternatives the first stands for all.
@@ -63,6 +67,7 @@ class System(NamedTuple):
     event: int
     reset: int
     guard: int
+    repulsion: int
     history: int
     field_jacobian: int
     event_jacobian: int
@@ -81,6 +86,8 @@ class System(NamedTuple):
     segment_to: Integers
     alternatives: Integers
     segment_guard: Integers
+    segment_repulsion: Integers
+    segment_opposite: Integers
     crossing_first: Integers
     crossing_segment: Integers
     ending_first: Integers
