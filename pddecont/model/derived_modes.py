@@ -188,7 +188,7 @@ class DerivedModes:
             )
         options = ((BELOW, ABOVE, ON) if slides else (BELOW, ABOVE) for slides in self.surfaces.slides)
         for digits in product(*options):
-            if self.surfaces.may_slide(digits):
+            if self.surfaces.may_be(digits):
                 self.build(digits)
 
     def build(self, digits: Digits) -> str:
@@ -228,6 +228,9 @@ class DerivedModes:
             name = f"{name}_{'high' if rises else 'low'}"
         self._add_event(Event(name, function - level, source=switch.name))
         after = (*digits[:number], ABOVE if rises else BELOW, *digits[number + 1 :])
+        if not self.surfaces.agree(after):
+            # A parallel surface lies between.
+            return
         undecided: dict[int, Undecided] = {}
         if self.surfaces.slides[number]:
             undecided[number] = Undecided((after[number], ON), on_surface=True)

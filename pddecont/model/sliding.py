@@ -18,6 +18,7 @@ import sympy
 
 from pddecont.errors import PddecontError
 from pddecont.model.expression import TIME
+from pddecont.model.parallel import Compatible, find_compatible
 from pddecont.model.switches import ABOVE, BELOW, ON, Digits, Equations, Switch
 from pddecont.model.vanishing import vanishes, vanishes_where
 
@@ -34,12 +35,14 @@ class Surfaces:
     """The switching surfaces of a model's equations.
 
     ``rates`` holds du/dt of each switch along the flow, as an expression in the digits, or None where delayed values
-    change u in a way that is not known; ``slides`` says along which of them motions can slide.
+    change u in a way that is not known; ``slides`` says along which of them motions can slide, ``compatible`` which
+    digits of parallel ones go together.
     """
 
     equations: Equations
     rates: tuple[sympy.Expr | None, ...]
     slides: tuple[bool, ...]
+    compatible: Compatible
     _solved: dict[Digits, Values] = field(default_factory=dict, repr=False, compare=False)
     _possible: dict[Digits, bool] = field(default_factory=dict, repr=False, compare=False)
 
@@ -54,6 +57,20 @@ class Surfaces:
             s.digit: FIXED[d] for k, (s, d) in enumerate(zip(switches, digits, strict=True)) if d in FIXED and k != free
         }
         return fixed | {s: put_in(e, fixed) for s, e in self.solve(on).items()}
+
+    def may_be(self, digits: Digits) -> bool:
+        """Return whether a motion can have these digits: they agree, and it can slide where it should.
+
+        Raises
+        ------
+        UndecidedSlidingError
+            If the laws are multiplied, and no linear system decides how a motion slides along all surfaces.
+        """
+        return self.agree(digits) and self.may_slide(digits)
+
+    def agree(self, digits: Digits) -> bool:
+        """Return whether no digits exclude each other, as x > 1 and x < 0."""
+        return all((digits[i], digits[j]) in pairs for (i, j), pairs in self.compatible.items())
 
     def may_slide(self, digits: Digits) -> bool:
         """Return whether the laws that jump at the surfaces of a mode can hold a motion on them all.
@@ -140,7 +157,7 @@ def find_surfaces(equations: Equations) -> Surfaces:
         and not vanishes_where(sympy.expand(rate.diff(switch.digit)), switch.argument, moving)
         for switch, rate in zip(equations.switches, rates, strict=True)
     )
-    return Surfaces(equations, rates, slides)
+    return Surfaces(equations, rates, slides, find_compatible(equations.switches))
 
 
 def put_in(expr: sympy.Expr, values: Values) -> sympy.Expr:

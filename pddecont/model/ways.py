@@ -47,7 +47,7 @@ class WayFinder:
         possible = [
             chosen
             for chosen in product(*(undecided[k].options for k in numbers))
-            if self.surfaces.may_slide(_replace(digits, dict(zip(numbers, chosen, strict=True))))
+            if self.surfaces.may_be(_replace(digits, dict(zip(numbers, chosen, strict=True))))
         ]
         kept = tuple(d if d == ON or k in undecided else OPEN for k, d in enumerate(digits))
         key = kept, tuple(undecided.items()), tuple(possible)
