@@ -20,11 +20,12 @@ MAX_CUTS = 10
 MAX_HALVINGS = 36
 # Where in between is tried in turn; a point within this part of a step is located.
 PARTS, LOCATED = (0.5, 0.3, 0.7, 0.1, 0.9), 1e-6
-# How far short of a point that ends the branch its counts are taken, as a fraction of the way there.
+# How far short of a point that ends the branch its counts are taken and the problem has to be solved, as a fraction of
+# the way there.
 SHORT = 1e-6
-# So far short of it, as a fraction of the way, the problem has to be solved that a point ends; and so near to the last
-# point that solves it, as a fraction of the step, a test function is looked for that says which one it is.
-BEFORE_END, NEAR_END = 1e-2, 1e-3
+# So near to the last point that solves the problem, as a fraction of the step, a test function is looked for that says
+# which one it is.
+NEAR_END = 1e-3
 # At this fraction of its first step a branch has left the special point that it comes from.
 PAST_START = 0.05
 # Zeros nearer than so many decimals of a step fall together; the one that ends the branch comes first.
@@ -198,13 +199,13 @@ def _find_violated(
     end = min((f.fraction for f in found if f.test.end), default=None)
     if end is None:
         return (1.0, after.violation) if after.violation else None
-    if not after.violation or end * (1.0 - BEFORE_END) <= 0.0:
+    if not after.violation or end * (1.0 - SHORT) <= 0.0:
         return None
     try:
-        violation = functions.find_violation(segment.at(end * (1.0 - BEFORE_END)))
+        violation = functions.find_violation(segment.at(end * (1.0 - SHORT)))
     except ConvergenceError:
         return None
-    return (end * (1.0 - BEFORE_END), violation) if violation else None
+    return (end * (1.0 - SHORT), violation) if violation else None
 
 
 def _name_end(segment: BranchSegment[E], functions: TestFunctions[E], fraction: float) -> list[SpecialPoint[E]]:

@@ -1,8 +1,9 @@
 """Two coupled blocks on one moving belt, each with its own friction, simulated apart from the program.
 
-x'' = F cos(om t) - x - 0.2 x' - k (x - y) - mu sign(x' - vb), and y likewise with 0.8 F cos(om t + 1) and nu. Pieces are
-integrated by scipy's DOP853; their ends are zeros of the speeds on the belt and of what friction can do more, which are
-also looked for between extrema inside of steps.
+x'' = cos(om t) + G cos(5 om t) - x - 0.2 x' - 0.3 (x - y) - 0.4 sign(x' - vb) and
+y'' = 0.8 cos(om t + 1) - y - 0.2 y' - 0.3 (y - x) - 0.6 sign(y' - vb). Pieces are integrated by scipy's DOP853; their
+ends are zeros of the speeds on the belt and of what friction can do more, which are also looked for between extrema
+inside of steps.
 """
 
 import math
@@ -11,7 +12,7 @@ import numpy as np
 from scipy.integrate import DOP853
 from scipy.optimize import brentq, minimize_scalar
 
-DAMPING, PLACES = 0.2, np.linspace(0.0, 1.0, 9)
+DAMPING, SPRING, FRICTION, PLACES = 0.2, 0.3, (0.4, 0.6), np.linspace(0.0, 1.0, 9)
 # What is smaller where a piece begins may be rounding of a zero.
 FRESH = 1e-13
 NAMES = ("one", "two")
@@ -20,20 +21,20 @@ NAMES = ("one", "two")
 class Blocks:
     """Both blocks at given parameters."""
 
-    def __init__(self, om, vb, k=0.3, mu=0.4, nu=0.6, F=1.0):
-        self.om, self.vb, self.k, self.friction, self.forces = om, vb, k, (mu, nu), ((F, 0.0), (0.8 * F, 1.0))
+    def __init__(self, om, vb, G):
+        self.om, self.vb, self.G = om, vb, G
 
     def pull(self, i, t, z):
         """Return all forces on block ``i`` but friction; ``t`` and the rows of ``z`` may be arrays."""
-        amplitude, phase = self.forces[i]
+        force = 0.8 * np.cos(self.om * t + 1.0) if i else np.cos(self.om * t) + self.G * np.cos(5.0 * self.om * t)
         own, other = z[2 * i], z[2 - 2 * i]
-        return amplitude * np.cos(self.om * t + phase) - own - DAMPING * z[2 * i + 1] - self.k * (own - other)
+        return force - own - DAMPING * z[2 * i + 1] - SPRING * (own - other)
 
     def field(self, t, z, sides):
         """Return the slopes; ``sides`` are -1, 1, or 0 for a block that sticks."""
         found = []
         for i in (0, 1):
-            found += [self.vb, 0.0] if sides[i] == 0 else [z[2 * i + 1], self.pull(i, t, z) - self.friction[i] * sides[i]]
+            found += [self.vb, 0.0] if sides[i] == 0 else [z[2 * i + 1], self.pull(i, t, z) - FRICTION[i] * sides[i]]
         return found
 
     def list_ends(self, sides):
@@ -44,7 +45,7 @@ class Blocks:
                 ends.append((i, "down" if side > 0 else "up", lambda t, z, i=i, s=side: s * (z[2 * i + 1] - self.vb)))
             else:
                 for s, kind in ((1, "off_up"), (-1, "off_down")):
-                    ends.append((i, kind, lambda t, z, i=i, s=s: self.friction[i] - s * self.pull(i, t, z)))
+                    ends.append((i, kind, lambda t, z, i=i, s=s: FRICTION[i] - s * self.pull(i, t, z)))
         return ends
 
     def follow(self, n_periods):
@@ -65,7 +66,7 @@ class Blocks:
             side = 1 if kind == "off_up" else -1
         else:
             way = 1 if kind == "up" else -1
-            side = way if self.pull(i, t, z) * way > self.friction[i] else 0
+            side = way if self.pull(i, t, z) * way > FRICTION[i] else 0
         return (side, sides[1]) if i == 0 else (sides[0], side), side == 0
 
     def _piece(self, t, z, sides, end):
@@ -79,7 +80,7 @@ class Blocks:
             values = dense(times)
             found = []
             for i, kind, function in ends:
-                zero = _find_zero(lambda s, f=function: float(f(s, dense(s))), times, function(times, values), t)
+                zero = _find_zero(_along(function, dense), times, function(times, values), t)
                 found += [] if zero is None else [(zero, i, kind)]
             if found:
                 first = min(found)[0]
@@ -87,8 +88,12 @@ class Blocks:
         return end, solver.y, []
 
 
+def _along(function, dense):
+    return lambda s: float(function(s, dense(s)))
+
+
 def _find_zero(function, times, values, began):
-    """Return the first time at which a function that begins positive, or on its zero at ``began``, falls through zero."""
+    """Return the first time at which a function falls through zero; it begins positive, or on its zero at ``began``."""
     for j in range(len(times) - 1):
         a, b = times[j], times[j + 1]
         if values[j + 1] < 0.0 and values[j] > FRESH:
@@ -97,7 +102,7 @@ def _find_zero(function, times, values, began):
             # It has just left the surface, and comes back.
             top = minimize_scalar(lambda s: -function(s), bounds=(a, b), method="bounded", options={"xatol": 1e-12})
             return brentq(function, top.x, b, xtol=1e-15) if top.fun < 0.0 else a
-        if 0 < j and values[j] <= values[j - 1] and values[j] <= values[j + 1]:
+        if j > 0 and values[j] <= values[j - 1] and values[j] <= values[j + 1]:
             low = minimize_scalar(function, bounds=(times[j - 1], b), method="bounded", options={"xatol": 1e-12})
             if low.fun < 0.0:
                 return brentq(function, times[j - 1], low.x, xtol=1e-15)
