@@ -6,6 +6,7 @@ there, starts, and changes of what held one on a surface.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -59,7 +60,8 @@ def list_surfaces_met(surfaces: Surfaces, digits: Digits, numbers: Numbers) -> l
         function, rates = surfaces.find_function(k, digits), surfaces.find_bounds(k, digits)
         if abs(evaluate(function, numbers)) <= evaluate(_write_rounding(function, rates), numbers):
             below, above = (_clear_rounding(rate, numbers) for rate in rates)
-            found.append(Surface(switch, function, below, above))
+            if math.isfinite(below) and math.isfinite(above):
+                found.append(Surface(switch, function, below, above))
     return found
 
 
@@ -91,6 +93,9 @@ def write_repulsions(model: Model) -> list[Boolean]:
 
 def _write_repulsion(surfaces: Surfaces, number: int, digits: Digits) -> Boolean:
     u, rates = surfaces.find_function(number, digits), surfaces.find_bounds(number, digits)
+    if any(rate.has(sympy.nan, sympy.zoo) for rate in rates):
+        # On the other side no law holds the motion on another surface that it slides along.
+        return sympy.false
     return sympy.And(sympy.Abs(u) <= _write_rounding(u, rates), rates[0] < 0, rates[1] > 0)
 
 
