@@ -38,10 +38,14 @@ def test_after_a_jump_the_rates_on_both_sides_are_asked():
 
 
 def test_a_side_on_which_nothing_holds_the_motion_elsewhere_is_not_asked():
-    """Above y = 0 no law holds a motion on x = 0: it has no field along it there."""
-    m = model("0.5 - sign(x)*heaviside(-y)", "sign(y) - x", jumps={"j": {"at": "x - 3", "reset": {"y": 0}}})
-    assert all(not rule.has(sympy.nan, sympy.zoo) for rule in write_repulsions(m))
-    assert "x_on_y_below" in m.modes and "x_on_y_above" not in m.modes
+    """Above x = 0.4 cos t no law holds a motion on x = 0.2: it has no field along it there."""
+    jumps = {"j": {"at": "y - 3", "reset": {"y": 0, "x": "0.4*cos(t)"}}}
+    m = model("1 - where(x > 0.2 or x > 0.4*cos(t), 2, 0)", forcing={"period": "2*pi"}, jumps=jumps)
+    assert "x_on_x2_below" in m.modes and "x_on_x2_above" not in m.modes
+    rules = write_repulsions(m)
+    assert not any(rule.has(sympy.nan, sympy.zoo) for rule in rules)
+    leads_on = [rule for s, rule in zip(m.segments.values(), rules, strict=True) if s.to == "x_on_x2_below" and s.anew]
+    assert leads_on and set(leads_on) == {sympy.false}
 
 
 @pytest.mark.parametrize(("y", "repels"), [(0.3, True), (-0.3, True), (1.2, False), (-1.2, False), (1.0, False)])
