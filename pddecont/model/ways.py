@@ -97,13 +97,21 @@ def _find_condition(surfaces: Surfaces, digits: Digits, number: int, undecided: 
         return above if digit == ABOVE else sympy.Not(above)
     if surfaces.rates[number] is None:
         return u > 0 if digit == ABOVE else u <= 0
-    lower, upper = surfaces.find_bounds(number, digits)
-    leaves = {ABOVE: upper > 0, BELOW: lower < 0, ON: sympy.And(upper <= 0, lower >= 0)}[digit]
+    leaves = _find_direction(surfaces, digits, number)
     if undecided.on_surface:
         return leaves
     if digit == ON:
         return sympy.And(u <= 0, u >= 0, leaves)
     return sympy.Or(u > 0, sympy.And(u >= 0, leaves)) if digit == ABOVE else sympy.Or(u < 0, sympy.And(u <= 0, leaves))
+
+
+def _find_direction(surfaces: Surfaces, digits: Digits, number: int) -> Boolean:
+    """Return the condition under which a motion on the surface of a switch goes where its digit says."""
+    # On the other side there may be no rate: what holds the motion on other surfaces may not act there.
+    lower, upper = surfaces.find_bounds(number, digits)
+    if digits[number] == ON:
+        return sympy.And(upper <= 0, lower >= 0)
+    return upper > 0 if digits[number] == ABOVE else lower < 0
 
 
 def list_options(surfaces: Surfaces, number: int, *, on_surface: bool) -> Undecided:
