@@ -29,6 +29,7 @@ from .parts import IDENTITY as IDENTITY
 from .parts import Event as Event
 from .parts import Segment as Segment
 from .reduction import ReferencedNames as ReferencedNames
+from .rest import add_rests as add_rests
 from .schema import ModelFile as ModelFile
 from .starts import explain_own_start as explain_own_start
 from .starts import explain_start_beyond_event as explain_start_beyond_event
@@ -40,6 +41,7 @@ from .system import DelayedValue as DelayedValue
 from .system import Model as Model
 from .system import check_signature as check_signature
 from .transitions import Transitions as Transitions
+from .transitions import find_rest as find_rest
 from .transitions import find_return as find_return
 from .transitions import list_alternatives as list_alternatives
 from .transitions import list_carriers as list_carriers

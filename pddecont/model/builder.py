@@ -33,6 +33,7 @@ from pddecont.model.names import (
 from pddecont.model.nonsmooth import SwitchCollector
 from pddecont.model.parts import IDENTITY, Event, Segment
 from pddecont.model.periodicity import explain_non_periodic
+from pddecont.model.rest import find_resets_to_rest
 from pddecont.model.schema import DelayedEvent, ModelFile
 from pddecont.model.segments import check_segments, make_segments
 from pddecont.model.sliding import UndecidedSlidingError
@@ -153,6 +154,10 @@ class _Builder(Findings):
         resets.setdefault(IDENTITY, tuple(map(make_symbol, file.states)))
         segments = make_segments(file, self.scope, self)
         check_segments(file, segments, resets, self)
+        if not self.problems:
+            symbols = {symbol for symbol, _ in self.list_delayed()}
+            states = tuple(map(make_symbol, file.states))
+            resets |= find_resets_to_rest(states, symbols, modes, events, resets, segments)
         return modes, events, resets, segments, None
 
     def derive(self) -> Parts | None:

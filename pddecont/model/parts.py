@@ -43,3 +43,5 @@ class Segment:
     guard: Boolean = sympy.true
     # Of a model given by its equations: the guard in the digits of the switches, which many modes share.
     rule: Boolean | None = None
+    # Whether it ends with the last of impacts that accumulate: from there on the motion rests in the mode it leads to.
+    rests: bool = False

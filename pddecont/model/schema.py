@@ -48,6 +48,7 @@ class Segment(Strict):
     direction: Literal["rising", "falling", "any"] = Field("any", description="how the event function passes zero")
     reset: Identifier = Field("identity", description="reset applied at the event")
     to: Target = Field(description="mode that follows; or a list of {when: condition, mode}, of which the first holds")
+    rest: Identifier | None = Field(None, description="mode in which the motion rests where such impacts accumulate")
 
 
 class Jump(Strict):

@@ -6,6 +6,7 @@ an orbit lies so near to the border of what its signature can do that its own er
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -17,6 +18,7 @@ from pddecont.orbit.examination import Examination, Window
 from pddecont.orbit.guards import explain_guard, is_alternative, measure_guard
 from pddecont.orbit.leaving import find_leaving_rate, list_sliding_ends
 from pddecont.orbit.verdict import DRIFTS, NOT_DONE, Verification
+from pddecont.model import Model, Segment, find_rest
 from pddecont.reasons import Reason, Scalar, make_reason
 from pddecont.simulate import FailureReason, MotionFailure, MotionRecord
 
@@ -39,8 +41,7 @@ def judge(examined: Examination, window: Window, record: MotionRecord | None, *,
     if record is None:
         return replace(NOT_DONE, reason=make_reason("too_many_steps"))
     segment = examined.orbit.signature.segments[window.s]
-    expected = (segment.name,) if segment.event else ()
-    if record.failure is not None or record.segments != expected:
+    if record.failure is not None or not _meets(examined.orbit.numeric.model, segment, record.segments):
         if not strict and is_undecided(examined, window, record):
             return Verification(1)
         return Verification(0, reason=_describe(examined, window, record))
@@ -48,6 +49,21 @@ def judge(examined: Examination, window: Window, record: MotionRecord | None, *,
     if deviation <= find_allowed(examined) or deviation <= CARRIED * find_carried(examined, window, record, strict):
         return Verification(1, deviation)
     return Verification(0, deviation, make_reason(DRIFTS, number=window.s + 1, segment=segment.name))
+
+
+def _meets(model: Model, segment: Segment, found: Sequence[str]) -> bool:
+    """Return whether a motion meets what ends a segment and nothing else.
+
+    Of impacts that accumulate the motion may follow more than the orbit does, or fewer; whether those left out were
+    negligible is seen where the motion is after them.
+    """
+    if not segment.event:
+        return not found
+    resting = find_rest(model, segment, segment.to)
+    if segment.rests:
+        alike = {segment.name, *(way.name for way in model.ways[segment.written])}
+        return bool(found) and alike.issuperset(found)
+    return tuple(found) in {(segment.name,), () if resting is None else (resting.name,)} - {()}
 
 
 def find_allowed(examined: Examination) -> float:

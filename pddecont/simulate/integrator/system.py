@@ -33,6 +33,8 @@ class System(NamedTuple):
     alternatives
         How many segments, from this one on, it may turn out to be when it ends: the first whose guard holds
         (n_segments,).
+    resting
+        What each segment is where its event accumulates and the motion rests (n_segments,); -1: nothing is said of it.
     crossing_first, crossing_segment
         The segments of mode m that end at event functions: crossing_segment[crossing_first[m]:crossing_first[m + 1]].
         Of alternatives the first stands for all.
@@ -80,6 +82,7 @@ class System(NamedTuple):
     segment_reset: Integers
     segment_to: Integers
     alternatives: Integers
+    resting: Integers
     segment_guard: Integers
     crossing_first: Integers
     crossing_segment: Integers
@@ -113,8 +116,6 @@ class ParameterValues(NamedTuple):
         The error allowed in a step, relative and absolute.
     longest
         How much of the past is kept.
-    stick
-        The mode that follows where an event accumulates (n_events,); -1: none.
     """
 
     p: Array
@@ -124,4 +125,3 @@ class ParameterValues(NamedTuple):
     rtol: float
     atol: float
     longest: float
-    stick: Integers
