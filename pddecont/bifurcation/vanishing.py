@@ -25,7 +25,15 @@ from pddecont.bifurcation.signature_removal import MEETING, find_way_off, make_s
 from pddecont.continuation import BranchPoint, BranchState, CurvePoint, End, TestFunction
 from pddecont.errors import ConvergenceError
 from pddecont.model import vanishes_identically
-from pddecont.orbit import Orbit, OrbitEvaluation, PeriodicOrbitSystem, Signature, find_event_profile, solve_orbit
+from pddecont.orbit import (
+    Orbit,
+    OrbitEvaluation,
+    PeriodicOrbitSystem,
+    Signature,
+    find_event_profile,
+    find_shortest,
+    solve_orbit,
+)
 from pddecont.reasons import Reason, make_reason
 
 Array = NDArray[np.float64]
@@ -142,8 +150,8 @@ def _branch_tests(at: OrbitEvaluation, settings: BranchSettings) -> list[OrbitTe
 def _define(at: OrbitEvaluation, settings: BranchSettings, reason: Reason) -> DefiningFunction:
     """Return what vanishes at an orbit: a segment, a difference between two events, a rate, or nothing but a touch."""
     orbit = at.orbit
-    if np.min(orbit.durations) < SHORT * np.sum(orbit.durations):
-        s = int(np.argmin(orbit.durations))
+    s = find_shortest(orbit)
+    if orbit.durations[s] < SHORT * np.sum(orbit.durations):
         return CoincidenceFunction(s, float(orbit.durations[s]))
     if reason.code == MEETING:
         met = [(abs(m.evaluate_orbit(orbit)), m) for m in list_meetings(orbit.signature)]
