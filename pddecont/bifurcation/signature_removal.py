@@ -154,7 +154,9 @@ def _let_meet(point: CurvePoint[OrbitEvaluation], s: int) -> CurvePoint[OrbitEva
 
     It lies on the line through two orbits with short segments; the error is of the order of the square of the duration.
     """
-    last = AT_ONCE * point.at.orbit.period
+    # The last of impacts that accumulate would be too near to one another to be told apart.
+    accumulate = bool(point.at.orbit.signature.trailing)
+    last = (NEARLY_AT_ONCE if accumulate else AT_ONCE) * point.at.orbit.period
     if point.at.orbit.durations[s] <= last:
         point = set_duration(point.at.system, point.x, s, last / SHRINK)
     longer = point
@@ -165,7 +167,7 @@ def _let_meet(point: CurvePoint[OrbitEvaluation], s: int) -> CurvePoint[OrbitEva
     except ConvergenceError:
         if point.at.orbit.durations[s] > NEARLY_AT_ONCE * point.at.orbit.period:
             raise
-    if longer is point:
+    if longer is point or accumulate:
         return point
     long, short = (float(p.at.orbit.durations[s]) for p in (longer, point))
     on = (short - RESIDUE * point.at.orbit.period) / (long - short)

@@ -18,6 +18,7 @@ import sympy
 from pddecont.model.expression import TIME
 from pddecont.model.parts import Event, Segment
 from pddecont.model.system import Model
+from pddecont.model.transitions import list_leaders
 from pddecont.model.validation import ALTERNATIVE
 from pddecont.model.vanishing import vanishes, vanishes_where
 
@@ -54,9 +55,8 @@ def add_rests(model: Model, sticks: Iterable[tuple[str, str]]) -> Model:
     """Return a model in which impacts that accumulate at events come to rest in modes: pairs (event, mode)."""
     segments = dict(model.segments)
     for event, mode in sticks:
-        leaders = {s.written or s.name: s for s in reversed(model.segments.values()) if s.event == event}
-        for written, segment in leaders.items():
-            resting = make_resting(segment, written, mode)
+        for segment in list_leaders(s for s in model.segments.values() if s.event == event):
+            resting = make_resting(segment, segment.written or segment.name, mode)
             if mode in model.modes and resting.name not in segments:
                 segments[resting.name] = resting
     if len(segments) == len(model.segments):

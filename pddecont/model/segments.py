@@ -117,6 +117,6 @@ def _check_names(file: ModelFile, segments: Collection[Segment], resets: Collect
         if segment.rests and isinstance(file.events.get(segment.event), DelayedEvent):
             findings.add_error(
                 ("segments", segment.written, "rest"),
-                f"segment '{segment.written}' ends at the delayed event '{segment.event}', where no impacts accumulate; "
-                "remove 'rest', or end it at an event function",
+                f"segment '{segment.written}' ends at the delayed event '{segment.event}', where no impacts "
+                "accumulate; remove 'rest', or end it at an event function",
             )

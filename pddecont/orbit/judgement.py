@@ -17,8 +17,8 @@ from pddecont.orbit.event_profiles import find_event_profile
 from pddecont.orbit.examination import Examination, Window
 from pddecont.orbit.guards import explain_guard, is_alternative, measure_guard
 from pddecont.orbit.leaving import find_leaving_rate, list_sliding_ends
+from pddecont.orbit.signature import Signature
 from pddecont.orbit.verdict import DRIFTS, NOT_DONE, Verification
-from pddecont.model import Model, Segment, find_rest
 from pddecont.reasons import Reason, Scalar, make_reason
 from pddecont.simulate import FailureReason, MotionFailure, MotionRecord
 
@@ -41,7 +41,7 @@ def judge(examined: Examination, window: Window, record: MotionRecord | None, *,
     if record is None:
         return replace(NOT_DONE, reason=make_reason("too_many_steps"))
     segment = examined.orbit.signature.segments[window.s]
-    if record.failure is not None or not _meets(examined.orbit.numeric.model, segment, record.segments):
+    if record.failure is not None or not _meets(examined.orbit.signature, window.s, record.segments):
         if not strict and is_undecided(examined, window, record):
             return Verification(1)
         return Verification(0, reason=_describe(examined, window, record))
@@ -51,19 +51,16 @@ def judge(examined: Examination, window: Window, record: MotionRecord | None, *,
     return Verification(0, deviation, make_reason(DRIFTS, number=window.s + 1, segment=segment.name))
 
 
-def _meets(model: Model, segment: Segment, found: Sequence[str]) -> bool:
-    """Return whether a motion meets what ends a segment and nothing else.
+def _meets(signature: Signature, s: int, found: Sequence[str]) -> bool:
+    """Return whether a motion meets what ends segment ``s`` and nothing else.
 
     Of impacts that accumulate the motion may follow more than the orbit does, or fewer; whether those left out were
     negligible is seen where the motion is after them.
     """
-    if not segment.event:
-        return not found
-    resting = find_rest(model, segment, segment.to)
-    if segment.rests:
-        alike = {segment.name, *(way.name for way in model.ways[segment.written])}
-        return bool(found) and alike.issuperset(found)
-    return tuple(found) in {(segment.name,), () if resting is None else (resting.name,)} - {()}
+    model, segment = signature.numeric.model, signature.segments[s]
+    if s in signature.trailing or segment.rests:
+        return {way.name for way in model.ways[segment.written or segment.name]}.issuperset(found)
+    return tuple(found) == ((segment.name,) if segment.event else ())
 
 
 def find_allowed(examined: Examination) -> float:
