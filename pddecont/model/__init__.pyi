@@ -29,10 +29,10 @@ from .parts import IDENTITY as IDENTITY
 from .parts import Event as Event
 from .parts import Segment as Segment
 from .reduction import ReferencedNames as ReferencedNames
-from .rest import add_rests as add_rests
 from .schema import ModelFile as ModelFile
 from .starts import explain_own_start as explain_own_start
 from .starts import explain_start_beyond_event as explain_start_beyond_event
+from .sticks import add_rests as add_rests
 from .switches import ABOVE as ABOVE
 from .switches import BELOW as BELOW
 from .switches import ON as ON

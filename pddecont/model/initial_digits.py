@@ -35,7 +35,9 @@ def find_start_mode(derived: DerivedModes, numbers: Numbers) -> str:
     undecided: dict[int, Undecided] = {}
     for k, switch in enumerate(derived.equations.switches):
         u = evaluate(switch.argument, known)
-        if switch.remembers:
+        if switch.contact is not None:
+            digit = switch.free
+        elif switch.remembers:
             digit = ABOVE if u > evaluate(switch.high, known) else BELOW
         else:
             digit = ABOVE if u > 0.0 else BELOW

@@ -10,15 +10,13 @@ motion comes to x - b w(x). What it flies between them is of second order in w.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 
 import sympy
 
 from pddecont.model.expression import TIME
 from pddecont.model.parts import Event, Segment
-from pddecont.model.system import Model
-from pddecont.model.transitions import list_leaders
 from pddecont.model.validation import ALTERNATIVE
 from pddecont.model.vanishing import vanishes, vanishes_where
 
@@ -49,20 +47,6 @@ def find_resting(states: Exprs, rate: sympy.Expr, reset: Exprs) -> Exprs:
     """
     push = find_push(states, rate, reset)
     return reset if push is None else tuple(sympy.cancel(x - b * rate) for x, b in zip(states, push, strict=True))
-
-
-def add_rests(model: Model, sticks: Iterable[tuple[str, str]]) -> Model:
-    """Return a model in which impacts that accumulate at events come to rest in modes: pairs (event, mode)."""
-    segments = dict(model.segments)
-    for event, mode in sticks:
-        for segment in list_leaders(s for s in model.segments.values() if s.event == event):
-            resting = make_resting(segment, segment.written or segment.name, mode)
-            if mode in model.modes and resting.name not in segments:
-                segments[resting.name] = resting
-    if len(segments) == len(model.segments):
-        return model
-    parts = model.state_symbols, frozenset(model.delayed_symbols), model.modes, model.events, model.resets
-    return replace(model, segments=segments, resets={**model.resets, **find_resets_to_rest(*parts, segments)})
 
 
 def make_resting(segment: Segment, written: str, mode: str) -> Segment:

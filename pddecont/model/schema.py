@@ -64,6 +64,7 @@ class Jump(Strict):
         default_factory=dict, alias="in", description="signs of switches with which it happens (0: sliding)"
     )
     when: Formula | None = Field(None, description="condition under which it happens")
+    rest: bool = Field(False, description="after impacts that accumulate the motion rests at the zero of 'at'")
 
     @model_validator(mode="after")
     def _says_when(self) -> Jump:

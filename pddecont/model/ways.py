@@ -106,4 +106,4 @@ def _find_condition(surfaces: Surfaces, digits: Digits, number: int, undecided: 
 
 def list_options(surfaces: Surfaces, number: int, *, on_surface: bool) -> Undecided:
     """Return that a switch may have any digit."""
-    return Undecided((ABOVE, BELOW, ON) if surfaces.slides[number] else (ABOVE, BELOW), on_surface)
+    return Undecided(surfaces.list_digits(number), on_surface)
