@@ -48,7 +48,7 @@ def _add_contact(equations: Equations, jump: Jump, rate: sympy.Expr) -> Equation
 
 
 def is_held(equations: Equations, jump: Jump, digits: Digits) -> bool:
-    """Return whether a jump cannot happen where contacts hold a motion: it is theirs, or its function stays as it is."""
+    """Return whether a jump cannot happen where contacts hold a motion: it is theirs, or its function is constant."""
     for switch, digit in zip(equations.switches, digits, strict=True):
         if switch.contact is not None and digit == ON:
             if switch.name == jump.name:
@@ -69,9 +69,7 @@ def _is_constant(function: sympy.Expr, zero: sympy.Expr, states: Collection[symp
     return False
 
 
-def list_refusals(
-    equations: Equations, delayed: Collection[sympy.Symbol]
-) -> Iterator[tuple[tuple[str, ...], str]]:
+def list_refusals(equations: Equations, delayed: Collection[sympy.Symbol]) -> Iterator[tuple[tuple[str, ...], str]]:
     """Yield why jumps at which motions should rest make no contact, and the keys at which the file says so.
 
     ``delayed`` are the delayed values that the model reads.

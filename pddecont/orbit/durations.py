@@ -1,10 +1,14 @@
-"""How long segments have to last: below that rounding decides on the sign of a duration, or a segment has vanished."""
+"""How long segments have to last, and what is left out of impacts that accumulate.
+
+Below some duration rounding decides on its sign, or a segment has vanished.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pddecont.collocation import MeshPoints
 from pddecont.orbit.orbit import Orbit
 from pddecont.orbit.problem import INSTANT
 from pddecont.orbit.signature import Signature
@@ -35,3 +39,28 @@ def find_shortest(orbit: Orbit) -> int:
     durations = orbit.durations.copy()
     durations[list(orbit.signature.trailing)] = np.inf
     return int(np.argmin(durations))
+
+
+def measure_left_out(orbit: Orbit, s: int) -> float:
+    """Return what the impacts after segment ``s`` change that an orbit does not follow, relative to its first impact.
+
+    It rests at once instead of flying on with the speed of its last impact; the states at rest differ by the square.
+    """
+    signature = orbit.signature
+    if not signature.segments[s].rests:
+        return 0.0
+    followed = next(way for way in orbit.numeric.model.ways[signature.segments[s].written] if not way.rests)
+    first = signature.trailing.get(s, s)
+    last = _measure_changes(orbit, followed.reset, s) - _measure_changes(orbit, signature.segments[s].reset, s)
+    sizes = np.abs(_measure_changes(orbit, followed.reset, first))
+    changed = sizes > 0.0
+    return float(np.max(np.abs(last[changed]) / sizes[changed], initial=0.0)) ** 2
+
+
+def _measure_changes(orbit: Orbit, reset: str, s: int) -> Array:
+    """Return by how much a reset changes each state at the end of segment ``s`` (n_states,)."""
+    mesh = orbit.mesh
+    reads = orbit.read(MeshPoints(mesh.last_interval[[s]], np.ones(1)))
+    after = orbit.numeric.reset(reset).value(reads.t, reads.x, reads.xd, orbit.parameters)
+    changes: Array = (after - reads.x)[:, 0]
+    return changes

@@ -13,6 +13,7 @@ import numpy as np
 
 from pddecont.orbit.admissibility import SIGNS
 from pddecont.orbit.carried_events import list_carried_events, list_unlisted_carried_events
+from pddecont.orbit.durations import measure_left_out
 from pddecont.orbit.event_profiles import find_event_profile
 from pddecont.orbit.examination import Examination, Window
 from pddecont.orbit.guards import explain_guard, is_alternative, measure_guard
@@ -45,7 +46,7 @@ def judge(examined: Examination, window: Window, record: MotionRecord | None, *,
         if not strict and is_undecided(examined, window, record):
             return Verification(1)
         return Verification(0, reason=_describe(examined, window, record))
-    deviation = measure_deviation(examined, window, record)
+    deviation = max(measure_deviation(examined, window, record), measure_left_out(examined.orbit, window.s))
     if deviation <= find_allowed(examined) or deviation <= CARRIED * find_carried(examined, window, record, strict):
         return Verification(1, deviation)
     return Verification(0, deviation, make_reason(DRIFTS, number=window.s + 1, segment=segment.name))
