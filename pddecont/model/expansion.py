@@ -43,6 +43,8 @@ def expand_model(model: Model) -> dict[str, Any]:
         for name, effect in model.effects.items()
         if set(effect.drop) <= set(model.events)
     }
+    # The speed that is zero at rest is no event.
+    needed = {s.event for s in model.segments.values()} | {e.after for e in model.events.values()}
     return {
         "name": model.name,
         **({"reference": model.reference} if model.reference else {}),
@@ -54,7 +56,7 @@ def expand_model(model: Model) -> dict[str, Any]:
             name: {f"{s}'": write_formula(f) for s, f in zip(states, body, strict=True)}
             for name, body in model.modes.items()
         },
-        "events": {event.name: _write_event(model, event) for event in model.events.values()},
+        "events": {event.name: _write_event(model, event) for event in model.events.values() if event.name in needed},
         "resets": {
             name: {s: write_formula(g) for s, x, g in zip(states, model.state_symbols, body, strict=True) if g != x}
             for name, body in model.resets.items()
