@@ -27,8 +27,8 @@ SAME_PART, MAX_STEPS = 1e-6, 400
 
 
 def is_rest(signature: Signature, s: int) -> bool:
-    """Return whether segment ``s`` is the rest after impacts that accumulate."""
-    return signature.segments[s - 1].rests
+    """Return whether segment ``s`` is the rest after impacts that accumulate, two at least."""
+    return signature.segments[s - 1].rests and (s - 1) % len(signature) in signature.trailing
 
 
 def end_rest(point: CurvePoint[OrbitEvaluation], s: int) -> CurvePoint[OrbitEvaluation]:

@@ -18,7 +18,16 @@ from pddecont.bifurcation.settings import BranchSettings
 from pddecont.bifurcation.signature_joining import check_motion, check_near
 from pddecont.continuation import BranchPoint, BranchState, CurvePoint, find_tangent
 from pddecont.errors import ConvergenceError, SignatureError
-from pddecont.orbit import Orbit, OrbitEvaluation, Referee, Sizes, Verifier, guess_from_motion, measure_distance, solve_orbit
+from pddecont.orbit import (
+    Orbit,
+    OrbitEvaluation,
+    Referee,
+    Sizes,
+    Verifier,
+    guess_from_motion,
+    measure_distance,
+    solve_orbit,
+)
 
 Array = NDArray[np.float64]
 # How far beyond the point the motion is simulated, in lengths of the branch: ranges of parameters count as one.
@@ -61,7 +70,7 @@ def enter_simulated_signature(
                 names = ", ".join(guess.signature.names)
                 reasons.setdefault(names, f"it runs through [{names}], but that {_shorten(exc)}")
                 continue
-            return _begin(orbit, last.state.point.system.sizes, way * forward, settings)
+            return _begin(orbit, last.state.point.at.system.sizes, way * forward, settings)
     # What was found of a signature says more than that none was found.
     raise ConvergenceError("; ".join(why for names, why in reasons.items() if names or len(reasons) == 1))
 
