@@ -22,8 +22,8 @@ from pddecont.orbit import (
     Orbit,
     OrbitEvaluation,
     Referee,
-    Sizes,
     Verifier,
+    find_still_states,
     guess_from_motion,
     measure_distance,
     solve_orbit,
@@ -70,7 +70,7 @@ def enter_simulated_signature(
                 names = ", ".join(guess.signature.names)
                 reasons.setdefault(names, f"it runs through [{names}], but that {_shorten(exc)}")
                 continue
-            return _begin(orbit, last.state.point.at.system.sizes, way * forward, settings)
+            return _begin(orbit, last.state.point.at, way * forward, settings)
     # What was found of a signature says more than that none was found.
     raise ConvergenceError("; ".join(why for names, why in reasons.items() if names or len(reasons) == 1))
 
@@ -122,10 +122,14 @@ def _check_joins(orbit: Orbit, at: Orbit, change: Array, settings: BranchSetting
         raise ConvergenceError(f"does not join here: it stays {nearer:.2g} of the orbit's size away")
 
 
-def _begin(orbit: Orbit, before: Sizes, forward: Array, settings: BranchSettings) -> CurvePoint[OrbitEvaluation]:
-    """Return where the branch goes on; states that have just begun to move are as large as they were ``before``."""
+def _begin(
+    orbit: Orbit, last: OrbitEvaluation, forward: Array, settings: BranchSettings
+) -> CurvePoint[OrbitEvaluation]:
+    """Return where the branch goes on; states that have just begun to move keep the size that they had."""
     system, free = settings.make_system(orbit)
-    sizes = replace(system.sizes, states=np.maximum(before.states, system.sizes.states))
+    moves, before = ~find_still_states(last.orbit.values), last.system.sizes.states
+    states = np.where(moves, system.sizes.states, np.maximum(before, system.sizes.states))
+    sizes = replace(system.sizes, states=states)
     system = replace(system, sizes=sizes)
     found = system.at(free.x)
     towards = np.zeros(len(free.x))

@@ -22,7 +22,7 @@ from pddecont.model.expression import TIME
 from pddecont.model.parts import IDENTITY, Event, Segment
 from pddecont.model.rest import find_resting, make_resting
 from pddecont.model.sliding import Surfaces, find_surfaces, put_in
-from pddecont.model.switches import ABOVE, BELOW, ON, WORDS, Digits, Equations, Jump, name_digits
+from pddecont.model.switches import ABOVE, BELOW, ON, Digits, Equations, Jump, name_digits
 from pddecont.model.validation import ALTERNATIVE
 from pddecont.model.vanishing import vanishes, vanishes_where
 from pddecont.model.ways import Undecided, WayFinder, list_options
@@ -374,8 +374,8 @@ class DerivedModes:
             # What holds the motion on another surface depends on the side of this one.
             read.add(number)
             function = put_in(function, self.surfaces.find_values(digits))
-        words = [f"{switches[k].name}_{WORDS[digits[k]]}" for k in sorted(read)]
-        return "_".join([word, *words]), function
+        words = (switches[k].word(digits[k]) for k in sorted(read))
+        return "_".join(filter(None, [word, *words])), function
 
     def _name_reset(self, jump: Jump, digits: Digits) -> tuple[str, Exprs]:
         whole = sympy.Tuple(*jump.reset)

@@ -13,10 +13,7 @@ from tests.bifurcation.bouncing import find_last_rest, list_impacts
 from tests.conftest import model_from
 from tests.runs import change, labels, monitor, multipliers, parameter, run
 
-SETTLE = [
-    {"name": "t", "simulate": {"t_end": "20*2*pi"}},
-    {"name": "o", "orbit": {"from": "t", "stability": True}},
-]
+SETTLE = [{"name": "t", "simulate": {"t_end": "20*2*pi"}}, {"name": "o", "orbit": {"from": "t", "stability": True}}]
 BOTH_WAYS = {"name": "c", "continue": {"from": "o", "free": ["G"], "range": {"G": [0.9, 3]}, "stability": True}}
 TABLE = {
     "name": "table",
@@ -123,7 +120,7 @@ def test_equations_give_the_numbers_of_the_model_by_hand(resting, tmp_path):
 
 
 def test_a_ball_at_rest_begins_to_leave_where_it_weighs_nothing(tmp_path):
-    """From rest: G sin t touches 1 at G = 1, beyond it hops; and no orbit that stops flying at once is taken for one."""
+    """From rest: G sin t touches 1 at G = 1, beyond it hops; an orbit that ceases to hop at once is none."""
     model = change(change(EQUATIONS, "parameters.G", 0.8), "run.steps.2.continue.range.G", [0.5, 1.3])
     step = run(model, tmp_path / "a.h5").step("c")
     assert labels(step) == ["GR1"]

@@ -107,7 +107,7 @@ def test_impacts_of_a_ball_accumulate_and_it_comes_to_lie():
     assert rest == trajectory.events.t[-1]
     assert rest + measure_left_out(trajectory, 0.8) == pytest.approx(first * 9, abs=1e-11)
     assert rest == pytest.approx(4.0637127689, abs=1e-9)
-    assert (trajectory.events.segment[-1], trajectory.events.after[-1, 1]) == ("s>lie", 0.0)
+    assert (trajectory.events.segment[-1], trajectory.events.after[-1, 1]) == ("hop>lie", 0.0)
     assert (trajectory.t_end, trajectory.mode[-1]) == (10.0, "lie")
     assert trajectory(10.0) == pytest.approx([0, 0], abs=1e-8)
 
