@@ -31,6 +31,7 @@ from pddecont.orbit import (
     PeriodicOrbitSystem,
     Signature,
     find_event_profile,
+    find_shortest,
     list_guarded,
     measure_guard,
     solve_orbit,
@@ -161,8 +162,8 @@ def _branch_tests(at: OrbitEvaluation, settings: BranchSettings) -> list[OrbitTe
 def _define(at: OrbitEvaluation, settings: BranchSettings, reason: Reason) -> DefiningFunction:
     """Return what vanishes at an orbit: a segment, a difference between two events, a rate, or nothing but a touch."""
     orbit = at.orbit
-    if np.min(orbit.durations) < SHORT * np.sum(orbit.durations):
-        s = int(np.argmin(orbit.durations))
+    s = find_shortest(orbit)
+    if orbit.durations[s] < SHORT * np.sum(orbit.durations):
         return CoincidenceFunction(s, float(orbit.durations[s]))
     if reason.code == MEETING:
         met = [(abs(m.evaluate_orbit(orbit)), m) for m in list_meetings(orbit.signature)]

@@ -98,7 +98,8 @@ def model_info(file: str, without: tuple[str, ...]) -> dict[str, Any]:
         "resets": list(model.resets),
         "segments": [
             f"{s.name}: {s.mode} -- {s.event} ({s.direction}) / {s.reset} -> {s.to}"
-            + (f" when {write_condition(s.guard)}" if s.written else "")
+            + (" after impacts that accumulate" if s.rests else "")
+            + (f" when {write_condition(s.guard)}" if s.written and not s.rests else "")
             for s in model.segments.values()
         ],
         "effects": list(model.effects),
@@ -113,6 +114,9 @@ def _describe_switches(derived: DerivedModes) -> list[str]:
 
     found = []
     for switch, slides in zip(derived.equations.switches, derived.surfaces.slides, strict=True):
+        if switch.contact is not None:
+            found.append(f"{switch.name}: {write_formula(switch.contact)} (motions may rest)")
+            continue
         memory = f", up at {switch.high}, down at {switch.low}" if switch.remembers else ""
         found.append(
             f"{switch.name}: {write_formula(switch.argument)}{memory}{' (motions may slide)' if slides else ''}"

@@ -36,6 +36,7 @@ from .schema import ModelFile as ModelFile
 from .sliding import UndecidedSlidingError as UndecidedSlidingError
 from .starts import explain_own_start as explain_own_start
 from .starts import explain_start_beyond_event as explain_start_beyond_event
+from .sticks import add_rests as add_rests
 from .switches import ABOVE as ABOVE
 from .switches import BELOW as BELOW
 from .switches import ON as ON
@@ -44,6 +45,7 @@ from .system import DelayedValue as DelayedValue
 from .system import Model as Model
 from .system import check_signature as check_signature
 from .transitions import Transitions as Transitions
+from .transitions import find_rest as find_rest
 from .transitions import find_return as find_return
 from .transitions import list_alternatives as list_alternatives
 from .transitions import list_carriers as list_carriers

@@ -17,10 +17,12 @@ from typing import Any
 import sympy
 
 from pddecont.errors import PddecontError
+from pddecont.model.contacts import add_contacts, is_held
 from pddecont.model.expression import TIME
 from pddecont.model.parts import IDENTITY, Event, Segment
+from pddecont.model.rest import find_resting, make_resting
 from pddecont.model.sliding import Surfaces, find_surfaces, put_in
-from pddecont.model.switches import ABOVE, BELOW, ON, WORDS, Digits, Equations, Jump, name_digits
+from pddecont.model.switches import ABOVE, BELOW, ON, Digits, Equations, Jump, name_digits
 from pddecont.model.validation import ALTERNATIVE
 from pddecont.model.vanishing import vanishes, vanishes_where
 from pddecont.model.ways import Undecided, WayFinder, list_options
@@ -133,7 +135,7 @@ class DerivedModes:
         digits = self.find_digits(mode)
         found = []
         for k, digit in enumerate(digits):
-            for side in (ABOVE, BELOW) if digit == ON else ():
+            for side in (ABOVE, BELOW) if digit == ON and self.equations.switches[k].contact is None else ():
                 name = self._name_exit(k, digits, side)
                 found.append((name, Crossing(k, side == ABOVE, leaves=True)))
         return found
@@ -141,19 +143,23 @@ class DerivedModes:
     def find_surface(self, mode: str, event: str) -> int | None:
         """Return the switch whose surface an event is in a mode beside it; None for other events."""
         digits = self.find_digits(mode)
-        beside = (k for k, d in enumerate(digits) if d != ON and not self.equations.switches[k].remembers)
+        switches = self.equations.switches
+        beside = (
+            k for k, d in enumerate(digits) if d != ON and not switches[k].remembers and switches[k].contact is None
+        )
         return next((k for k in beside if self._name_surface(k, digits)[0] == event), None)
 
     def _name_exit(self, number: int, digits: Digits, side: int) -> str:
         """Return the name of the event at which a motion leaves a surface to a side."""
         switch, rate = self.equations.switches[number], self.surfaces.rates[number]
         assert rate is not None, "no motion slides along a surface whose rate is not known"
-        return self._name_event(f"{switch.name}_{OFF[side]}", rate, number, digits)[0]
+        word = OFF[side] if switch.contact is None else "off"
+        return self._name_event(f"{switch.name}_{word}", rate, number, digits)[0]
 
     def list_surfaces(self, mode: str) -> tuple[str, ...]:
         """Return the events whose functions are the surfaces that a motion slides along in a mode."""
         digits = self.find_digits(mode)
-        return tuple(self._name_surface(k, digits)[0] for k, d in enumerate(digits) if d == ON)
+        return tuple(name for name, _ in self._find_held(digits))
 
     def find_return(self, mode: str) -> str:
         """Return the reset that puts states on the surfaces that a motion slides along in a mode."""
@@ -161,13 +167,23 @@ class DerivedModes:
 
     def _add_return(self, mode: str, digits: Digits) -> None:
         """Add the reset to the nearest states at which the functions of the surfaces of a mode are zero."""
-        functions = [self._name_surface(k, digits)[1] for k, d in enumerate(digits) if d == ON]
+        functions = [function for _, function in self._find_held(digits)]
         if functions:
             x, u = sympy.Matrix(self.equations.states), sympy.Matrix(functions)
             slopes = u.jacobian(x)
             square = slopes * slopes.T
             change = slopes.T * (square.adjugate() * u) / square.det(method="berkowitz")
             self.resets[RETURN + mode] = tuple(x - change)
+
+    def _find_held(self, digits: Digits) -> Iterator[tuple[str, sympy.Expr]]:
+        """Yield the functions that are zero along a motion, with their events: those of surfaces; places and speeds."""
+        for k, digit in enumerate(digits):
+            switch = self.equations.switches[k]
+            if digit == ON and switch.contact is not None:
+                yield self._name_event(switch.name, switch.contact, -1, digits)
+                yield self._name_event(f"{switch.name}_speed", switch.argument, -1, digits)
+            elif digit == ON:
+                yield self._name_surface(k, digits)
 
     def _name_surface(self, number: int, digits: Digits) -> tuple[str, sympy.Expr]:
         """Return the name of the event at which a switch's function is zero, and the function."""
@@ -181,13 +197,13 @@ class DerivedModes:
 
     def build_all(self) -> None:
         """Make every mode that there can be."""
-        number = math.prod(3 if slides else 2 for slides in self.surfaces.slides)
+        options = [self.surfaces.list_digits(k) for k in range(len(self.equations.switches))]
+        number = math.prod(map(len, options))
         if number > MAX_MODES:
             raise TooManyModesError(
                 f"the switches of these equations make {number} modes; at most {MAX_MODES} can be handled"
             )
-        options = ((BELOW, ABOVE, ON) if slides else (BELOW, ABOVE) for slides in self.surfaces.slides)
-        for digits in product(*options):
+        for digits in product(*(sorted(own) for own in options)):
             if self.surfaces.may_be(digits):
                 self.build(digits)
 
@@ -208,7 +224,7 @@ class DerivedModes:
         for number, digit in enumerate(digits):
             if digit == ON:
                 yield from self._leave(number, digits)
-            elif number not in tied:
+            elif number not in tied and self.equations.switches[number].contact is None:
                 yield from self._cross(number, digits)
 
     def _find_tied(self, jump: Jump, digits: Digits) -> int | None:
@@ -244,14 +260,18 @@ class DerivedModes:
         """Yield what follows where a motion ceases to slide along a surface."""
         switch = self.equations.switches[number]
         lower, upper = self.surfaces.find_bounds(number, digits)
-        self._add_event(Event(*self._name_surface(number, digits), source=switch.name))
+        for name, function in self._find_held(digits):
+            self._add_event(Event(name, function, source=switch.name if switch.contact is None else ""))
         for digit, function, direction in ((ABOVE, upper, "rising"), (BELOW, lower, "falling")):
-            word = f"{switch.name}_{OFF[digit]}"
+            if digit not in self.surfaces.list_digits(number):
+                continue
+            word = f"{switch.name}_{OFF[digit] if switch.contact is None else 'off'}"
             event = self._name_exit(number, digits, digit)
             self._add_event(Event(event, function))
             after = (*digits[:number], digit, *digits[number + 1 :])
             written = self._name_segment(word, number, digits)
-            self.crossings[written] = Crossing(number, digit == ABOVE, leaves=True)
+            if switch.contact is None:
+                self.crossings[written] = Crossing(number, digit == ABOVE, leaves=True)
             # The digit goes on where it comes to 0 or 1; torn off from farther apart it jumps.
             undecided = {} if switch.grip == 1 else self._find_disturbed(number, after)
             yield from self._branch(Segment(written, "", event, direction, IDENTITY, ""), digits, after, undecided)
@@ -259,7 +279,7 @@ class DerivedModes:
     def _jump(self, jump: Jump, digits: Digits) -> Iterator[Segment]:
         """Yield what follows a jump: each digit is read from the states after it."""
         equations = self.equations
-        if not equations.allows(jump, digits):
+        if not equations.allows(jump, digits) or is_held(equations, jump, digits):
             return
         values = self.surfaces.find_values(digits)
         name = jump.name
@@ -274,6 +294,8 @@ class DerivedModes:
         undecided: dict[int, Undecided] = {}
         for k, switch in enumerate(equations.switches):
             u = put_in(switch.argument, values)
+            if switch.contact is not None and digits[k] != ON:
+                continue
             if digits[k] == ON and not u.free_symbols & set(changed):
                 undecided[k] = list_options(self.surfaces, k, on_surface=True)
             elif u.free_symbols & set(changed):
@@ -284,7 +306,21 @@ class DerivedModes:
             after = (*digits[:tied], ABOVE if digits[tied] == BELOW else BELOW, *digits[tied + 1 :])
             undecided = self._find_disturbed(tied, after) | undecided
         written = self._name_segment(jump.name, -1, digits)
-        yield from self._branch(Segment(written, "", name, jump.direction, reset, ""), digits, after, undecided)
+        segment = Segment(written, "", name, jump.direction, reset, "")
+        yield from self._branch(segment, digits, after, undecided)
+        yield from self._rest(segment, jump, digits)
+
+    def _rest(self, segment: Segment, jump: Jump, digits: Digits) -> Iterator[Segment]:
+        """Yield what a jump is where it is the last of those that accumulate: the motion rests."""
+        for k, switch in enumerate(self.equations.switches):
+            held = (*digits[:k], ON, *digits[k + 1 :])
+            if switch.contact is not None and switch.name == jump.name and self.surfaces.may_slide(held):
+                mode, to = self.equations.name_mode(digits), self.equations.name_mode(held)
+                resting = make_resting(replace(segment, mode=mode), segment.name, to)
+                self.resets[resting.reset] = find_resting(
+                    self.equations.states, switch.argument, self.resets[segment.reset]
+                )
+                yield resting
 
     def _find_disturbed(self, number: int, digits: Digits) -> dict[int, Undecided]:
         """Return the other switches whose digits have to be read anew when one has changed."""
@@ -349,8 +385,8 @@ class DerivedModes:
             # What holds the motion on another surface depends on the side of this one.
             read.add(number)
             function = put_in(function, self.surfaces.find_values(digits))
-        words = [f"{switches[k].name}_{WORDS[digits[k]]}" for k in sorted(read)]
-        return "_".join([word, *words]), function
+        words = (switches[k].word(digits[k]) for k in sorted(read))
+        return "_".join(filter(None, [word, *words])), function
 
     def _name_reset(self, jump: Jump, digits: Digits) -> tuple[str, Exprs]:
         whole = sympy.Tuple(*jump.reset)
@@ -369,6 +405,6 @@ def make_modes(equations: Equations) -> DerivedModes:
     UndecidedSlidingError
         If the surfaces along which a motion slides do not determine how.
     """
-    made = DerivedModes(find_surfaces(equations))
+    made = DerivedModes(find_surfaces(add_contacts(equations)))
     made.build_all()
     return made

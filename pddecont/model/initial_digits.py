@@ -45,7 +45,9 @@ def find_start_digits(derived: DerivedModes, numbers: Numbers, before: str | Non
     undecided: dict[int, Undecided] = {}
     for k, switch in enumerate(derived.equations.switches):
         u = evaluate(switch.argument, known)
-        if switch.remembers:
+        if switch.contact is not None:
+            digit = switch.free
+        elif switch.remembers:
             held = was is not None and was[k] == ABOVE and u >= evaluate(switch.low, known)
             digit = ABOVE if held or u > evaluate(switch.high, known) else BELOW
         else:

@@ -45,3 +45,5 @@ class Segment:
     rule: Boolean | None = None
     # Likewise: the switches whose digits are read anew after it, and that motions slide along or are repelled by.
     anew: tuple[int, ...] = ()
+    # Whether it ends with the last of impacts that accumulate: from there on the motion rests in the mode it leads to.
+    rests: bool = False

@@ -131,7 +131,7 @@ def _derive_anew(
         cut.reasons[kind] |= {name: why for name in before if name not in after}
     digits = derived.equations.find_digits(model.initial_mode) or ()
     known = {s.name: d for s, d in zip(derived.equations.switches, digits, strict=True)}
-    start = tuple(known[s.name] for s in now.equations.switches)
+    start = tuple(known.get(s.name, s.free) for s in now.equations.switches)
     return replace(model, **now.parts, derived=now, initial_mode=now.find_mode(start))
 
 

@@ -72,6 +72,13 @@ class Surfaces:
         """Return whether no digits exclude each other, as x > 1 and x < 0."""
         return all((digits[i], digits[j]) in pairs for (i, j), pairs in self.compatible.items())
 
+    def list_digits(self, number: int) -> tuple[int, ...]:
+        """Return the digits that a switch may have."""
+        switch = self.equations.switches[number]
+        if switch.contact is not None:
+            return switch.free, ON
+        return (ABOVE, BELOW, ON) if self.slides[number] else (ABOVE, BELOW)
+
     def may_slide(self, digits: Digits) -> bool:
         """Return whether the laws that jump at the surfaces of a mode can hold a motion on them all.
 
@@ -115,8 +122,15 @@ class Surfaces:
         return put_in(rate, {self.equations.switches[number].digit: value})
 
     def find_bounds(self, number: int, digits: Digits) -> tuple[sympy.Expr, sympy.Expr]:
-        """Return du/dt at the lower and the upper bound of a switch's digit: a motion slides from + to -."""
-        low, high = self.equations.switches[number].bounds
+        """Return du/dt at the lower and the upper bound of a switch's digit: a motion slides from + to -.
+
+        A contact presses as much as it has to, and pulls nothing.
+        """
+        switch = self.equations.switches[number]
+        if switch.contact is not None:
+            rate = self.find_rate(number, digits, FIXED[switch.free])
+            return (rate, -sympy.oo) if switch.free == BELOW else (sympy.oo, rate)
+        low, high = switch.bounds
         return self.find_rate(number, digits, low), self.find_rate(number, digits, high)
 
     def solve(self, on: tuple[int, ...]) -> Values:

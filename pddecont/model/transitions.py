@@ -94,7 +94,18 @@ def list_leaders(segments: Iterable[Segment]) -> tuple[Segment, ...]:
 
 def list_alternatives(model: Model, segment: Segment) -> tuple[Segment, ...]:
     """Return the segments that one may be, as the states after its reset decide; itself alone without a condition."""
-    return model.ways[segment.written] if segment.written else (segment,)
+    if not segment.written:
+        return (segment,)
+    return tuple(way for way in model.ways[segment.written] if not way.rests)
+
+
+def find_rest(model: Model, segment: Segment, mode: str | None = None) -> Segment | None:
+    """Return what a segment is where it ends with the last of impacts that accumulate; None where no mode is said.
+
+    ``mode`` is preferred to others in which the motion may rest.
+    """
+    ways = [way for way in model.ways[segment.written or segment.name] if way.rests and way.mode == segment.mode]
+    return next((way for way in ways if way.to == mode), next(iter(ways), None))
 
 
 def list_clocks(model: Model, event: str) -> tuple[str, ...]:

@@ -116,4 +116,4 @@ def _find_direction(surfaces: Surfaces, digits: Digits, number: int) -> Boolean:
 
 def list_options(surfaces: Surfaces, number: int, *, on_surface: bool) -> Undecided:
     """Return that a switch may have any digit."""
-    return Undecided((ABOVE, BELOW, ON) if surfaces.slides[number] else (ABOVE, BELOW), on_surface)
+    return Undecided(surfaces.list_digits(number), on_surface)

@@ -77,7 +77,8 @@ def describe_failure(failure: MotionFailure) -> str:
         case FailureReason.ACCUMULATION:
             return (
                 f"events of '{event}' accumulate at t = {t:.12g} (Zeno): the motion comes to rest there. Write a mode "
-                f"for it and name it in the step, 'stick: {{{event}: MODE}}'"
+                f"for it and name it in the step, 'stick: {{{event}: MODE}}', or in the segment, 'rest: MODE'; a jump "
+                "of equations says 'rest: true'"
             )
         case FailureReason.SLIDING:
             return (

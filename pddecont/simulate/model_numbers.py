@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,7 @@ from pddecont.codegen import ModelFunctions, NumericModel
 from pddecont.delay import DelayMethod
 from pddecont.model import (
     Model,
+    find_rest,
     list_alternatives,
     list_clocks,
     list_held,
@@ -71,6 +72,7 @@ def make_system(
         segment_guard=_integers(functions.guard_numbers),
         segment_repulsion=_integers(functions.repulsion_numbers),
         **_number_parts(model),
+        resting=_number_resting(model, method.stick),
         after=_integers([*after, *([] if section.expr is None else [-1])]),
         reads=_integers(bool(delayed & h.free_symbols) for h in functions.events),
         chain_order=order,
@@ -102,10 +104,6 @@ def make_values(
         bounds += [x for x in tau if x > 0]
     if model.forced:
         bounds.append(float(numeric.period.value(p)[0]) / 2)
-    events, modes = list(model.events), list(model.modes)
-    stick = np.full(len(event_delay), -1)
-    for event, mode in method.stick.items():
-        stick[events.index(event)] = modes.index(mode)
     return ParameterValues(
         p=np.array(p, dtype=float),
         tau=tau,
@@ -114,7 +112,6 @@ def make_values(
         rtol=method.rtol,
         atol=method.atol,
         longest=max(longest, float(max(tau, default=0.0))),
-        stick=stick,
     )
 
 
@@ -145,6 +142,13 @@ def _number_parts(model: Model) -> dict[str, NDArray[np.int64]]:
 def _count_alternatives(model: Model) -> NDArray[np.int64]:
     leaders = {s.name: len(list_alternatives(model, s)) for s in list_leaders(model.segments.values())}
     return _integers(leaders.get(name, 0) for name in model.segments)
+
+
+def _number_resting(model: Model, stick: Mapping[str, str]) -> NDArray[np.int64]:
+    """Return the number of what each segment is where the motion rests; at events in ``stick`` in that mode."""
+    numbers = _number(model.segments)
+    found = (find_rest(model, s, stick.get(s.event)) for s in model.segments.values())
+    return _integers(-1 if rest is None else numbers[rest.name] for rest in found)
 
 
 def _number(names: Iterable[str]) -> dict[str, int]:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from pddecont.codegen import ModelFunctions, NumericModel
 from pddecont.delay import DelayMethod
 from pddecont.errors import ConvergenceError
-from pddecont.model import TIME
+from pddecont.model import TIME, add_rests
 from pddecont.simulate.diagnosis import diagnose_halt
 from pddecont.simulate.failure import MotionFailure, describe_failure
 from pddecont.simulate.integrator import (
@@ -70,6 +70,9 @@ class Simulator:
     tangent: bool = False
 
     def __post_init__(self) -> None:
+        model = add_rests(self.numeric.model, self.method.stick.items())
+        if model is not self.numeric.model:
+            object.__setattr__(self, "numeric", NumericModel(model))
         order, _ = self.delay.simulated_stages
         if order > MAX_CHAIN_ORDER:
             raise ConvergenceError(

@@ -64,4 +64,8 @@ def _read_digits(
     function = numeric.function([s.argument for s in switches])
     u = function.value(np.full(n, t), np.ascontiguousarray(states.T), np.ascontiguousarray(delayed.T), p)
     near = np.abs(u) <= NEAR * np.max(np.abs(u), axis=1, initial=0.0, keepdims=True)
-    return np.any(near, axis=0), np.where(u > 0.0, ABOVE, BELOW).astype(np.int64)
+    digits = np.where(u > 0.0, ABOVE, BELOW).astype(np.int64)
+    for k, switch in enumerate(switches):
+        if switch.contact is not None:
+            near[k], digits[k] = False, switch.free
+    return np.any(near, axis=0), digits

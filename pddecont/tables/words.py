@@ -42,6 +42,7 @@ _WORDS: dict[str, Callable[[Values], str]] = {
     "user_function": lambda v: str(v["name"]),
     "tangential": lambda v: "event turns tangential",
     "meeting": lambda v: f"{v['event']} meets {v['other']}",
+    "released": lambda v: f"the impacts at {v['event']} accumulate just as {v['segment']} releases the motion",
     "vanishing": lambda v: f"{v['segment']} vanishes",
     "halves_equal": lambda v: "halves become equal",
     "grazing": lambda v: "grazing",

@@ -18,7 +18,8 @@ from tests.simulate.motions import trajectory_of
 
 SENTENCES = {
     FailureReason.ACCUMULATION: "events of 'hit' accumulate at t = 1.23456789012 (Zeno): the motion comes to rest "
-    "there. Write a mode for it and name it in the step, 'stick: {hit: MODE}'",
+    "there. Write a mode for it and name it in the step, 'stick: {hit: MODE}', or in the segment, 'rest: MODE'; a jump "
+    "of equations says 'rest: true'",
     FailureReason.SLIDING: "event 'hit' leads, at t = 1.23456789012, to a mode whose flow leads straight back: both "
     "point at the surface (the motion slides along it). Write a mode for sliding and name it in the step, "
     "'stick: {hit: MODE}'",

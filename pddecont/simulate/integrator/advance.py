@@ -13,7 +13,7 @@ from pddecont.simulate.integrator.breaking import (
 from pddecont.simulate.integrator.buffers import N_COEFFICIENTS, make_log
 from pddecont.simulate.integrator.calls import entry, inlined, internal, offset
 from pddecont.simulate.integrator.core import make_core
-from pddecont.simulate.integrator.event_handling import enter_sticking_mode, find_start_crossing, handle_events
+from pddecont.simulate.integrator.event_handling import find_start_crossing, handle_events
 from pddecont.simulate.integrator.event_location import find_first_crossing
 from pddecont.simulate.integrator.event_sides import update_side
 from pddecont.simulate.integrator.history import (
@@ -130,15 +130,11 @@ def advance(c, t_stop, most_steps):
             hit, direction = find_start_crossing(c)
             if hit >= 0:
                 status = handle_events(c, hit, direction)
-                if (status == Status.ZENO or status == Status.SLIDING) and enter_sticking_mode(c, t_stop):
-                    continue
                 if status != Status.REACHED:
                     return status
                 continue
         if c.count[N_PENDING] > 0 and c.pending_time[0] <= t + time_tolerance(t):
             status = handle_events(c, -1, 0)
-            if (status == Status.ZENO or status == Status.SLIDING) and enter_sticking_mode(c, t_stop):
-                continue
             if status != Status.REACHED:
                 return status
             continue
@@ -153,8 +149,6 @@ def advance(c, t_stop, most_steps):
         if status != Status.REACHED:
             return status
         status = _finish_step(c, t, h, stop)
-        if (status == Status.ZENO or status == Status.SLIDING) and enter_sticking_mode(c, t_stop):
-            continue
         if status != Status.REACHED:
             return status
 

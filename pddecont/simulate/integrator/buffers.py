@@ -122,6 +122,7 @@ class Workspace(NamedTuple):
     jacobian: Array
     gradient: Array
     after_reset: Array
+    past_trial: Array
     crossing: Integers
     passed: Integers
     found_side: Integers
@@ -142,6 +143,7 @@ def make_workspace(system: System) -> Workspace:
         np.zeros(m + 1),
         np.zeros(n * (n + m + 1)),
         np.zeros(n + m + 2),
+        np.zeros(n + 1),
         np.zeros(n + 1),
         np.zeros(len(system.after) + 1, np.int64),
         np.zeros(len(system.after) + 1, np.int64),

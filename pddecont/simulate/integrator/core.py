@@ -18,15 +18,15 @@ Core = namedtuple(
     """
     field field_case event reset guard repulsion history field_jacobian event_jacobian reset_jacobian n n_full dimension
     tangent n_pairs n_delays n_kept n_segments n_events pair_state pair_delay kept place segment_mode segment_event
-    segment_direction segment_reset segment_to alternatives segment_guard segment_repulsion segment_opposite
+    segment_direction segment_reset segment_to alternatives resting segment_guard segment_repulsion segment_opposite
     crossing_first crossing_segment ending_first ending_segment
     held_first held_event clock_first clock_event after reads chain_order chain_n section section_direction
-    stop_event stiff p tau event_delay max_step rtol atol longest stick clock count y constant mask past_time
+    stop_event stiff p tau event_delay max_step rtol atol longest clock count y constant mask past_time
     past_length past_end past_arc past_shift past_value past_coefficients cursor reading pending_time
     pending_event pending_shift breaking_time breaking_level accumulation segment_counts side residue next_step
     log_steps log_events log_n log_time log_length log_end log_mode log_arc log_value log_coefficients event_time
     event_segment event_arc event_before event_after stages extension trial slope xd xd_slope jacobian gradient
-    after_reset crossing passed found_side bernstein stack
+    after_reset past_trial crossing passed found_side bernstein stack
 """,
 )
 
@@ -64,6 +64,7 @@ def make_core(system, values, state, log, work):
         pointer(system.segment_reset),
         pointer(system.segment_to),
         pointer(system.alternatives),
+        pointer(system.resting),
         pointer(system.segment_guard),
         pointer(system.segment_repulsion),
         pointer(system.segment_opposite),
@@ -90,7 +91,6 @@ def make_core(system, values, state, log, work):
         values.rtol,
         values.atol,
         values.longest,
-        pointer(values.stick),
         pointer(state.clock),
         pointer(state.count),
         pointer(state.y),
@@ -139,6 +139,7 @@ def make_core(system, values, state, log, work):
         pointer(work.jacobian),
         pointer(work.gradient),
         pointer(work.after_reset),
+        pointer(work.past_trial),
         pointer(work.crossing),
         pointer(work.passed),
         pointer(work.found_side),

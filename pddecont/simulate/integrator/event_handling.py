@@ -154,30 +154,23 @@ def _apply_event(c, segment, pending):
         remove_pending(c, pending)
     elif c.tangent == 1:
         shift = find_event_shift(c, event, mode, t)
-    if c.tangent == 1:
-        map_tangent(c, c.segment_reset[segment], mode, t, shift)
     crossing, resolution = (c.crossing[event] if pending < 0 else 0), 0.0
     if crossing != 0:
         _, resolution = evaluate_event_slope(c, event, mode, t, c.y)
-    read_delayed(c, t, c.y, c.xd, 0)
-    for i in range(n):
-        c.after_reset[i] = 0.0
-    call(c.reset, c.segment_reset[segment], t, c.y, c.xd, c.p, c.after_reset)
+    _apply_reset(c, segment, t)
     segment = _choose_alternative(c, segment, t, c.after_reset)
+    status = _find_way_on(c, event, crossing, mode, c.segment_to[segment], t, resolution)
+    if status != Status.REACHED and c.resting[segment] >= 0:
+        segment, status = c.resting[segment], Status.REACHED
+        _apply_reset(c, segment, t)
+        for i in range(1, 4):
+            c.accumulation[4 * event + i] = 0.0
+    if c.tangent == 1:
+        map_tangent(c, c.segment_reset[segment], mode, t, shift)
     target = c.segment_to[segment]
-    row = c.log_n[1]
-    logged = row < c.log_events
-    if logged:
-        c.event_time[row], c.event_segment[row] = t, segment
-        for i in range(n):
-            c.event_before[row * n + i] = c.y[i]
+    _log_event(c, segment, t)
     for i in range(n):
         c.y[i] = c.after_reset[i]
-        if logged:
-            c.event_after[row * n + i] = c.y[i]
-    if logged:
-        c.event_arc[row] = c.count[ARC] + 1
-        c.log_n[1] = row + 1
     if c.tangent == 1:
         set_tangent(c, target, t, shift)
     c.count[MODE] = target
@@ -191,13 +184,50 @@ def _apply_event(c, segment, pending):
         other = c.clock_event[place]
         add_pending(c, t + c.event_delay[other], other, shift)
     carry_sides(c, event if crossing != 0 else -1, resolution, mode, t)
+    return status, segment
+
+
+@internal
+def _apply_reset(c, segment, t):
+    """Write the states after a segment's reset to ``c.after_reset``; ``c.xd`` holds the delayed values then."""
+    read_delayed(c, t, c.y, c.xd, 0)
+    for i in range(c.n):
+        c.after_reset[i] = 0.0
+    call(c.reset, c.segment_reset[segment], t, c.y, c.xd, c.p, c.after_reset)
+
+
+@internal
+def _log_event(c, segment, t):
+    """Write the event that ends a segment to the log, if there is room for it."""
+    row, n = c.log_n[1], c.n
+    if row < c.log_events:
+        c.event_time[row], c.event_segment[row], c.event_arc[row] = t, segment, c.count[ARC] + 1
+        for i in range(n):
+            c.event_before[row * n + i] = c.y[i]
+            c.event_after[row * n + i] = c.after_reset[i]
+        c.log_n[1] = row + 1
+
+
+@internal
+def _find_way_on(c, event, crossing, mode, target, t, resolution):
+    """Return whether the motion goes on from ``c.after_reset``: SLIDING or ZENO where it does not, else REACHED."""
+    _swap_states(c)
+    status = Status.REACHED
     if is_sliding(c, event, crossing, mode, target, t, resolution):
-        c.clock[ZENO_TIME] = t
-        return Status.SLIDING, segment
-    if is_at_rest(c, event, crossing, target, t, resolution):
-        c.clock[ZENO_TIME] = t
-        return Status.ZENO, segment
-    return detect_accumulation(c, event, mode, t), segment
+        c.clock[ZENO_TIME], status = t, Status.SLIDING
+    elif is_at_rest(c, event, crossing, target, t, resolution):
+        c.clock[ZENO_TIME], status = t, Status.ZENO
+    else:
+        status = detect_accumulation(c, event, mode, t)
+    _swap_states(c)
+    return status
+
+
+@internal
+def _swap_states(c):
+    """Exchange the states before and after a reset."""
+    for i in range(c.n):
+        c.y[i], c.after_reset[i] = c.after_reset[i], c.y[i]
 
 
 @internal
@@ -232,21 +262,3 @@ def _is_repelled(c, segment, t):
     c.gradient[0] = 0.0
     call(c.repulsion, c.segment_repulsion[segment], t, c.y, c.xd, c.p, c.gradient)
     return c.gradient[0] > 0.0
-
-
-@internal
-def enter_sticking_mode(c, t_stop):
-    """Go on in the mode that the last event sticks to; return whether there is one.
-
-    The clock is set to the time at which the events accumulate, or to ``t_stop`` if that comes first.
-    """
-    mode = c.stick[c.count[LAST_EVENT]]
-    if mode < 0:
-        return False
-    c.clock[T] = min(c.clock[ZENO_TIME], max(t_stop, c.clock[T]))
-    c.count[MODE] = mode
-    c.count[ARC] += 1
-    c.count[FRESH], c.count[READY] = 1, 0
-    for i in range(1, 4):
-        c.accumulation[4 * c.count[LAST_EVENT] + i] = 0.0
-    return True

@@ -37,6 +37,8 @@ class System(NamedTuple):
         The condition under which both fields point away from a surface after each segment (n_segments,); -1: none.
     segment_opposite
         Of a segment that leaves a surface the first one that leaves it to the other side (n_segments,); -1: others.
+    resting
+        What each segment is where its event accumulates and the motion rests (n_segments,); -1: nothing is said of it.
     crossing_first, crossing_segment
         The segments of mode m that end at event functions: crossing_segment[crossing_first[m]:crossing_first[m + 1]].
         Of alternatives the first stands for all.
@@ -85,6 +87,7 @@ class System(NamedTuple):
     segment_reset: Integers
     segment_to: Integers
     alternatives: Integers
+    resting: Integers
     segment_guard: Integers
     segment_repulsion: Integers
     segment_opposite: Integers
@@ -120,8 +123,6 @@ class ParameterValues(NamedTuple):
         The error allowed in a step, relative and absolute.
     longest
         How much of the past is kept.
-    stick
-        The mode that follows where an event accumulates (n_events,); -1: none.
     """
 
     p: Array
@@ -131,4 +132,3 @@ class ParameterValues(NamedTuple):
     rtol: float
     atol: float
     longest: float
-    stick: Integers
