@@ -6,13 +6,12 @@ from collections.abc import Mapping
 
 import sympy
 
-from pddecont.model.conditions import holds
 from pddecont.model.derived_modes import DerivedModes
 from pddecont.model.evaluation import evaluate
 from pddecont.model.sliding import UndecidedSlidingError
 from pddecont.model.switches import ABOVE, BELOW, ON, Digits
 from pddecont.model.vanishing import measure_terms
-from pddecont.model.ways import Undecided, list_options
+from pddecont.model.ways import Undecided, choose_digits, list_options
 
 # A function this small, relative to the terms it adds, is zero: the motion starts on the surface.
 ROUNDING = 1e-14
@@ -43,12 +42,11 @@ def find_start_mode(derived: DerivedModes, numbers: Numbers) -> str:
                 undecided[k] = list_options(surfaces, k, on_surface=True)
         known[switch.digit] = float(digit)
         digits.append(digit)
-    ways = derived.finder.list_ways(tuple(digits), undecided)
-    way = next((way for way in ways[:-1] if holds(way.guard, numbers)), ways[-1])
+    found = choose_digits(surfaces, tuple(digits), undecided, numbers)
     for k in undecided:
         if surfaces.slides[k]:
-            _check_surface(derived, way.digits, k, numbers)
-    return derived.build(way.digits)
+            _check_surface(derived, found, k, numbers)
+    return derived.build(found)
 
 
 def _check_surface(derived: DerivedModes, digits: Digits, number: int, numbers: Numbers) -> None:

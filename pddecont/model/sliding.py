@@ -42,6 +42,7 @@ class Surfaces:
     slides: tuple[bool, ...]
     _solved: dict[Digits, Values] = field(default_factory=dict, repr=False, compare=False)
     _possible: dict[Digits, bool] = field(default_factory=dict, repr=False, compare=False)
+    _meeting: dict[tuple[int, ...], bool] = field(default_factory=dict, repr=False, compare=False)
 
     def find_values(self, digits: Digits, free: int = -1) -> Values:
         """Return what each digit's symbol stands for: 0, 1, or what keeps the motion on its surface.
@@ -60,11 +61,6 @@ class Surfaces:
 
         They cannot where one of them does not act there, where the surfaces are parallel, or where the laws move the
         motion in the same way.
-
-        Raises
-        ------
-        UndecidedSlidingError
-            If the laws are multiplied, and no linear system decides how a motion slides along all surfaces.
         """
         if ON not in digits:
             return True
@@ -72,17 +68,39 @@ class Surfaces:
             on = tuple(k for k, d in enumerate(digits) if d == ON)
             fixed = {s.digit: FIXED[d] for s, d in zip(self.equations.switches, digits, strict=True) if d != ON}
             matrix = self._find_matrix(on).applyfunc(lambda e: put_in(e, fixed))
-            meet = self._may_meet(on)
-            if meet and matrix.free_symbols & {s.digit for s in self.equations.switches}:
-                names = " and ".join(f"'{self.equations.switches[k].name}'" for k in on)
-                raise UndecidedSlidingError(
-                    f"no linear system decides how a motion slides along {names} at once: their laws are multiplied"
-                )
-            self._possible[digits] = meet and not vanishes(matrix.det(method="berkowitz"))
+            self._possible[digits] = self._may_meet(on) and not vanishes(matrix.det(method="berkowitz"))
         return self._possible[digits]
+
+    def check_linear(self) -> None:
+        """Check that linear systems decide how motions slide along surfaces at once.
+
+        Raises
+        ------
+        UndecidedSlidingError
+            If laws are multiplied: how the digit of one moves a surface depends on another digit.
+        """
+        switches = self.equations.switches
+        sliding = {s.digit: k for k, (s, slides) in enumerate(zip(switches, self.slides, strict=True)) if slides}
+        for number in sliding.values():
+            rate = self._rate_of(number)
+            read = rate.free_symbols & set(sliding)
+            for one in sorted(read, key=sliding.__getitem__):
+                for other in rate.diff(one).free_symbols & read:
+                    on = tuple(sorted({number, sliding[one], sliding[other]}))
+                    if self._may_meet(on):
+                        names = " and ".join(f"'{switches[k].name}'" for k in on)
+                        raise UndecidedSlidingError(
+                            f"no linear system decides how a motion slides along {names} at once: their laws are "
+                            "multiplied"
+                        )
 
     def _may_meet(self, on: tuple[int, ...]) -> bool:
         """Return whether surfaces are independent: parallel ones have no point in common."""
+        if on not in self._meeting:
+            self._meeting[on] = self._find_whether_they_meet(on)
+        return self._meeting[on]
+
+    def _find_whether_they_meet(self, on: tuple[int, ...]) -> bool:
         states = self.equations.states
         slopes = sympy.Matrix([[self.equations.switches[k].argument.diff(x) for x in states] for k in on])
         minors = combinations(range(len(states)), len(on))
@@ -126,7 +144,13 @@ class Surfaces:
 
 
 def find_surfaces(equations: Equations) -> Surfaces:
-    """Return the switching surfaces of equations."""
+    """Return the switching surfaces of equations.
+
+    Raises
+    ------
+    UndecidedSlidingError
+        If the surfaces along which a motion slides do not determine how.
+    """
     rates = tuple(_find_rate(equations, switch) for switch in equations.switches)
     moving = {*equations.states, TIME}
     slides = tuple(
@@ -136,7 +160,9 @@ def find_surfaces(equations: Equations) -> Surfaces:
         and not vanishes_where(sympy.expand(rate.diff(switch.digit)), switch.argument, moving)
         for switch, rate in zip(equations.switches, rates, strict=True)
     )
-    return Surfaces(equations, rates, slides)
+    found = Surfaces(equations, rates, slides)
+    found.check_linear()
+    return found
 
 
 def put_in(expr: sympy.Expr, values: Values) -> sympy.Expr:

@@ -14,7 +14,7 @@ from pddecont.simulate.integrator import (
     ParameterValues,
     Status,
     T,
-    enlarge,
+    fit_returns,
     follow_to_period,
     make_return_buffer,
 )
@@ -87,13 +87,15 @@ def find_attractor(
     simulator: Simulator, values: ParameterValues, state: IntegratorState, settings: ReturnSettings
 ) -> Attractor:
     """Return the attractor that a motion leads to; one with a ``failure`` if it leads to none."""
-    system, n = simulator.system, simulator.system.n
+    n = simulator.system.n
     capacity = max(settings.n_kept, PERIODS_SEEN * settings.max_period + 2) + 1
-    returns = make_return_buffer(system, capacity, settings.max_period)
+    returns = make_return_buffer(simulator.system, capacity, settings.max_period)
     t_end = float(state.clock[T]) + settings.transient
     while True:
+        values, state = simulator.reached.fit(values, state)
+        returns = fit_returns(returns, simulator.system)
         number, period = follow_to_period(
-            system,
+            simulator.system,
             values,
             state,
             simulator.work,
@@ -104,9 +106,9 @@ def find_attractor(
             settings.max_period,
         )
         status = Status(number)
-        if status != Status.CAPACITY:
+        if status not in (Status.CAPACITY, Status.NEW_WAY):
             break
-        state = enlarge(state)
+        state = simulator.make_room(values, state, status)
     n_returns = int(returns.number[0])
     failure = None
     if status not in (Status.SECTION, Status.REACHED):

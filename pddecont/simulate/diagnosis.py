@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from pddecont.codegen import NumericModel, find_non_finite
 from pddecont.simulate.failure import FailureReason, MotionFailure
 from pddecont.simulate.integrator import LAST_EVENT, MODE, ZENO_TIME, IntegratorState, Status, T
+from pddecont.simulate.part_tables import PartTables
 
 Array = NDArray[np.float64]
 # How far ahead a part of the vector field without a value is looked for, relative to the time: from the spacing of
@@ -16,16 +17,16 @@ SHORTEST_AHEAD, LONGEST_AHEAD = -52, -30
 
 
 def diagnose_halt(
-    numeric: NumericModel, state: IntegratorState, status: Status, p: Array, delayed_values: Array
+    numeric: NumericModel, tables: PartTables, state: IntegratorState, status: Status, p: Array, delayed_values: Array
 ) -> MotionFailure:
     """Return why an integration at parameters ``p`` came to a halt; ``delayed_values`` are those read last."""
-    model, t = numeric.model, float(state.clock[T])
-    mode = list(model.modes)[state.count[MODE]]
+    t = float(state.clock[T])
+    mode = list(tables.modes)[state.count[MODE]]
     if status in (Status.ZENO, Status.SLIDING):
-        event = list(model.events)[state.count[LAST_EVENT]]
+        event = list(tables.events)[state.count[LAST_EVENT]]
         reason = FailureReason.ACCUMULATION if status == Status.ZENO else FailureReason.SLIDING
         return MotionFailure(reason, float(state.clock[ZENO_TIME]), event, mode)
-    part = _find_undefined_part(numeric, state, p, delayed_values)
+    part = _find_undefined_part(numeric, mode, state, p, delayed_values)
     if part:
         return MotionFailure(FailureReason.UNDEFINED, t, None, mode, part)
     return MotionFailure(
@@ -33,13 +34,14 @@ def diagnose_halt(
     )
 
 
-def _find_undefined_part(numeric: NumericModel, state: IntegratorState, p: Array, delayed_values: Array) -> str:
+def _find_undefined_part(
+    numeric: NumericModel, mode: str, state: IntegratorState, p: Array, delayed_values: Array
+) -> str:
     """Return which part of the vector field has no finite value here or a short way ahead; empty if there is none.
 
     Ways ahead are tried along the present slope, from rounding up, with the delayed values read last.
     """
     model, n, t = numeric.model, numeric.n_states, float(state.clock[T])
-    mode = list(model.modes)[state.count[MODE]]
     y, xd = state.y[:n, None], delayed_values[:, None]
     named = [(f"{name}' of mode '{mode}'", f) for name, f in zip(model.states, model.modes[mode], strict=True)]
     slope = numeric.mode(mode).value(np.array([t]), y, xd, p)

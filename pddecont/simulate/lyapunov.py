@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from pddecont.simulate.attractors import Attractor
 from pddecont.simulate.failure import MotionFailure
-from pddecont.simulate.integrator import IntegratorState, ParameterValues, Status, enlarge, measure_growth
+from pddecont.simulate.integrator import IntegratorState, ParameterValues, Status, measure_growth
 from pddecont.simulate.simulator import TANGENT_SEED, Simulator
 from pddecont.simulate.snapshot import unpack
 
@@ -78,10 +78,11 @@ def _follow_growth(
     """Write the logarithm of the tangent's growth over each interval to ``logs``; return the state and how it ended."""
     done = np.array([0.0, np.nan])
     while True:
+        values, state = simulator.reached.fit(values, state)
         status = Status(measure_growth(simulator.system, values, state, simulator.work, interval, logs, done))
-        if status != Status.CAPACITY:
+        if status not in (Status.CAPACITY, Status.NEW_WAY):
             return state, status
-        state = enlarge(state)
+        state = simulator.make_room(values, state, status)
 
 
 def _start_tangent(simulator: Simulator, values: ParameterValues, attractor: Attractor) -> IntegratorState:

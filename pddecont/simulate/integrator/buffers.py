@@ -111,6 +111,8 @@ class Workspace(NamedTuple):
     ``stages`` has 16 rows, ``extension`` N_COEFFICIENTS, ``trial`` and ``slope`` 3; ``xd`` and ``xd_slope`` hold the
     delayed values and their slopes (n_pairs + 1,), ``jacobian`` the derivatives of a field or a reset
     (n, n + n_pairs + 1), ``gradient`` those of an event function. ``bernstein`` and ``stack`` have 64 rows of 10 and 4.
+    ``digits`` are those that an event leads to (n_keys,). ``asked`` holds the segment whose way on is not in the tables
+    and 1 if no rule says which it is; then a segment (-1: none) and the way that it has to go (4,).
     """
 
     stages: Array
@@ -127,6 +129,8 @@ class Workspace(NamedTuple):
     found_side: Integers
     bernstein: Array
     stack: Array
+    digits: Integers
+    asked: Integers
 
 
 def make_workspace(system: System) -> Workspace:
@@ -148,4 +152,6 @@ def make_workspace(system: System) -> Workspace:
         np.zeros(len(system.segment_mode) + 1, np.int64),
         np.zeros(640),
         np.zeros(256),
+        np.zeros(system.n_keys, np.int64),
+        np.full(4, -1, np.int64),
     )

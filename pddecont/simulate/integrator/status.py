@@ -17,3 +17,4 @@ class Status(IntEnum):
     SLIDING = 6  # both vector fields point at the surface of an event
     STEP_TOO_SMALL = 7  # no step that time can resolve meets the tolerances
     NOT_FINITE = 8  # the solution or its slope is infinite or NaN
+    NEW_WAY = 9  # an event leads to where the tables have nothing yet: call again with larger ones

@@ -1,0 +1,303 @@
+"""The modes, events, resets and segments that motions have reached, by number, as the compiled integrator has them.
+
+Numbers stay as they are while more is added. A model whose modes are all built has all of them in its own order from
+the start.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+import numpy as np
+import sympy
+from numpy.typing import NDArray
+
+from pddecont.codegen import ModelFunctions, write_rule
+from pddecont.model import (
+    Digits,
+    Ending,
+    Form,
+    Model,
+    Segment,
+    find_event_form,
+    find_field_form,
+    find_reset_form,
+    find_way,
+    list_clocks,
+    list_endings,
+    list_held,
+    list_shared_forms,
+)
+
+Integers = NDArray[np.int64]
+DIRECTIONS = {"rising": 1, "falling": -1, "any": 0}
+# What stands for a mode that is not in the tables, and for no further way.
+MISSING = -1
+
+
+@dataclass
+class Lists:
+    """Lists one after the other: where each begins, and all their members."""
+
+    first: list[int] = field(default_factory=lambda: [0])
+    members: list[int] = field(default_factory=list)
+
+    def append(self, numbers: Iterable[int]) -> None:
+        """Add a list."""
+        self.members += numbers
+        self.first.append(len(self.members))
+
+
+@dataclass
+class _Decisions:
+    """What decides digits, as the integrator reads it: see :class:`System`."""
+
+    option_first: list[int] = field(default_factory=list)
+    option_end: list[int] = field(default_factory=list)
+    is_open: list[int] = field(default_factory=list)
+    number_first: list[int] = field(default_factory=list)
+    numbers: list[int] = field(default_factory=list)
+    size: list[int] = field(default_factory=list)
+    digit_first: list[int] = field(default_factory=list)
+    digits: list[int] = field(default_factory=list)
+    rules: list[tuple[sympy.Expr, ...] | None] = field(default_factory=list)
+
+    def add(self, ending: Ending) -> tuple[int, int]:
+        """Add the decisions of an ending; return where they begin and end."""
+        first = len(self.size)
+        for decision in ending.decisions:
+            self.option_first.append(len(self.rules))
+            last = len(decision.options) - 1
+            for i, rule in enumerate(decision.rules):
+                # The last holds where no other does.
+                self.rules.append(None if i == last and not decision.is_open else write_rule(rule))
+                self.digit_first.append(len(self.digits))
+                self.digits += decision.options[i]
+            self.option_end.append(len(self.rules))
+            self.is_open.append(int(decision.is_open))
+            self.number_first.append(len(self.numbers))
+            self.numbers += decision.numbers
+            self.size.append(len(decision.numbers))
+        return first, len(self.size)
+
+
+class PartTables:
+    """A model's parts by number, and their tables for the integrator, named as in :class:`System`.
+
+    ``section`` is one more event function, numbered after the model's own.
+    """
+
+    def __init__(self, model: Model, functions: ModelFunctions, section: sympy.Expr | None = None) -> None:
+        self.model, self.functions, self.section = model, functions, section
+        self.n_keys = max(1, len(functions.digits))
+        self.modes: dict[str, int] = {}
+        self.events: dict[str, int] = {}
+        self.resets: dict[str, int] = {}
+        self.segments: dict[str, int] = {}
+        self.endings: dict[int, Ending] = {}
+        self._forms: dict[str, list[Form]] = {"fields": [], "events": [], "resets": []}
+        self._segment: dict[str, list[int]] = {
+            name: []
+            for name in ("mode", "event", "direction", "reset", "to", "decision_first", "decision_end", "next_way")
+        }
+        self._leader_digits: list[int] = []
+        self._way_digits: list[int] = []
+        self._waiting: dict[str, list[int]] = {}
+        self._crossing, self._ending, self._held, self._clock = Lists(), Lists(), Lists(), Lists()
+        self._decisions = _Decisions()
+        self._last_way: dict[int, int] = {}
+        for event in model.events:
+            self.add_event(event)
+        if self.builds_all:
+            self.modes = {mode: number for number, mode in enumerate(model.modes)}
+            for segment in model.segments.values():
+                self._number_segment(segment)
+        for mode in list(model.modes) if self.builds_all else [model.initial_mode]:
+            self._fill_mode(mode)
+
+    @property
+    def builds_all(self) -> bool:
+        """Whether all parts of the model are in the tables."""
+        return self.model.derived is None or self.model.derived.builds_all
+
+    @property
+    def size(self) -> tuple[int, int, int]:
+        """How many modes, events and segments there are: tables that have not grown are as they were."""
+        return len(self.modes), len(self.events), len(self.segments)
+
+    def add_mode(self, mode: str) -> int:
+        """Add a mode, unless it is there, and what ends it; return its number."""
+        if mode not in self.modes:
+            self._fill_mode(mode)
+        return self.modes[mode]
+
+    def _fill_mode(self, mode: str) -> None:
+        number = self.modes.setdefault(mode, len(self.modes))
+        self._forms["fields"].append(find_field_form(self.model, mode))
+        self._held.append([self.add_event(event) for event in list_held(self.model, mode)])
+        leaders = [self._add_ending(ending) for ending in list_endings(self.model, mode)]
+        self._ending.append(leaders)
+        events = [self.model.events[self.endings[leader].segment.event] for leader in leaders]
+        self._crossing.append(k for k, event in zip(leaders, events, strict=True) if event.function is not None)
+        for segment in self._waiting.pop(mode, ()):
+            self._segment["to"][segment] = number
+
+    def add_way(self, leader: int, digits: Digits) -> int:
+        """Add the segment of an ending after which some digits hold, and the mode that it leads to."""
+        segment = find_way(self.model, self.endings[leader], digits)
+        number = self.segments.get(segment.name)
+        if number is None:
+            number = self._add_segment(segment, digits)
+            self._segment["next_way"][self._last_way[leader]] = number
+            self._last_way[leader] = number
+        self.add_mode(segment.to)
+        return number
+
+    def add_event(self, event: str) -> int:
+        """Add an event, unless it is there; return its number."""
+        if event not in self.events:
+            self.events[event] = len(self.events)
+            self._forms["events"].append(find_event_form(self.model, event))
+        return self.events[event]
+
+    def _add_reset(self, reset: str) -> int:
+        if reset not in self.resets:
+            self.resets[reset] = len(self.resets)
+            self._forms["resets"].append(find_reset_form(self.model, reset))
+        return self.resets[reset]
+
+    def _add_ending(self, ending: Ending) -> int:
+        """Add an ending with its first way, or with all where all are built; return its number."""
+        every = list(ending.list_digits()) if self.builds_all else [next(ending.list_digits())]
+        numbers = [self._add_segment(find_way(self.model, ending, digits), digits) for digits in every]
+        leader = numbers[0]
+        for this, following in zip(numbers, numbers[1:], strict=False):
+            self._segment["next_way"][this] = following
+        self._last_way[leader], self.endings[leader] = numbers[-1], ending
+        first, end = self._decisions.add(ending)
+        self._segment["decision_first"][leader], self._segment["decision_end"][leader] = first, end
+        self._leader_digits[leader * self.n_keys : (leader + 1) * self.n_keys] = self._pad(ending.after)
+        return leader
+
+    def _add_segment(self, segment: Segment, digits: Digits) -> int:
+        """Add a segment, unless it is there, after which some digits hold; return its number."""
+        number = self.segments.get(segment.name)
+        number = self._number_segment(segment) if number is None else number
+        self._way_digits[number * self.n_keys : (number + 1) * self.n_keys] = self._pad(digits)
+        return number
+
+    def _number_segment(self, segment: Segment) -> int:
+        number = self.segments[segment.name] = len(self.segments)
+        row = {
+            "mode": self.modes[segment.mode],
+            "event": self.add_event(segment.event),
+            "direction": DIRECTIONS[segment.direction],
+            "reset": self._add_reset(segment.reset),
+            "to": self.modes.get(segment.to, MISSING),
+            "decision_first": 0,
+            "decision_end": 0,
+            "next_way": MISSING,
+        }
+        for name, value in row.items():
+            self._segment[name].append(value)
+        if segment.to not in self.modes:
+            self._waiting.setdefault(segment.to, []).append(number)
+        self._way_digits += self._pad(())
+        self._leader_digits += self._pad(())
+        return number
+
+    def _pad(self, digits: Digits) -> Digits:
+        return digits or (0,) * self.n_keys
+
+    def make_tables(self, *, with_jacobians: bool, tangent: bool) -> dict[str, Integers]:
+        """Return the tables; machine code is made of what has none."""
+        with self.functions.lock:
+            self._add_functions()
+        kinds = {"field": with_jacobians, "event": True, "reset": tangent}
+        tables: dict[str, Integers] = {}
+        for kind, needed in kinds.items():
+            tables |= self._find_addresses(kind, jacobian=needed)
+        decisions = self._decisions
+        rules = self._find_rules()
+        clocks = self._list_clocks()
+        delayed = set(self.model.delayed_symbols)
+        names = list(self.events)
+        after = [0 if self.model.events[name].after else -1 for name in names]
+        reads = [any(delayed & e.free_symbols for e in form.exprs) for form in self._list_event_forms()]
+        return tables | {
+            **{f"segment_{name}": integers(values) for name, values in self._segment.items()},
+            **{
+                f"{name}_{part}": integers(numbers)
+                for name, lists, members in (
+                    ("crossing", self._crossing, "segment"),
+                    ("ending", self._ending, "segment"),
+                    ("held", self._held, "event"),
+                    ("clock", clocks, "event"),
+                )
+                for part, numbers in (("first", lists.first), (members, lists.members))
+            },
+            "leader_digits": integers(self._leader_digits),
+            "way_digits": integers(self._way_digits),
+            "option_first": integers(decisions.option_first),
+            "option_end": integers(decisions.option_end),
+            "is_open": integers(decisions.is_open),
+            "number_first": integers(decisions.number_first),
+            "decision_size": integers(decisions.size),
+            "decided": integers(decisions.numbers),
+            "digit_first": integers(decisions.digit_first),
+            "decided_digit": integers(decisions.digits),
+            "rule": rules[0],
+            "rule_case": rules[1],
+            "after": integers([*after, *([] if self.section is None else [-1])]),
+            "reads": integers(reads),
+        }
+
+    def _list_event_forms(self) -> list[Form]:
+        return [*self._forms["events"], *([] if self.section is None else [Form((self.section,))])]
+
+    def _add_functions(self) -> None:
+        """Add what has no machine code yet, with what other modes like these will need too."""
+        functions = self.functions
+        shared = [list_shared_forms(self.model, mode) for mode in self.modes] if not self.builds_all else []
+        functions.fields.add(form.exprs for form in self._forms["fields"])
+        events = [*self._list_event_forms(), *(form for events, _, _ in shared for form in events)]
+        functions.events.add(form.exprs for form in events)
+        resets = [*self._forms["resets"], *(form for _, resets, _ in shared for form in resets)]
+        functions.resets.add(form.exprs for form in resets)
+        rules = [rule for rule in self._decisions.rules if rule is not None]
+        functions.rules.add([*rules, *(write_rule(rule) for _, _, rules in shared for rule in rules)])
+
+    def _find_addresses(self, kind: str, *, jacobian: bool) -> dict[str, Integers]:
+        pages = getattr(self.functions, f"{kind}s")
+        forms = self._list_event_forms() if kind == "event" else self._forms[f"{kind}s"]
+        places = [pages.find_place(form.exprs) for form in forms]
+        values = pages.list_addresses("value")
+        slopes = pages.list_addresses("jacobian") if jacobian else [0] * len(values)
+        shift = len(self.functions.digits)
+        return {
+            kind: integers(values[page] for page, _ in places),
+            f"{kind}_jacobian": integers(slopes[page] for page, _ in places),
+            f"{kind}_case": integers(
+                which << shift | form.bits for (_, which), form in zip(places, forms, strict=True)
+            ),
+        }
+
+    def _find_rules(self) -> tuple[Integers, Integers]:
+        pages, shift = self.functions.rules, len(self.functions.digits)
+        addresses = pages.list_addresses("value")
+        places = [(0, 0) if rule is None else pages.find_place(rule) for rule in self._decisions.rules]
+        return integers(addresses[page] if addresses else 0 for page, _ in places), integers(
+            which << shift for _, which in places
+        )
+
+    def _list_clocks(self) -> Lists:
+        found = Lists()
+        for event in self.events:
+            found.append(self.events[other] for other in list_clocks(self.model, event))
+        return found
+
+
+def integers(numbers: Iterable[int]) -> Integers:
+    """Return whole numbers as an array."""
+    return np.array(list(numbers), dtype=np.int64)
