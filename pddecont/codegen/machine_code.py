@@ -138,6 +138,7 @@ class ModelFunctions:
         return code.address
 
 
+@cache
 def write_rule(rule: Boolean) -> Exprs:
     """Return a condition as a number that is 1 where it holds and 0 elsewhere."""
     return (sympy.Piecewise((1, rule), (0, True)),)

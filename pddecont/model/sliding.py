@@ -12,14 +12,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from itertools import combinations
 
 import sympy
 
 from pddecont.errors import PddecontError
 from pddecont.model.expression import TIME
 from pddecont.model.switches import ABOVE, BELOW, ON, Digits, Equations, Switch
-from pddecont.model.vanishing import vanishes, vanishes_where
+from pddecont.model.vanishing import find_rank, vanishes, vanishes_where
 
 Values = Mapping[sympy.Symbol, sympy.Expr]
 FIXED: Mapping[int, sympy.Expr] = {BELOW: sympy.S.Zero, ABOVE: sympy.S.One}
@@ -101,10 +100,9 @@ class Surfaces:
         return self._meeting[on]
 
     def _find_whether_they_meet(self, on: tuple[int, ...]) -> bool:
-        states = self.equations.states
-        slopes = sympy.Matrix([[self.equations.switches[k].argument.diff(x) for x in states] for k in on])
-        minors = combinations(range(len(states)), len(on))
-        return any(not vanishes(slopes[:, list(columns)].det(method="berkowitz")) for columns in minors)
+        arguments = [self.equations.switches[k].argument for k in on]
+        slopes = [[u.diff(x) for x in self.equations.states] for u in arguments]
+        return find_rank(slopes) == len(on)
 
     def find_rate(self, number: int, digits: Digits, value: sympy.Expr) -> sympy.Expr:
         """Return du/dt of a switch with the digit ``value``, the others having ``digits``."""

@@ -78,10 +78,10 @@ class WayFinder:
         """Return the decision on digits that hang together; options that the other digits rule out are left out."""
         options = self._list_possible(after, undecided, own)
         kept = _open_all(after, undecided)
-        key = kept, tuple(own.items()), options
+        key = kept, tuple(own.items()), tuple(after[k] for k in own), options
         if key not in self._rules:
             changed = [_replace(kept, dict(zip(own, chosen, strict=True))) for chosen in options]
-            self._rules[key] = _list_rules(self.surfaces, changed, kept, own)
+            self._rules[key] = _list_rules(self.surfaces, changed, after, own)
         rules, known = self._rules[key], _replace(after, dict.fromkeys(undecided, OPEN))
         left = [(o, r) for o, r in zip(options, rules, strict=True) if self._put_in(r, known) != sympy.false]
         return Decision(tuple(own), tuple(o for o, _ in left), tuple(r for _, r in left))

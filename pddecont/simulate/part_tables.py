@@ -82,6 +82,22 @@ class _Decisions:
         return first, len(self.size)
 
 
+@dataclass
+class _Shared:
+    """Functions and conditions that modes like those reached have too."""
+
+    events: list[Form] = field(default_factory=list)
+    resets: list[Form] = field(default_factory=list)
+    rules: list[tuple[sympy.Expr, ...]] = field(default_factory=list)
+
+    def add(self, model: Model, mode: str) -> None:
+        """Add those of modes like one."""
+        events, resets, rules = list_shared_forms(model, mode)
+        self.events += events
+        self.resets += resets
+        self.rules += map(write_rule, rules)
+
+
 class PartTables:
     """A model's parts by number, and their tables for the integrator, named as in :class:`System`.
 
@@ -107,6 +123,7 @@ class PartTables:
         self._crossing, self._ending, self._held, self._clock = Lists(), Lists(), Lists(), Lists()
         self._decisions = _Decisions()
         self._last_way: dict[int, int] = {}
+        self._n_shared = 0
         for event in model.events:
             self.add_event(event)
         if self.builds_all:
@@ -257,16 +274,15 @@ class PartTables:
         return [*self._forms["events"], *([] if self.section is None else [Form((self.section,))])]
 
     def _add_functions(self) -> None:
-        """Add what has no machine code yet, with what other modes like these will need too."""
-        functions = self.functions
-        shared = [list_shared_forms(self.model, mode) for mode in self.modes] if not self.builds_all else []
+        """Add what has no machine code yet, with what other modes that slide along the same surfaces will need too."""
+        functions, shared = self.functions, _Shared()
+        for mode in () if self.builds_all else list(self.modes)[self._n_shared :]:
+            shared.add(self.model, mode)
+        self._n_shared = len(self.modes)
         functions.fields.add(form.exprs for form in self._forms["fields"])
-        events = [*self._list_event_forms(), *(form for events, _, _ in shared for form in events)]
-        functions.events.add(form.exprs for form in events)
-        resets = [*self._forms["resets"], *(form for _, resets, _ in shared for form in resets)]
-        functions.resets.add(form.exprs for form in resets)
-        rules = [rule for rule in self._decisions.rules if rule is not None]
-        functions.rules.add([*rules, *(write_rule(rule) for _, _, rules in shared for rule in rules)])
+        functions.events.add(form.exprs for form in [*self._list_event_forms(), *shared.events])
+        functions.resets.add(form.exprs for form in [*self._forms["resets"], *shared.resets])
+        functions.rules.add([*(rule for rule in self._decisions.rules if rule is not None), *shared.rules])
 
     def _find_addresses(self, kind: str, *, jacobian: bool) -> dict[str, Integers]:
         pages = getattr(self.functions, f"{kind}s")

@@ -62,12 +62,15 @@ class ReachedSystem:
 
     def fit(self, values: ParameterValues, state: IntegratorState) -> tuple[ParameterValues, IntegratorState]:
         """Return the numbers at some parameters and the state of an integration with the size of the tables."""
-        system = self.system
-        values = fit_values(values, self.numeric, self.tables, self.method)
-        return values, fit_state(state, system, values)
+        values = self.fit_values(values)
+        return values, fit_state(state, self.system, values)
 
-    def add_way(self, values: ParameterValues, t: float) -> None:
-        """Add what the integrator asked for at the time ``t``: where the segment leads that it came to the end of."""
+    def fit_values(self, values: ParameterValues) -> ParameterValues:
+        """Return the numbers at some parameters with those of all events in the tables."""
+        return fit_values(values, self.numeric, self.tables, self.method)
+
+    def add_way(self, values: ParameterValues) -> None:
+        """Add what the integrator asked for: where the segment leads that it came to the end of."""
         work = self.work
         leader, undecided = int(work.asked[0]), bool(work.asked[1])
         if not undecided:
@@ -75,9 +78,9 @@ class ReachedSystem:
             return
         model, n = self.numeric.model, self.numeric.n_states
         assert model.derived is not None, "conditions of a model by hand always decide"
-        numbers: dict[sympy.Symbol, float] = {TIME: t}
+        numbers: dict[sympy.Symbol, float] = {TIME: float(work.landing[0])}
         numbers |= dict(zip(model.parameter_symbols, values.p.tolist(), strict=True))
-        numbers |= dict(zip(model.state_symbols, work.after_reset[:n].tolist(), strict=True))
+        numbers |= dict(zip(model.state_symbols, work.landing[1 : n + 1].tolist(), strict=True))
         numbers |= dict(zip(model.delayed_symbols, work.xd[: len(model.delayed)].tolist(), strict=True))
         way = self.tables.add_way(leader, model.derived.choose(self.tables.endings[leader], numbers))
         self.work.asked[2:] = leader, way

@@ -232,7 +232,7 @@ class Simulator:
         """Return the state of an integration that came back for want of capacity, or of a mode, to be called again."""
         if status == Status.CAPACITY:
             return enlarge(state)
-        self.reached.add_way(values, float(state.clock[T]))
+        self.reached.add_way(values)
         return self.reached.fit(values, state)[1]
 
     def diagnose(self, state: IntegratorState, status: Status, p: Array) -> MotionFailure:

@@ -29,7 +29,7 @@ Core = namedtuple(
     pending_event pending_shift breaking_time breaking_level accumulation segment_counts side residue next_step resume
     log_steps log_events log_n log_time log_length log_end log_mode log_arc log_value log_coefficients event_time
     event_segment event_arc event_before event_after stages extension trial slope xd xd_slope jacobian gradient
-    after_reset crossing passed found_side bernstein stack digits asked
+    after_reset crossing passed found_side bernstein stack digits asked landing
 """,
 )
 
@@ -163,4 +163,5 @@ def make_core(system, values, state, log, work):
         pointer(work.stack),
         pointer(work.digits),
         pointer(work.asked),
+        pointer(work.landing),
     )

@@ -13,7 +13,7 @@ def choose_way(c, segment, t, y):
     """Return the segment that one turns out to be where the states after its reset are ``y``.
 
     ``c.xd`` holds the delayed values. It is -1 where no rule decides, or where the tables do not hold the segment or
-    its mode yet; ``c.digits`` and ``c.asked`` then say what is missing.
+    its mode yet; ``c.digits``, ``c.asked`` and ``c.landing`` then say what is missing.
     """
     if c.asked[2] == segment:
         c.asked[2] = -1
@@ -25,6 +25,9 @@ def choose_way(c, segment, t, y):
         option = _choose_option(c, decision, t, y)
         if option < 0:
             c.asked[1] = 1
+            c.landing[0] = t
+            for i in range(c.n):
+                c.landing[i + 1] = y[i]
             return -1
         for i in range(c.decision_size[decision]):
             c.digits[c.decided[c.number_first[decision] + i]] = c.decided_digit[c.digit_first[option] + i]
