@@ -10,9 +10,9 @@ from .document import KeyPath as KeyPath
 from .document import decode as decode
 from .document import parse_document as parse_document
 from .document import read_text as read_text
+from .effects import leave_out_effects as leave_out_effects
 from .endings import Crossing as Crossing
 from .endings import Ending as Ending
-from .effects import leave_out_effects as leave_out_effects
 from .evaluation import FUNCTIONS as FUNCTIONS
 from .expansion import expand_model as expand_model
 from .expansion import write_condition as write_condition
@@ -37,6 +37,7 @@ from .starts import explain_start_beyond_event as explain_start_beyond_event
 from .switches import ABOVE as ABOVE
 from .switches import BELOW as BELOW
 from .switches import ON as ON
+from .switches import WORDS as WORDS
 from .switches import Digits as Digits
 from .syntax import ExpressionError as ExpressionError
 from .system import DelayedValue as DelayedValue
@@ -47,10 +48,10 @@ from .transitions import find_event_form as find_event_form
 from .transitions import find_field_form as find_field_form
 from .transitions import find_reset_form as find_reset_form
 from .transitions import find_return as find_return
+from .transitions import find_way as find_way
 from .transitions import list_alternatives as list_alternatives
 from .transitions import list_carriers as list_carriers
 from .transitions import list_clocks as list_clocks
-from .transitions import find_way as find_way
 from .transitions import list_endings as list_endings
 from .transitions import list_held as list_held
 from .transitions import list_leaders as list_leaders

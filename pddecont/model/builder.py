@@ -42,9 +42,7 @@ from pddecont.model.validation import validate
 
 Exprs = tuple[sympy.Expr, ...]
 # Modes, events, resets, segments, and what they were made of.
-Parts = tuple[
-    Mapping[str, Exprs], Mapping[str, Event], Mapping[str, Exprs], Mapping[str, Segment], DerivedModes | None
-]
+Parts = tuple[Mapping[str, Exprs], Mapping[str, Event], Mapping[str, Exprs], Mapping[str, Segment], DerivedModes | None]
 
 
 def load_model(path: str) -> tuple[Model, list[Problem]]:

@@ -118,10 +118,22 @@ class DerivedModes:
 
     def build_all(self) -> None:
         """Build all modes, if they are few."""
+        for digits in self._list_every() if self.builds_all else ():
+            self.build(digits)
+
+    def _list_every(self) -> Iterator[Digits]:
         options = ((BELOW, ABOVE, ON) if slides else (BELOW, ABOVE) for slides in self.surfaces.slides)
-        for digits in product(*options) if self.builds_all else ():
-            if self.surfaces.may_slide(digits):
-                self.build(digits)
+        return (digits for digits in product(*options) if self.surfaces.may_slide(digits))
+
+    def build_every(self, most: int) -> bool:
+        """Build all modes with all their segments; return whether there are no more than ``most``."""
+        if self.n_modes > most:
+            return False
+        for digits in self._list_every():
+            for ending in self.list_endings(self.build(digits)):
+                for after in ending.list_digits():
+                    self.make_segment(ending, after)
+        return True
 
     def build(self, digits: Digits) -> str:
         """Build the mode with some digits and what ends it, unless that is done; return its name."""
@@ -228,7 +240,8 @@ class DerivedModes:
         bodies = [equations.field, *(jump.reset for jump in equations.jumps)]
         found = []
         for i in range(len(equations.states)):
-            exprs, seen = [body[i] for body in bodies], set()
+            exprs = [body[i] for body in bodies]
+            seen: set[sympy.Symbol] = set()
             for expr in exprs:
                 for k, switch in enumerate(equations.switches):
                     rate = rates[k]
@@ -263,6 +276,11 @@ class DerivedModes:
     def keep_states(self, kept: Sequence[int]) -> DerivedModes:
         """Return the same with these states alone; nothing that is left reads the others."""
         return make_modes_of(replace(self.surfaces, equations=self.equations.keep_states(kept)))
+
+    def has_ending(self, written: str) -> bool:
+        """Return whether a segment has this name, whatever it leads to."""
+        modes = (self.equations.name_mode(digits) for digits in list_written_digits(self.equations, written))
+        return any(ending.segment.name == written for mode in modes for ending in self.list_endings(mode))
 
     def find_crossing(self, segment: Segment) -> Crossing | None:
         """Return what a segment does with a switch; None for jumps."""

@@ -75,6 +75,12 @@ class Model:
         """Return the segments that run in a mode, in declared order."""
         return self._segments_by_mode.get(mode, ()) if self.derived is None else tuple(self.derived.list_segments(mode))
 
+    def has_segment(self, name: str) -> bool:
+        """Return whether a segment has a name, with or without the mode that it leads to."""
+        if name in self.segments:
+            return True
+        return name in self._ways if self.derived is None else self.derived.has_ending(name)
+
     def list_ways(self, segment: Segment) -> tuple[Segment, ...]:
         """Return the segments that one with a condition may be: those of one name in the file."""
         return self._ways[segment.written] if self.derived is None else self.derived.list_ways(segment)

@@ -176,6 +176,8 @@ def _list_rules(
 
 def _replace(digits: Digits, changes: Mapping[int, int]) -> Digits:
     return tuple(changes.get(k, digit) for k, digit in enumerate(digits))
+
+
 def _find_condition(surfaces: Surfaces, digits: Digits, number: int, undecided: Undecided, before: int) -> Boolean:
     """Return the condition under which a switch has its digit, where the others have theirs."""
     switch, digit = surfaces.equations.switches[number], digits[number]

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from pddecont.simulate.attractors import Attractor
 from pddecont.simulate.failure import MotionFailure
 from pddecont.simulate.integrator import IntegratorState, ParameterValues, Status, measure_growth
+from pddecont.simulate.motion_row import unpack_motion
 from pddecont.simulate.simulator import TANGENT_SEED, Simulator
-from pddecont.simulate.snapshot import unpack
 
 # Intervals over which the growth of a tangent is taken: enough for a slope with an uncertainty, and a bound on memory.
 INTERVALS, MAX_INTERVALS = 200, 1_000_000
@@ -87,6 +87,6 @@ def _follow_growth(
 
 def _start_tangent(simulator: Simulator, values: ParameterValues, attractor: Attractor) -> IntegratorState:
     """Return the integration at the last return of an attractor, with a tangent in a direction of no meaning."""
-    state = unpack(simulator.system, values, attractor.packed_state)
+    state = unpack_motion(simulator.reached, values, attractor.packed_state)
     state.y[simulator.system.n_full :] = np.random.default_rng(TANGENT_SEED).standard_normal(simulator.system.n_full)
     return state

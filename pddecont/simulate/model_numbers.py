@@ -84,9 +84,7 @@ def make_values(
     )
 
 
-def fit_values(
-    values: ParameterValues, numeric: NumericModel, tables: PartTables, method: Method
-) -> ParameterValues:
+def fit_values(values: ParameterValues, numeric: NumericModel, tables: PartTables, method: Method) -> ParameterValues:
     """Return the model's numbers with those of events that are new in its tables."""
     if len(values.event_delay) == len(tables.events) + (tables.section is not None):
         return values

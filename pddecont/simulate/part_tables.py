@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 import sympy
@@ -112,6 +113,7 @@ class PartTables:
         self.resets: dict[str, int] = {}
         self.segments: dict[str, int] = {}
         self.endings: dict[int, Ending] = {}
+        self._leaders: dict[tuple[str, str], int] = {}
         self._forms: dict[str, list[Form]] = {"fields": [], "events": [], "resets": []}
         self._segment: dict[str, list[int]] = {
             name: []
@@ -124,8 +126,11 @@ class PartTables:
         self._decisions = _Decisions()
         self._last_way: dict[int, int] = {}
         self._n_shared = 0
-        for event in model.events:
-            self.add_event(event)
+        # What was added, in order: a mode (-1, its digits), or a way of a segment (its number, the digits after it).
+        self.steps: list[tuple[int, Digits]] = []
+        for event in model.events.values():
+            if self.builds_all or event.after is not None:
+                self.add_event(event.name)
         if self.builds_all:
             self.modes = {mode: number for number, mode in enumerate(model.modes)}
             for segment in model.segments.values():
@@ -146,8 +151,41 @@ class PartTables:
     def add_mode(self, mode: str) -> int:
         """Add a mode, unless it is there, and what ends it; return its number."""
         if mode not in self.modes:
+            derived = self.model.derived
+            self.steps.append((MISSING, (None if derived is None else derived.find_digits(mode)) or ()))
             self._fill_mode(mode)
         return self.modes[mode]
+
+    def repeat(self, leader: int, digits: Digits) -> None:
+        """Add what a member of :attr:`steps` says.
+
+        Raises
+        ------
+        KeyError
+            If there is no such mode or segment.
+        """
+        derived = self.model.derived
+        assert derived is not None, "models by hand have all their modes in the tables"
+        if len(digits) != len(derived.equations.switches) or not set(digits) <= {0, 1, 2}:
+            raise KeyError(digits)
+        mode = derived.equations.name_mode(digits)
+        if derived.find_digits(mode) is None or (leader != MISSING and leader not in self.endings):
+            raise KeyError(mode)
+        if leader == MISSING:
+            self.add_mode(mode)
+        elif self.endings[leader].may_lead_to(digits):
+            self.add_way(leader, digits)
+        else:
+            raise KeyError(mode)
+
+    def add_from(self, other: PartTables) -> None:
+        """Add all that is in other tables of the model."""
+        for mode in other.modes:
+            self.add_mode(mode)
+        for leader, digits in other.steps:
+            if leader != MISSING:
+                ending = other.endings[leader].segment
+                self.add_way(self._leaders[ending.mode, ending.name], digits)
 
     def _fill_mode(self, mode: str) -> None:
         number = self.modes.setdefault(mode, len(self.modes))
@@ -164,6 +202,7 @@ class PartTables:
         """Add the segment of an ending after which some digits hold, and the mode that it leads to."""
         segment = find_way(self.model, self.endings[leader], digits)
         number = self.segments.get(segment.name)
+        self.steps.append((leader, digits))
         if number is None:
             number = self._add_segment(segment, digits)
             self._segment["next_way"][self._last_way[leader]] = number
@@ -189,9 +228,10 @@ class PartTables:
         every = list(ending.list_digits()) if self.builds_all else [next(ending.list_digits())]
         numbers = [self._add_segment(find_way(self.model, ending, digits), digits) for digits in every]
         leader = numbers[0]
-        for this, following in zip(numbers, numbers[1:], strict=False):
+        for this, following in pairwise(numbers):
             self._segment["next_way"][this] = following
         self._last_way[leader], self.endings[leader] = numbers[-1], ending
+        self._leaders[ending.segment.mode, ending.segment.name] = leader
         first, end = self._decisions.add(ending)
         self._segment["decision_first"][leader], self._segment["decision_end"][leader] = first, end
         self._leader_digits[leader * self.n_keys : (leader + 1) * self.n_keys] = self._pad(ending.after)

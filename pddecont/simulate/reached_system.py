@@ -35,7 +35,8 @@ class ReachedSystem:
         *,
         tangent: bool,
     ) -> None:
-        self.numeric, self.delay, self.method, self.section = numeric, delay, method, section
+        self.numeric, self.functions, self.delay = numeric, functions, delay
+        self.method, self.section = method, section
         self.tangent = tangent
         self.tables = PartTables(numeric.model, functions, section.expr)
         if section.event is not None:
@@ -59,6 +60,12 @@ class ReachedSystem:
     def work(self) -> Workspace:
         """The arrays for intermediate results."""
         return self._work if self._size == self.tables.size else self._fit_work()
+
+    def make_another(self) -> ReachedSystem:
+        """Return the same as it was before anything was reached."""
+        return ReachedSystem(
+            self.numeric, self.functions, self.delay, self.method, self.section, tangent=bool(self.tangent)
+        )
 
     def fit(self, values: ParameterValues, state: IntegratorState) -> tuple[ParameterValues, IntegratorState]:
         """Return the numbers at some parameters and the state of an integration with the size of the tables."""
@@ -90,6 +97,4 @@ class ReachedSystem:
         return self._work
 
     def _make_system(self) -> System:
-        return make_system(
-            self.numeric, self.tables, self.delay, self.method, self.section, tangent=self.tangent
-        )
+        return make_system(self.numeric, self.tables, self.delay, self.method, self.section, tangent=self.tangent)

@@ -87,9 +87,7 @@ class Simulator:
     @cached_property
     def reached(self) -> ReachedSystem:
         """The model in the integrator's numbers, as far as motions have come."""
-        return ReachedSystem(
-            self.numeric, self.functions, self.delay, self.method, self.section, tangent=self.tangent
-        )
+        return ReachedSystem(self.numeric, self.functions, self.delay, self.method, self.section, tangent=self.tangent)
 
     @property
     def tables(self) -> PartTables:

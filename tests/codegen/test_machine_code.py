@@ -12,7 +12,9 @@ import sympy
 
 from pddecont.codegen import ModelFunctions, NumericModel, machine_code
 from pddecont.codegen.machine_code import load_machine_code, write_machine_source
+from pddecont.delay import Direct
 from pddecont.model import load_model
+from pddecont.simulate import Simulator
 from tests.conftest import MODELS, ROOT, all_derivatives, numeric_from
 
 POINTER = ctypes.POINTER(ctypes.c_double)
@@ -146,7 +148,9 @@ SECOND = """
 import numpy as np
 from pddecont.delay import Direct
 from pddecont.codegen import NumericModel
+from pddecont.delay import Direct
 from pddecont.model import load_model
+from pddecont.simulate import Simulator
 from pddecont.simulate import simulate
 from pddecont.simulate.integrator.advance import run
 numeric = NumericModel(load_model("models/impact_oscillator.yaml")[0])

@@ -10,8 +10,8 @@ from pddecont.simulate.integrator.event_sides import carry_sides
 from pddecont.simulate.integrator.history import read_delayed, time_tolerance
 from pddecont.simulate.integrator.state import ARC, FRESH, LAST_EVENT, MODE, N_PENDING, READY, SHIFT, ZENO_TIME, T
 from pddecont.simulate.integrator.status import Status
-from pddecont.simulate.integrator.ways import choose_way
 from pddecont.simulate.integrator.variational import find_event_shift, map_tangent, set_tangent
+from pddecont.simulate.integrator.ways import choose_way
 
 
 @internal
