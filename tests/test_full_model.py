@@ -60,9 +60,7 @@ def generated(model, monkeypatch):
     arrays = [f._source(key) for f in made for key in (None, free)]
     nothing = type("Nothing", (), {"address": 0})
     monkeypatch.setattr(machine_code, "load_machine_code", lambda text: texts.append(text) or nothing)
-    code = machine_code.ModelFunctions(model)
-    for name in ("field", "event", "reset", "history", "field_jacobian", "event_jacobian", "reset_jacobian"):
-        getattr(code, name)
+    _ = Simulator(NumericModel(model), Direct(), tangent=True).system
     return arrays, texts
 
 
