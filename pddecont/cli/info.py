@@ -117,20 +117,19 @@ def _list_parts(model: Model) -> dict[str, Any]:
 
 
 def _describe_many(model: Model) -> dict[str, Any]:
-    """Return what ends the first of many modes, and what decides the digits that follow."""
-    from pddecont.model import list_endings
-
-    derived, mode = model.derived, model.initial_mode
+    """Return what switches and jumps do where modes are too many to be listed, and what decides the digits after."""
+    derived = model.derived
     assert derived is not None
-    endings = list_endings(model, mode)
+    alike = derived.list_alike(model.initial_mode)
+    endings = {derived.name_briefly(e): e for ends in alike for e in ends.endings}
     return {
         "modes": [f"{derived.n_modes} sets of digits; a mode is built when a motion or a signature comes to it"],
-        "first mode": mode,
-        "events": list(dict.fromkeys(ending.segment.event for ending in endings)),
+        "first mode": model.initial_mode,
+        "events": list(dict.fromkeys(name for ends in alike for name in ends.events)),
         "segments": [
-            f"{e.segment.name}: -- {e.segment.event} ({e.segment.direction}) / {e.segment.reset} -> "
+            f"{name}: {e.segment.event} ({e.segment.direction}) / {e.segment.reset} -> "
             + "; ".join(_describe_ending(derived, e))
-            for e in endings
+            for name, e in endings.items()
         ],
     }
 

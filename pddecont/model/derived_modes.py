@@ -20,7 +20,7 @@ from pddecont.model.ending_names import list_event_digits, list_written_digits
 from pddecont.model.endings import Crossing, Ending, EndingFinder, ModeEndings
 from pddecont.model.parts import IDENTITY, Event, Form, Segment
 from pddecont.model.sliding import Surfaces, find_surfaces, put_in
-from pddecont.model.switches import ABOVE, BELOW, ON, Digits, Equations, find_bits
+from pddecont.model.switches import ABOVE, BELOW, ON, Digits, Equations, find_bits, name_digits
 from pddecont.model.validation import ALTERNATIVE
 from pddecont.model.ways import choose_digits
 
@@ -276,6 +276,12 @@ class DerivedModes:
     def keep_states(self, kept: Sequence[int]) -> DerivedModes:
         """Return the same with these states alone; nothing that is left reads the others."""
         return make_modes_of(replace(self.surfaces, equations=self.equations.keep_states(kept)))
+
+    def name_briefly(self, ending: Ending) -> str:
+        """Return the name of an ending's segment without the digits of other switches."""
+        digits = self.find_digits(ending.segment.mode) or ()
+        number = -1 if ending.crossing is None else ending.crossing.switch
+        return ending.segment.name.removeprefix(name_digits(self.equations.switches, digits, number)).removeprefix("_")
 
     def has_ending(self, written: str) -> bool:
         """Return whether a segment has this name, whatever it leads to."""

@@ -25,7 +25,7 @@ FUNCTION = ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_double, *[POINTER] * 
 
 def called(address, which, t, x, xd, p, n_out):
     arrays = [np.array(a, dtype=float) for a in (x, xd, p)] + [np.zeros(max(n_out, 1))]
-    FUNCTION(address)(which, t, *(a.ctypes.data_as(POINTER) for a in arrays))
+    FUNCTION(int(address))(int(which), t, *(a.ctypes.data_as(POINTER) for a in arrays))
     return arrays[-1][:n_out]
 
 

@@ -71,7 +71,7 @@ def count(step, counts):
 
 
 def names(results):
-    return [name for name in results.step("swept").meta["segments"]]
+    return list(results.step("swept").meta["segments"])
 
 
 def test_a_motion_goes_on_in_another_process(monkeypatch):
@@ -104,7 +104,7 @@ def test_a_row_that_is_no_motion_is_refused(monkeypatch, damage):
     simulator = Simulator(numeric_from(MODEL), Direct())
     values = simulator.values(simulator.numeric.parameter_values)
     state, _ = simulator.advance(values, simulator.start(values), 20.0)
-    with np.errstate(all="ignore"), pytest.raises(ValueError, match="not one of this model|too short"):
+    with np.errstate(all="ignore"), pytest.raises(ValueError, match=r"not one of this model|too short"):
         unpack_motion(simulator.reached, values, damage(pack_motion(simulator.tables, state)))
 
 
