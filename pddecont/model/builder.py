@@ -15,7 +15,7 @@ import sympy
 from pddecont.errors import ModelError, Problem, suggest
 from pddecont.model.conditions import list_differences
 from pddecont.model.delayed_drift import add_drifts
-from pddecont.model.derived_modes import DerivedModes, make_modes
+from pddecont.model.derived_modes import DerivedModes, TooManySwitchesError, make_modes
 from pddecont.model.document import Document, KeyPath, parse_document, read_text
 from pddecont.model.equations import check_kind, declare_switches, read_equations
 from pddecont.model.evaluation import evaluate
@@ -167,7 +167,7 @@ class _Builder(Findings):
             return None
         try:
             derived = make_modes(add_drifts(equations, dict(self.list_delayed()), self.delayed_value))
-        except UndecidedSlidingError as exc:
+        except (UndecidedSlidingError, TooManySwitchesError) as exc:
             self.add_error(("equations",), str(exc), key=True)
             return None
         return (*derived.parts.values(), derived)

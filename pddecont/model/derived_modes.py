@@ -16,6 +16,7 @@ from typing import Any, TypeVar
 
 import sympy
 
+from pddecont.errors import PddecontError
 from pddecont.model.ending_names import list_event_digits, list_written_digits
 from pddecont.model.endings import Crossing, Ending, EndingFinder, ModeEndings
 from pddecont.model.parts import IDENTITY, Event, Form, Segment
@@ -28,10 +29,17 @@ from pddecont.model.ways import choose_digits
 # lists of them are complete; of larger ones they hold what was reached.
 FEW_MODES, FEW_WAYS = 32, 32
 
+# Digits are bits of a number that says, too, which of a page's functions is meant.
+MAX_SWITCHES = 48
+
 T = TypeVar("T")
 Exprs = tuple[sympy.Expr, ...]
 # How the names of resets begin that put states on the surfaces of a mode.
 RETURN = "onto_"
+
+
+class TooManySwitchesError(PddecontError):
+    """A model has more switches than can be handled."""
 
 
 class Parts(Mapping[str, T]):
@@ -379,7 +387,12 @@ def make_modes(equations: Equations) -> DerivedModes:
     ------
     UndecidedSlidingError
         If the surfaces along which a motion slides do not determine how.
+    TooManySwitchesError
+        If there are more switches than can be handled.
     """
+    n = len(equations.switches)
+    if n > MAX_SWITCHES:
+        raise TooManySwitchesError(f"these equations have {n} switches; at most {MAX_SWITCHES} can be handled")
     return make_modes_of(find_surfaces(equations))
 
 

@@ -264,7 +264,9 @@ class EndingFinder:
             # What holds the motion on another surface depends on the side of this one.
             read.add(number)
         words = [f"{switches[k].name}_{WORDS[digits[k]]}" for k in sorted(read)]
-        return "_".join([word, *words]), Form(own, find_bits(digits))
+        held = set().union(*(e.free_symbols for e in own))
+        bits = find_bits(tuple(d if s.digit in held else BELOW for s, d in zip(switches, digits, strict=True)))
+        return "_".join([word, *words]), Form(own, bits)
 
     def _put_in(self, expr: sympy.Expr, number: int, digits: Digits) -> sympy.Expr:
         """Return an expression with the digits of a mode, but for that of a switch along which a motion slides."""

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from pddecont.errors import ModelError
 from pddecont.model import derived_modes
-from tests.conftest import numeric_from
+from tests.conftest import model_from, numeric_from
 from tests.simulate.motions import trajectory_of
 
 N = 20
@@ -69,6 +70,11 @@ def test_only_modes_that_are_reached_are_built(together):
     assert reached <= set(model.modes)
     assert len(model.modes) <= len(reached) + 1
     assert len(numeric.compile().fields.list_addresses("value")) == 1
+
+
+def test_more_switches_than_can_be_handled_are_refused():
+    with pytest.raises(ModelError, match="these equations have 49 switches; at most 48 can be handled"):
+        model_from(oscillators(range(49)))
 
 
 def test_modes_built_at_once_or_as_they_are_reached_give_the_same_numbers(monkeypatch):
