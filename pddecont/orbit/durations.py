@@ -49,7 +49,7 @@ def measure_left_out(orbit: Orbit, s: int) -> float:
     signature = orbit.signature
     if not signature.segments[s].rests:
         return 0.0
-    followed = next(way for way in orbit.numeric.model.ways[signature.segments[s].written] if not way.rests)
+    followed = next(way for way in orbit.numeric.model.list_ways(signature.segments[s]) if not way.rests)
     first = signature.trailing.get(s, s)
     last = _measure_changes(orbit, followed.reset, s) - _measure_changes(orbit, signature.segments[s].reset, s)
     sizes = np.abs(_measure_changes(orbit, followed.reset, first))

@@ -11,6 +11,7 @@ from pddecont.simulate.integrator.history import read_delayed, time_tolerance
 from pddecont.simulate.integrator.state import ARC, FRESH, LAST_EVENT, MODE, N_PENDING, READY, SHIFT, ZENO_TIME, T
 from pddecont.simulate.integrator.status import Status
 from pddecont.simulate.integrator.variational import find_event_shift, map_tangent, set_tangent
+from pddecont.simulate.integrator.ways import ask_for_rest, choose_way
 
 
 @internal
@@ -18,12 +19,20 @@ def handle_events(c, hit, direction):
     """Let everything happen that is due at the present time; segment ``hit`` (-1: none) crosses in ``direction``.
 
     Returns a status: REACHED to go on, SECTION after the event that returns are counted at, ZENO, SLIDING or REPELLED;
-    CAPACITY or LOG_FULL after more events at one moment than there is capacity for.
+    CAPACITY or LOG_FULL after more events at one moment than there is capacity for; NEW_WAY to go on by
+    :func:`resume_events`.
     """
-    t = c.clock[T]
-    _mark_crossings(c, t, hit, direction)
-    forced = c.segment_event[hit] if hit >= 0 else -1
-    result, repelling = Status.REACHED, -1
+    _mark_crossings(c, c.clock[T], hit, direction)
+    c.resume[1], c.resume[2] = c.segment_event[hit] if hit >= 0 else -1, Status.REACHED
+    c.resume[3] = -1
+    return resume_events(c)
+
+
+@internal
+def resume_events(c):
+    """Let everything happen that is due at the present time, from where :func:`handle_events` had to stop."""
+    t, forced, result, repelling = c.clock[T], c.resume[1], c.resume[2], c.resume[3]
+    c.resume[0] = 0
     while True:
         segment, pending = _find_next_segment(c, t, forced)
         if segment < 0:
@@ -32,6 +41,9 @@ def handle_events(c, hit, direction):
         if _leaves_to_both_sides(c, segment):
             result = Status.REPELLED
         status, segment = _apply_event(c, segment, pending)
+        if status == Status.NEW_WAY:
+            c.resume[0], c.resume[1], c.resume[2], c.resume[3] = 1, forced, result, repelling
+            return status
         if _is_repelled(c, segment, t):
             repelling = segment
         forced = -1
@@ -55,6 +67,8 @@ def handle_events(c, hit, direction):
 def find_start_crossing(c):
     """Return the segment that ends at the very start and the direction of its crossing; -1 and 0 if none does.
 
+    The segment is -2 where the tables do not hold what one leads to.
+
     A motion that starts on a surface has not crossed it, unless it moves into it and the reset turns it round: that is
     an impact. From rest on the surface it moves where its acceleration points.
     """
@@ -67,13 +81,13 @@ def find_start_crossing(c):
         direction = 1 if into > 0.0 else -1
         if into == 0.0 or direction * c.segment_direction[segment] < 0 or abs(evaluate_event(c, event, t, c.y)) > size:
             continue
-        read_delayed(c, t, c.y, c.xd, 0)
         for i in range(c.dimension):
             c.trial[i] = c.y[i]
-        for i in range(c.n):
-            c.trial[i] = 0.0
-        call(c.reset, c.segment_reset[segment], t, c.y, c.xd, c.p, c.trial)
-        target = c.segment_to[_choose_alternative(c, segment, t, c.trial)]
+        _apply_reset(c, segment, t, c.trial)
+        way = choose_way(c, segment, t, c.trial)
+        if way < 0:
+            return -2, 0
+        target = c.segment_to[way]
         after, _ = evaluate_event_slope(c, event, target, t, c.trial)
         if after * direction <= 0.0 and target == mode:
             return segment, direction
@@ -144,31 +158,26 @@ def _apply_event(c, segment, pending):
     """End a segment: reset, new mode, breaking points and delayed events to come; return a status.
 
     The segment that it turned out to be is returned too. ``pending`` is the place of the delayed event in the queue, -1
-    for an event function.
+    for an event function. Nothing has happened yet where the status is NEW_WAY.
     """
     t, n, mode = c.clock[T], c.n, c.count[MODE]
     event = c.segment_event[segment]
+    crossing, resolution = (c.crossing[event] if pending < 0 else 0), 0.0
+    if crossing != 0:
+        _, resolution = evaluate_event_slope(c, event, mode, t, c.y)
+    status, way = _find_way_on(c, segment, crossing, resolution)
+    if way < 0:
+        return Status.NEW_WAY, segment
     shift = 0.0
     if pending >= 0:
         shift = c.pending_shift[pending]
         remove_pending(c, pending)
     elif c.tangent == 1:
         shift = find_event_shift(c, event, mode, t)
-    crossing, resolution = (c.crossing[event] if pending < 0 else 0), 0.0
-    if crossing != 0:
-        _, resolution = evaluate_event_slope(c, event, mode, t, c.y)
-    _apply_reset(c, segment, t)
-    segment = _choose_alternative(c, segment, t, c.after_reset)
-    status = _find_way_on(c, event, crossing, mode, c.segment_to[segment], t, resolution)
-    if status != Status.REACHED and c.resting[segment] >= 0:
-        segment, status = c.resting[segment], Status.REACHED
-        _apply_reset(c, segment, t)
-        for i in range(1, 4):
-            c.accumulation[4 * event + i] = 0.0
     if c.tangent == 1:
-        map_tangent(c, c.segment_reset[segment], mode, t, shift)
-    target = c.segment_to[segment]
-    _log_event(c, segment, t)
+        map_tangent(c, c.segment_reset[way], mode, t, shift)
+    target = c.segment_to[way]
+    _log_event(c, way, t)
     for i in range(n):
         c.y[i] = c.after_reset[i]
     if c.tangent == 1:
@@ -178,22 +187,34 @@ def _apply_event(c, segment, pending):
     c.count[FRESH], c.count[READY] = 1, 0
     c.count[LAST_EVENT] = event
     c.clock[SHIFT] = shift
-    c.segment_counts[segment] += 1
+    c.segment_counts[way] += 1
     add_breaking_points(c, t, 0)
     for place in range(c.clock_first[event], c.clock_first[event + 1]):
         other = c.clock_event[place]
         add_pending(c, t + c.event_delay[other], other, shift)
     carry_sides(c, event if crossing != 0 else -1, resolution, mode, t)
-    return status, segment
+    return status, way
 
 
 @internal
-def _apply_reset(c, segment, t):
-    """Write the states after a segment's reset to ``c.after_reset``; ``c.xd`` holds the delayed values then."""
-    read_delayed(c, t, c.y, c.xd, 0)
-    for i in range(c.n):
-        c.after_reset[i] = 0.0
-    call(c.reset, c.segment_reset[segment], t, c.y, c.xd, c.p, c.after_reset)
+def _find_way_on(c, segment, crossing, resolution):
+    """Return whether the motion goes on after a segment, and the segment that it is; ``c.after_reset`` is what follows.
+
+    The status is SLIDING or ZENO where nothing is said of the motion there, else REACHED. The segment is -1 where the
+    tables do not hold it, or the mode that it leads to.
+    """
+    t, event, mode, resting = c.clock[T], c.segment_event[segment], c.count[MODE], c.resting[segment]
+    _apply_reset(c, segment, t, c.after_reset)
+    way, status = choose_way(c, segment, t, c.after_reset), Status.REACHED
+    if way >= 0 and way != resting:
+        status = _find_halt(c, event, crossing, mode, c.segment_to[way], t, resolution)
+        if status != Status.REACHED and resting >= 0:
+            way, status = ask_for_rest(c, segment), Status.REACHED
+    if way >= 0 and way == resting:
+        _apply_reset(c, way, t, c.after_reset)
+        for i in range(1, 4):
+            c.accumulation[4 * event + i] = 0.0
+    return status, way
 
 
 @internal
@@ -209,7 +230,7 @@ def _log_event(c, segment, t):
 
 
 @internal
-def _find_way_on(c, event, crossing, mode, target, t, resolution):
+def _find_halt(c, event, crossing, mode, target, t, resolution):
     """Return whether the motion goes on from ``c.after_reset``: SLIDING or ZENO where it does not, else REACHED."""
     _swap_states(c)
     status = Status.REACHED
@@ -238,27 +259,21 @@ def _leaves_to_both_sides(c, segment):
 
 
 @internal
-def _choose_alternative(c, segment, t, y):
-    """Return the first alternative of a segment whose guard holds in the states ``y``; the last one if none does.
-
-    ``c.xd`` holds the delayed values.
-    """
-    last = segment + c.alternatives[segment] - 1
-    while segment < last:
-        c.gradient[0] = 0.0
-        call(c.guard, c.segment_guard[segment], t, y, c.xd, c.p, c.gradient)
-        if c.gradient[0] > 0.0:
-            break
-        segment += 1
-    return segment
+def _apply_reset(c, segment, t, after):
+    """Write the states after the reset of a segment to ``after``; ``c.xd`` holds the delayed values then."""
+    read_delayed(c, t, c.y, c.xd, 0)
+    for i in range(c.n):
+        after[i] = 0.0
+    reset = c.segment_reset[segment]
+    call(c.reset[reset], c.reset_case[reset], t, c.y, c.xd, c.p, after)
 
 
 @internal
 def _is_repelled(c, segment, t):
     """Return whether the motion is on a surface after ``segment`` from which both fields point away."""
-    if c.segment_repulsion[segment] < 0:
+    if c.segment_repulsion[segment] == 0:
         return False
     read_delayed(c, t, c.y, c.xd, 0)
     c.gradient[0] = 0.0
-    call(c.repulsion, c.segment_repulsion[segment], t, c.y, c.xd, c.p, c.gradient)
+    call(c.segment_repulsion[segment], c.segment_repulsion_case[segment], t, c.y, c.xd, c.p, c.gradient)
     return c.gradient[0] > 0.0
