@@ -22,10 +22,16 @@ def find_crossing_rate(orbit: Orbit, s: int) -> float:
 
 
 def find_crossing_rates(orbit: Orbit) -> Array:
-    """Return each segment's rate of crossing its event, shape (n_segments,); NaN where it ends at no event function."""
+    """Return each segment's rate of crossing its event, shape (n_segments,); NaN where it ends at no event function.
+
+    Where impacts accumulate it counts relative to the rate with which the segment began: all become slow together.
+    """
     events = orbit.numeric.model.events
     ends = [segment.event and events[segment.event].function is not None for segment in orbit.signature.segments]
-    return np.array([find_crossing_rate(orbit, s) if ends[s] else np.nan for s in range(len(ends))])
+    rates = np.array([find_crossing_rate(orbit, s) if ends[s] else np.nan for s in range(len(ends))])
+    for s in orbit.signature.trailing:
+        rates[s] /= abs(find_event_profile(orbit, orbit.signature.segments[s].event).start_slope(s))
+    return rates
 
 
 def find_smallest_crossing_rate(orbit: Orbit) -> float:

@@ -104,15 +104,17 @@ def _branch_tests(at: OrbitEvaluation, settings: BranchSettings) -> list[OrbitTe
 
 
 def make_grazing_tests(at: OrbitEvaluation, label: str) -> list[OrbitTest]:
-    """Return the test of each segment and event that it watches; it has no value where its zero has another label."""
+    """Return the test of each segment and event that it watches, for points that have the label."""
 
     def test(s: int, event: str) -> OrbitTest:
         def value(point: CurvePoint[OrbitEvaluation]) -> float:
             orbit = point.at.orbit
-            gap = orbit.once("grazing gaps", lambda: _gaps(orbit)).get((s, event), float("nan"))
-            return gap if (name_grazing(orbit, s, event) or LABEL) == label else float("nan")
+            return orbit.once("grazing gaps", lambda: _gaps(orbit)).get((s, event), float("nan"))
 
-        return TestFunction(label, value, End.SPECIAL)
+        def holds(point: CurvePoint[OrbitEvaluation]) -> bool:
+            return (name_grazing(point.at.orbit, s, event) or LABEL) == label
+
+        return TestFunction(label, value, End.SPECIAL, holds=holds)
 
     signature = at.orbit.signature
     pairs = dict.fromkeys((s, w.event) for s in range(len(signature)) for w in signature.list_watched_events(s))

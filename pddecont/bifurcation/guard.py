@@ -6,7 +6,6 @@ leads to another mode; the branch goes on there if what the motion does then joi
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -40,12 +39,15 @@ class GuardFunction:
 
 
 def make_guard_test(signature: Signature, s: int, label: str) -> TestFunction[Any]:
-    """Return the test of a condition; it has no value where what changes with it has another label."""
+    """Return the test of a condition, for points at which what changes with it has the label."""
 
     def value(point: CurvePoint[Any]) -> float:
-        return measure_guard(point.at.orbit, s) if (name_guard(point.at.orbit, s) or LABEL) == label else math.nan
+        return measure_guard(point.at.orbit, s)
 
-    return TestFunction(label, value, End.SPECIAL, explain_guard(signature, s))
+    def holds(point: CurvePoint[Any]) -> bool:
+        return (name_guard(point.at.orbit, s) or LABEL) == label
+
+    return TestFunction(label, value, End.SPECIAL, explain_guard(signature, s), holds=holds)
 
 
 def _branch_tests(at: OrbitEvaluation, settings: BranchSettings) -> list[OrbitTest]:

@@ -3,7 +3,8 @@
 Beyond such a point the equations of the signature still have a solution, but the model does something else: it slides
 along a surface, an event happens that the signature does not list, or one that it lists does not. Most of these have
 test functions: the rate at which the motion leaves a surface falls to zero; the time of a delayed event that did
-nothing enters a mode that it ends; a jump that comes back begins, or ceases, to carry an event function over its zero.
+nothing enters a mode that it ends; a jump that comes back begins, or ceases, to carry an event function over its zero;
+both fields begin to point away from a surface that a jump puts the orbit on.
 The orbit's simulation from its own past finds all others, and their points are located by halving the step.
 """
 
@@ -16,10 +17,12 @@ from pddecont.orbit import (
     CarriedEvent,
     Clock,
     OrbitEvaluation,
+    Repeller,
     Signature,
     explain_sliding,
     find_leaving_rate,
     list_carried_events,
+    list_repellers,
     list_sliding_ends,
     list_unlisted_carried_events,
     list_unlisted_clocks,
@@ -37,6 +40,7 @@ def _branch_tests(at: OrbitEvaluation, settings: BranchSettings) -> list[OrbitTe
         *(_test_event(clock, -1.0) for clock in list_unlisted_clocks(orbit)),
         *(_test_event(carried, 1.0) for carried in list_carried_events(orbit)),
         *(_test_event(carried, -1.0) for carried in list_unlisted_carried_events(orbit)),
+        *(_test_event(repeller, 1.0) for repeller in list_repellers(orbit)),
     ]
 
 
@@ -49,8 +53,11 @@ def _test_leaving(signature: Signature, s: int) -> OrbitTest:
     return TestFunction(LABEL, rate, End.INVALID, explain_sliding(signature, s))
 
 
-def _test_event(event: Clock | CarriedEvent, sign: float) -> OrbitTest:
-    """Return the test for an event, positive with ``sign`` 1 where it happens and -1 where it does not."""
+def _test_event(event: Clock | CarriedEvent | Repeller, sign: float) -> OrbitTest:
+    """Return the test for an event, positive with ``sign`` 1 where it happens and -1 where it does not.
+
+    A surface that repels counts as one that happens as long as the field beyond leads to it.
+    """
 
     def measure(point: CurvePoint[OrbitEvaluation]) -> float:
         return sign * event.measure(point.at.orbit)

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from pddecont.bifurcation.chatter import end_rest, is_rest
 from pddecont.bifurcation.crossing_rates import find_crossing_rate
 from pddecont.bifurcation.extended_system import ExtendedEvaluation, solve_special_orbit
 from pddecont.bifurcation.grazing import define_grazing
@@ -27,13 +28,14 @@ from pddecont.orbit import (
     PeriodicOrbitSystem,
     SegmentSpan,
     find_event_profile,
+    find_shortest,
     make_eventless,
     resegment,
 )
 from pddecont.reasons import Reason, make_reason
 
 Array = NDArray[np.float64]
-MEETING, VANISHING = "meeting", "vanishing"
+MEETING, VANISHING, RELEASED = "meeting", "vanishing", "released"
 # A segment between two events that come to happen at once is followed down to this duration, in periods.
 AT_ONCE = 1e-9
 # Where equations do not determine an orbit so near, this is near enough.
@@ -99,7 +101,7 @@ def _vanishes_too(orbit: Orbit, s: int) -> bool:
     """Return whether the contact that follows segment ``s`` has no duration, or the impact no speed, to speak of."""
     segments, n = orbit.signature.segments, len(orbit.signature)
     here, after = segments[s], segments[(s + 1) % n]
-    if not here.event or orbit.numeric.model.events[here.event].function is None:
+    if not here.event or orbit.numeric.model.events[here.event].function is None or s in orbit.signature.trailing:
         return False
     if here.to == here.mode:
         largest = float(np.max(np.abs(find_event_profile(orbit, here.event).values)))
@@ -125,9 +127,12 @@ def vanish_segment(point: CurvePoint[OrbitEvaluation], rule: MeshRule) -> Vanish
     ConvergenceError
         If it cannot be reached.
     """
-    s = int(np.argmin(point.at.orbit.durations))
+    s = find_shortest(point.at.orbit)
     signature = point.at.orbit.signature
     before, segment = signature.segments[s - 1], signature.segments[s]
+    if is_rest(signature, s):
+        reason = make_reason(RELEASED, event=before.event, segment=segment.name)
+        return VanishedSegment(replace(end_rest(point, s), direction=NO_DIRECTION), reason, False)
     same = before.event == segment.event
     if not same:
         reason = make_reason(MEETING, event=before.event, other=segment.event)
@@ -149,7 +154,9 @@ def _let_meet(point: CurvePoint[OrbitEvaluation], s: int) -> CurvePoint[OrbitEva
 
     It lies on the line through two orbits with short segments; the error is of the order of the square of the duration.
     """
-    last = AT_ONCE * point.at.orbit.period
+    # The last of impacts that accumulate would be too near to one another to be told apart.
+    accumulate = bool(point.at.orbit.signature.trailing)
+    last = (NEARLY_AT_ONCE if accumulate else AT_ONCE) * point.at.orbit.period
     if point.at.orbit.durations[s] <= last:
         point = set_duration(point.at.system, point.x, s, last / SHRINK)
     longer = point
@@ -160,7 +167,7 @@ def _let_meet(point: CurvePoint[OrbitEvaluation], s: int) -> CurvePoint[OrbitEva
     except ConvergenceError:
         if point.at.orbit.durations[s] > NEARLY_AT_ONCE * point.at.orbit.period:
             raise
-    if longer is point:
+    if longer is point or accumulate:
         return point
     long, short = (float(p.at.orbit.durations[s]) for p in (longer, point))
     on = (short - RESIDUE * point.at.orbit.period) / (long - short)
@@ -177,7 +184,7 @@ def shrink_segment(at: ExtendedEvaluation) -> tuple[CurvePoint[ExtendedEvaluatio
     ConvergenceError
         If it cannot be reached.
     """
-    s = int(np.argmin(at.orbit.durations))
+    s = find_shortest(at.orbit)
     last = NOTHING * at.orbit.period
     while True:
         point = set_duration(at.system, at.x, s, max(last, SHRINK * float(at.orbit.durations[s])))

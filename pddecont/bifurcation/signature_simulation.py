@@ -18,7 +18,16 @@ from pddecont.bifurcation.settings import BranchSettings
 from pddecont.bifurcation.signature_joining import check_motion, check_near
 from pddecont.continuation import BranchPoint, BranchState, CurvePoint, find_tangent
 from pddecont.errors import ConvergenceError, SignatureError
-from pddecont.orbit import Orbit, OrbitEvaluation, Referee, Verifier, guess_from_motion, measure_distance, solve_orbit
+from pddecont.orbit import (
+    Orbit,
+    OrbitEvaluation,
+    Referee,
+    Verifier,
+    find_still_states,
+    guess_from_motion,
+    measure_distance,
+    solve_orbit,
+)
 
 Array = NDArray[np.float64]
 # How far beyond the point the motion is simulated, in lengths of the branch: ranges of parameters count as one.
@@ -61,7 +70,7 @@ def enter_simulated_signature(
                 names = ", ".join(guess.signature.names)
                 reasons.setdefault(names, f"it runs through [{names}], but that {_shorten(exc)}")
                 continue
-            return _begin(orbit, way * forward, settings)
+            return _begin(orbit, last.state.point.at, way * forward, settings)
     # What was found of a signature says more than that none was found.
     raise ConvergenceError("; ".join(why for names, why in reasons.items() if names or len(reasons) == 1))
 
@@ -113,8 +122,15 @@ def _check_joins(orbit: Orbit, at: Orbit, change: Array, settings: BranchSetting
         raise ConvergenceError(f"does not join here: it stays {nearer:.2g} of the orbit's size away")
 
 
-def _begin(orbit: Orbit, forward: Array, settings: BranchSettings) -> CurvePoint[OrbitEvaluation]:
+def _begin(
+    orbit: Orbit, last: OrbitEvaluation, forward: Array, settings: BranchSettings
+) -> CurvePoint[OrbitEvaluation]:
+    """Return where the branch goes on; states that have just begun to move keep the size that they had."""
     system, free = settings.make_system(orbit)
+    moves, before = ~find_still_states(last.orbit.values), last.system.sizes.states
+    states = np.where(moves, system.sizes.states, np.maximum(before, system.sizes.states))
+    sizes = replace(system.sizes, states=states)
+    system = replace(system, sizes=sizes)
     found = system.at(free.x)
     towards = np.zeros(len(free.x))
     towards[free.problem.unknowns.free] = forward

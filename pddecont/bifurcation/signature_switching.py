@@ -11,11 +11,11 @@ from pddecont.bifurcation.motion_change import LABEL as MOTION_CHANGE
 from pddecont.bifurcation.registry import find_kind
 from pddecont.bifurcation.settings import BranchSettings
 from pddecont.bifurcation.signature_joining import check_branch_joins
-from pddecont.bifurcation.signature_removal import VANISHING, find_way_off, shrink_segment, vanish_segment
+from pddecont.bifurcation.signature_removal import RELEASED, VANISHING, find_way_off, shrink_segment, vanish_segment
 from pddecont.bifurcation.vanishing import LABEL
 from pddecont.continuation import BranchPoint, BranchState, End, Termination
 from pddecont.errors import ConvergenceError
-from pddecont.orbit import name_vanishing
+from pddecont.orbit import find_shortest, name_vanishing
 from pddecont.reasons import make_reason
 
 Emit = Callable[[BranchPoint[Any]], None]
@@ -63,6 +63,9 @@ def switch_signature(
     try:
         if termination.end == End.IMPOSSIBLE:
             last, following = _vanish(last.state, settings, emit, sign)
+            if last.reason.code == RELEASED:
+                # The nearer to the point, the more impacts follow beyond it: no signature is the next one.
+                return None
         elif termination.end == End.SPECIAL:
             following = _apply_rule(last, state, settings)
     except ConvergenceError as exc:
@@ -107,11 +110,12 @@ def _vanish(
     """Emit the point at which a segment vanishes; return it, and where a shorter signature goes on if one does."""
     at = state.point.at
     gone = vanish_segment(state.point, settings.rule)
-    away = float(at.orbit.durations.min()) / at.system.sizes.period
+    shortest = find_shortest(at.orbit)
+    away = float(at.orbit.durations[shortest]) / at.system.sizes.period
     arclength = state.arclength + sign * away
     n_iterations = gone.point.n_iterations
     found = replace(state, point=gone.point, arclength=arclength)
-    label = name_vanishing(at.orbit.signature, int(at.orbit.durations.argmin())) or LABEL
+    label = name_vanishing(at.orbit.signature, shortest) or LABEL
     special = BranchPoint(found, label, n_iterations, gone.reason)
     emit(special)
     if not gone.shorter:
@@ -124,6 +128,6 @@ def _vanish_on_curve(state: BranchState[Any], at: ExtendedEvaluation, emit: Emit
     """Emit the point of a curve of special points at which a segment has almost no duration left."""
     point, segment = shrink_segment(at)
     scale = at.system.scaling.scale[at.orbit.problem.unknowns.durations.start]
-    away = float(at.orbit.durations.min()) / scale
+    away = float(at.orbit.durations[find_shortest(at.orbit)]) / scale
     found = replace(state, point=point, arclength=state.arclength + sign * away)
     emit(BranchPoint(found, LABEL, point.n_iterations, make_reason(VANISHING, segment=segment)))

@@ -25,7 +25,17 @@ from pddecont.bifurcation.signature_removal import MEETING, find_way_off, make_s
 from pddecont.continuation import BranchPoint, BranchState, CurvePoint, End, TestFunction
 from pddecont.errors import ConvergenceError
 from pddecont.model import vanishes_identically
-from pddecont.orbit import Orbit, OrbitEvaluation, PeriodicOrbitSystem, Signature, find_event_profile, solve_orbit
+from pddecont.orbit import (
+    Orbit,
+    OrbitEvaluation,
+    PeriodicOrbitSystem,
+    Signature,
+    find_event_profile,
+    find_shortest,
+    list_guarded,
+    measure_guard,
+    solve_orbit,
+)
 from pddecont.reasons import Reason, make_reason
 
 Array = NDArray[np.float64]
@@ -124,6 +134,16 @@ def _value_of(meeting: MeetingFunction) -> Callable[[CurvePoint[OrbitEvaluation]
     return lambda point: meeting.evaluate(point.at)
 
 
+def _holds_for(meeting: MeetingFunction) -> Callable[[CurvePoint[OrbitEvaluation]], bool]:
+    def holds(point: CurvePoint[OrbitEvaluation]) -> bool:
+        # Where the condition changes by which a segment has begun, that is what happens.
+        orbit = point.at.orbit
+        before = (meeting.s - 1) % len(orbit.signature)
+        return meeting.at_end or before not in list_guarded(orbit.signature) or abs(measure_guard(orbit, before)) > SLOW
+
+    return holds
+
+
 def _branch_tests(at: OrbitEvaluation, settings: BranchSettings) -> list[OrbitTest]:
     """Return the tests for events that are only touched, and for events that come in where a segment ends."""
 
@@ -135,15 +155,15 @@ def _branch_tests(at: OrbitEvaluation, settings: BranchSettings) -> list[OrbitTe
     for meeting in list_meetings(at.orbit.signature):
         present = segments[meeting.s if meeting.at_end else meeting.s - 1].event
         reason = make_reason(MEETING, event=present, other=meeting.event)
-        tests.append(TestFunction(LABEL, _value_of(meeting), End.SPECIAL, reason))
+        tests.append(TestFunction(LABEL, _value_of(meeting), End.SPECIAL, reason, holds=_holds_for(meeting)))
     return tests
 
 
 def _define(at: OrbitEvaluation, settings: BranchSettings, reason: Reason) -> DefiningFunction:
     """Return what vanishes at an orbit: a segment, a difference between two events, a rate, or nothing but a touch."""
     orbit = at.orbit
-    if np.min(orbit.durations) < SHORT * np.sum(orbit.durations):
-        s = int(np.argmin(orbit.durations))
+    s = find_shortest(orbit)
+    if orbit.durations[s] < SHORT * np.sum(orbit.durations):
         return CoincidenceFunction(s, float(orbit.durations[s]))
     if reason.code == MEETING:
         met = [(abs(m.evaluate_orbit(orbit)), m) for m in list_meetings(orbit.signature)]

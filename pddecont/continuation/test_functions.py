@@ -20,8 +20,12 @@ MAX_CUTS = 10
 MAX_HALVINGS = 36
 # Where in between is tried in turn; a point within this part of a step is located.
 PARTS, LOCATED = (0.5, 0.3, 0.7, 0.1, 0.9), 1e-6
-# How far short of a point that ends the branch its counts are taken, as a fraction of the way there.
+# How far short of a point that ends the branch its counts are taken and the problem has to be solved, as a fraction of
+# the way there.
 SHORT = 1e-6
+# So near to the last point that solves the problem, as a fraction of the step, a test function is looked for that says
+# which one it is.
+NEAR_END = 1e-3
 # At this fraction of its first step a branch has left the special point that it comes from.
 PAST_START = 0.05
 # Zeros nearer than so many decimals of a step fall together; the one that ends the branch comes first.
@@ -163,9 +167,12 @@ def find_special_points(
             n_unexplained = _count_unexplained(
                 segment, functions.counts, PAST_START * last, last, counts, n_unexplained
             )
-    if _is_violated(functions, before, after) and not any(f.test.end for f in found):
-        last_valid = _find_last_valid(segment, functions, after.violation)
-        found = [*(f for f in found if round(f.fraction - last_valid.fraction, TOGETHER_DECIMALS) <= 0.0), last_valid]
+    wrong_at = _find_violated(segment, functions, before, after, found)
+    if wrong_at is not None:
+        last_valid = _find_last_valid(segment, functions, *wrong_at)
+        ends = _name_end(segment, functions, last_valid.fraction) or [last_valid]
+        found = [f for f in found if not f.test.end]
+        found = [*(f for f in found if round(f.fraction - last_valid.fraction, TOGETHER_DECIMALS) <= 0.0), *ends]
     kept = (f for f in found if f.fraction >= from_ or f.test.end == End.INVALID)
     return sorted(kept, key=_find_place), n_unexplained
 
@@ -176,17 +183,56 @@ def _find_place(special: SpecialPoint[E]) -> tuple[float, int, float]:
     return round(special.fraction, TOGETHER_DECIMALS), place, special.fraction
 
 
-def _is_violated(functions: TestFunctions[E], before: TestValues, after: TestValues) -> bool:
-    """Return whether the problem ceases to be solved on a step, and its last point is a special one."""
-    return bool(functions.violation_kind and after.violation and not before.violation)
+def _find_violated(
+    segment: BranchSegment[E],
+    functions: TestFunctions[E],
+    before: TestValues,
+    after: TestValues,
+    found: Sequence[SpecialPoint[E]],
+) -> tuple[float, Reason] | None:
+    """Return where on a step the problem is not solved any more, and why; None if it is up to where the branch ends.
+
+    A test function's zero says nothing where it lies beyond the last point that solves the problem.
+    """
+    if not functions.violation_kind or before.violation:
+        return None
+    end = min((f.fraction for f in found if f.test.end), default=None)
+    if end is None:
+        return (1.0, after.violation) if after.violation else None
+    if not after.violation or end * (1.0 - SHORT) <= 0.0:
+        return None
+    try:
+        violation = functions.find_violation(segment.at(end * (1.0 - SHORT)))
+    except ConvergenceError:
+        return None
+    return (end * (1.0 - SHORT), violation) if violation else None
 
 
-def _find_last_valid(segment: BranchSegment[E], functions: TestFunctions[E], violation: Reason) -> SpecialPoint[E]:
+def _name_end(segment: BranchSegment[E], functions: TestFunctions[E], fraction: float) -> list[SpecialPoint[E]]:
+    """Return the first zero, near the last point that solves the problem, of a test function that ends the branch.
+
+    It may have changed its sign again, or have no value any more, where the step ends.
+    """
+    found = []
+    try:
+        low, high = max(fraction - NEAR_END, 0.0), min(fraction + NEAR_END, 1.0)
+        sides = [segment.at(low), segment.at(high)]
+        for test in functions.tests:
+            f_low, f_high = map(test.value, sides) if test.end else (0.0, 0.0)
+            found += _locate(segment, test, low, high, f_low, f_high) if f_low * f_high < 0.0 else []
+    except ConvergenceError:
+        return []
+    return sorted(found, key=_find_place)[:1]
+
+
+def _find_last_valid(
+    segment: BranchSegment[E], functions: TestFunctions[E], high: float, violation: Reason
+) -> SpecialPoint[E]:
     """Return the last point of a step, to rounding, that solves the problem, and why the next one does not.
 
-    ``violation`` is what is wrong at the step's end; at its beginning nothing is.
+    ``violation`` is what is wrong at the fraction ``high``; at the step's beginning nothing is.
     """
-    low, high = 0.0, 1.0
+    low = 0.0
     for _ in range(MAX_HALVINGS):
         tried = _try_between(segment, functions, low, high)
         if tried is None:

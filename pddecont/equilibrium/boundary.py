@@ -48,7 +48,7 @@ def find_way_on(point: CurvePoint[EquilibriumEvaluation], event: str) -> WayOn |
     model, system = at.motion.numeric.model, point.system
     assert isinstance(system, FixedUnknowns) and isinstance(system.system, EquilibriumSystem), "equilibria have no mesh"
     inner = system.system
-    ending = [s for s in model.segments_by_mode.get(at.motion.mode, ()) if s.event == event]
+    ending = [s for s in model.list_segments(at.motion.mode) if s.event == event]
     others = dict.fromkeys(s.to for s in ending if s.reset == IDENTITY and s.to != at.motion.mode)
     onward = float(np.sign(point.tangent[-1])) or 1.0
     own = _enter(inner, at, at.motion.mode)

@@ -33,7 +33,7 @@ class Side:
 def list_sides(model: Model, mode: str) -> list[Side]:
     """Return the events that bound a mode on one side."""
     found: dict[tuple[str, float], list[str]] = {}
-    for segment in model.segments_by_mode.get(mode, ()):
+    for segment in model.list_segments(mode):
         function = model.events[segment.event].function if segment.event else None
         if function is not None and segment.direction in SIGNS:
             found.setdefault((segment.event, SIGNS[segment.direction]), []).append(segment.name)

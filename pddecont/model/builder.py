@@ -14,8 +14,9 @@ import sympy
 
 from pddecont.errors import ModelError, Problem, suggest
 from pddecont.model.conditions import list_differences
+from pddecont.model.contacts import list_refusals
 from pddecont.model.delayed_drift import add_drifts
-from pddecont.model.derived_modes import DerivedModes, TooManyModesError, make_modes
+from pddecont.model.derived_modes import DerivedModes, TooManySwitchesError, make_modes
 from pddecont.model.document import Document, KeyPath, parse_document, read_text
 from pddecont.model.equations import check_kind, declare_switches, read_equations
 from pddecont.model.evaluation import evaluate
@@ -33,6 +34,7 @@ from pddecont.model.names import (
 from pddecont.model.nonsmooth import SwitchCollector
 from pddecont.model.parts import IDENTITY, Event, Segment
 from pddecont.model.periodicity import explain_non_periodic
+from pddecont.model.rest import find_resets_to_rest
 from pddecont.model.schema import DelayedEvent, ModelFile
 from pddecont.model.segments import check_segments, make_segments
 from pddecont.model.sliding import UndecidedSlidingError
@@ -42,7 +44,7 @@ from pddecont.model.validation import validate
 
 Exprs = tuple[sympy.Expr, ...]
 # Modes, events, resets, segments, and what they were made of.
-Parts = tuple[Mapping[str, Exprs], dict[str, Event], dict[str, Exprs], dict[str, Segment], DerivedModes | None]
+Parts = tuple[Mapping[str, Exprs], Mapping[str, Event], Mapping[str, Exprs], Mapping[str, Segment], DerivedModes | None]
 
 
 def load_model(path: str) -> tuple[Model, list[Problem]]:
@@ -108,7 +110,7 @@ class _Builder(Findings):
         used = (
             collect_symbols(modes, events, resets, segments.values(), period)
             if derived is None
-            else collect_from_equations(derived.equations, period)
+            else collect_from_equations(derived.equations.leave_out_contacts(), period)
         )
         self.check_time(period, used)
         for path, message in find_unused_parameters(
@@ -118,7 +120,7 @@ class _Builder(Findings):
         if derived is None:
             self.check_repeats(period, self.list_by_hand(modes, events, resets, segments))
         else:
-            self.check_repeats(period, list_equations(derived.equations))
+            self.check_repeats(period, list_equations(derived.equations.leave_out_contacts()))
         return Model(
             file.name,
             file.reference,
@@ -153,6 +155,10 @@ class _Builder(Findings):
         resets.setdefault(IDENTITY, tuple(map(make_symbol, file.states)))
         segments = make_segments(file, self.scope, self)
         check_segments(file, segments, resets, self)
+        if not self.problems:
+            symbols = {symbol for symbol, _ in self.list_delayed()}
+            states = tuple(map(make_symbol, file.states))
+            resets |= find_resets_to_rest(states, symbols, modes, events, resets, segments)
         return modes, events, resets, segments, None
 
     def derive(self) -> Parts | None:
@@ -165,12 +171,16 @@ class _Builder(Findings):
         equations = read_equations(self.file, self.scope, self.collector, self, delays)
         if self.problems:
             return None
+        for key, why in list_refusals(equations, {symbol for symbol, _ in self.list_delayed()}):
+            self.add_error(("jumps", *key), why)
+        if self.problems:
+            return None
         try:
             derived = make_modes(add_drifts(equations, dict(self.list_delayed()), self.delayed_value))
-        except (UndecidedSlidingError, TooManyModesError) as exc:
+        except (UndecidedSlidingError, TooManySwitchesError) as exc:
             self.add_error(("equations",), str(exc), key=True)
             return None
-        return derived.modes, derived.events, derived.resets, derived.segments, derived
+        return (*derived.parts.values(), derived)
 
     def positive(self, path: KeyPath, text: str | float, what: str, *, zero: bool = False) -> sympy.Expr:
         """Return an expression in the parameters, and check that it is positive (or zero) at their values."""
@@ -317,7 +327,7 @@ class _Builder(Findings):
             return find_start_mode(derived, known)
         except UndecidedSlidingError as exc:
             self.add_error(("initial",), str(exc), key=True)
-            return next(iter(derived.modes))
+            return ""
 
     def history(self) -> Exprs:
         """Return the states for t <= 0."""

@@ -149,7 +149,7 @@ def _read_jump(
         # 1 at the wanted digit, 0 at the two others.
         others = [v for v in SIGNS.values() if v != wanted]
         when *= sympy.Mul(*((h - v) / (wanted - v) for v in others))
-    return Jump(name, function, direction, body.after, delays.get(name), reset, when)
+    return Jump(name, function, direction, body.after, delays.get(name), reset, when, body.rest)
 
 
 def _check_names(file: ModelFile, switches: tuple[Switch, ...], findings: Findings) -> None:

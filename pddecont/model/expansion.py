@@ -13,9 +13,12 @@ from sympy.printing.str import StrPrinter
 from pddecont.errors import PddecontError
 from pddecont.model.parts import IDENTITY, Event, Segment
 from pddecont.model.system import Model
-from pddecont.model.transitions import list_alternatives, list_leaders
+from pddecont.model.transitions import find_rest, list_alternatives, list_leaders
 
 COMPARISONS = {sympy.Gt: ">", sympy.Ge: ">=", sympy.Lt: "<", sympy.Le: "<="}
+
+# A file by hand with more modes is no use to anybody.
+MAX_MODES = 300
 
 
 class _FormulaPrinter(StrPrinter):  # type: ignore[misc]
@@ -32,7 +35,18 @@ _PRINTER = _FormulaPrinter()
 
 
 def expand_model(model: Model) -> dict[str, Any]:
-    """Return a model as the mapping of a file with modes, events, resets and segments."""
+    """Return a model as the mapping of a file with modes, events, resets and segments.
+
+    Raises
+    ------
+    PddecontError
+        If it has more modes than anybody reads.
+    """
+    if model.derived is not None and not model.derived.build_every(MAX_MODES):
+        raise PddecontError(
+            f"model '{model.name}' makes {model.derived.n_modes} modes; at most {MAX_MODES} are written by hand. "
+            "'info' without '--expand' says what its switches do; effects left out ('--without') make it smaller"
+        )
     states = model.states
     forcing = {} if model.period is None else {"forcing": {"period": write_formula(model.period)}}
     history = {
@@ -43,6 +57,8 @@ def expand_model(model: Model) -> dict[str, Any]:
         for name, effect in model.effects.items()
         if set(effect.drop) <= set(model.events)
     }
+    # The speed that is zero at rest is no event.
+    needed = {s.event for s in model.segments.values()} | {e.after for e in model.events.values()}
     return {
         "name": model.name,
         **({"reference": model.reference} if model.reference else {}),
@@ -54,11 +70,11 @@ def expand_model(model: Model) -> dict[str, Any]:
             name: {f"{s}'": write_formula(f) for s, f in zip(states, body, strict=True)}
             for name, body in model.modes.items()
         },
-        "events": {event.name: _write_event(model, event) for event in model.events.values()},
+        "events": {event.name: _write_event(model, event) for event in model.events.values() if event.name in needed},
         "resets": {
             name: {s: write_formula(g) for s, x, g in zip(states, model.state_symbols, body, strict=True) if g != x}
             for name, body in model.resets.items()
-            if name in {segment.reset for segment in model.segments.values()} - {IDENTITY}
+            if name in {segment.reset for segment in model.segments.values() if not segment.rests} - {IDENTITY}
         },
         "segments": {s.written or s.name: _write_segment(model, s.name) for s in list_leaders(model.segments.values())},
         **({"effects": effects} if effects else {}),
@@ -111,4 +127,6 @@ def _write_segment(model: Model, name: str) -> dict[str, Any]:
         held = list(_list_possible(ways[:-1]))
         to = [{"when": write_condition(way.guard), "mode": way.to} for way in held] + [{"mode": ways[-1].to}]
     reset = {} if segment.reset == IDENTITY else {"reset": segment.reset}
-    return {"mode": segment.mode, "event": segment.event, "direction": segment.direction, **reset, "to": to}
+    resting = find_rest(model, segment)
+    rest = {} if resting is None else {"rest": resting.to}
+    return {"mode": segment.mode, "event": segment.event, "direction": segment.direction, **reset, "to": to, **rest}

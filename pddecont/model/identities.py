@@ -26,7 +26,8 @@ def vanishes_identically(model: Model, segments: Sequence[Segment], s: int, even
     h = model.events[event].function
     if h is None or h.free_symbols & set(model.delayed_symbols):
         return False
-    return _stays(model, segments, s, event) if at_end else _begins(model, segments, s, event, len(segments))
+    ends = _stays if at_end else _begins
+    return ends(model, segments, s, h, len(segments))
 
 
 def find_rate(model: Model, event: str, mode: str) -> sympy.Expr:
@@ -36,28 +37,28 @@ def find_rate(model: Model, event: str, mode: str) -> sympy.Expr:
     return _rate(function, model.state_symbols, model.modes[mode])
 
 
-def _stays(model: Model, segments: Sequence[Segment], s: int, event: str) -> bool:
-    rate = find_rate(model, event, segments[s].mode)
-    return bool(rate.is_zero) and _begins(model, segments, s, event, len(segments))
+def _stays(model: Model, segments: Sequence[Segment], s: int, h: sympy.Expr, left: int) -> bool:
+    """Return whether a function is zero all along segment ``s``: where it begins, and so is its rate."""
+    if left == 0 or not _begins(model, segments, s, h, left):
+        return False
+    rate = _rate(h, model.state_symbols, model.modes[segments[s].mode])
+    return bool(rate.is_zero) or (not rate.is_number and _stays(model, segments, s, rate, left - 1))
 
 
-def _begins(model: Model, segments: Sequence[Segment], s: int, event: str, left: int) -> bool:
-    """Return whether segment ``s`` begins on the surface.
+def _begins(model: Model, segments: Sequence[Segment], s: int, h: sympy.Expr, left: int) -> bool:
+    """Return whether a function is zero where segment ``s`` begins.
 
-    It is followed back to a reset or an event that puts it there, ``left`` segments at most.
+    It is followed back to a reset or an event that makes it zero, ``left`` segments at most.
     """
-    before, h = segments[s - 1], model.events[event].function
-    if left == 0 or not before.event:
+    before = segments[(s - 1) % len(segments)]
+    if left == 0 or not before.event or h.free_symbols & set(model.delayed_symbols):
         return False
     after = _after(h, model.state_symbols, model.resets[before.reset])
     if after.is_zero:
         return True
     if after != h:
         return False
-    return before.event == event or (
-        bool(_rate(h, model.state_symbols, model.modes[before.mode]).is_zero)
-        and _begins(model, segments, s - 1, event, left - 1)
-    )
+    return model.events[before.event].function == h or _stays(model, segments, s - 1, h, left - 1)
 
 
 Exprs = tuple[sympy.Expr, ...]

@@ -48,6 +48,7 @@ class Segment(Strict):
     direction: Literal["rising", "falling", "any"] = Field("any", description="how the event function passes zero")
     reset: Identifier = Field("identity", description="reset applied at the event")
     to: Target = Field(description="mode that follows; or a list of {when: condition, mode}, of which the first holds")
+    rest: Identifier | None = Field(None, description="mode in which the motion rests where such impacts accumulate")
 
 
 class Jump(Strict):
@@ -63,6 +64,7 @@ class Jump(Strict):
         default_factory=dict, alias="in", description="signs of switches with which it happens (0: sliding)"
     )
     when: Formula | None = Field(None, description="condition under which it happens")
+    rest: bool = Field(False, description="after impacts that accumulate the motion rests at the zero of 'at'")
 
     @model_validator(mode="after")
     def _says_when(self) -> Jump:

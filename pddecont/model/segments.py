@@ -12,6 +12,7 @@ from pddecont.model.expression import Scope
 from pddecont.model.findings import Findings
 from pddecont.model.parts import IDENTITY, Segment
 from pddecont.model.reachability import find_shadowed, find_unreached
+from pddecont.model.rest import make_resting
 from pddecont.model.schema import DelayedEvent, ModelFile
 from pddecont.model.schema import Segment as SegmentBody
 from pddecont.model.transitions import list_leaders
@@ -26,6 +27,20 @@ def make_segments(file: ModelFile, scope: Scope, findings: Findings) -> dict[str
 
 def _list_ways(name: str, body: SegmentBody, scope: Scope, findings: Findings) -> Iterator[Segment]:
     """Yield a segment of the file, once for each mode that it may lead to, with what has to hold then."""
+    ways = list(_list_guarded(name, body, scope, findings))
+    yield from ways
+    if body.rest is None or not ways:
+        return
+    yield (resting := make_resting(ways[0], name, body.rest))
+    if resting.name in {way.name for way in ways}:
+        findings.add_error(
+            ("segments", name, "rest"),
+            f"segment '{name}' leads to mode '{body.rest}' by a condition too; give the rest a mode of its own",
+        )
+
+
+def _list_guarded(name: str, body: SegmentBody, scope: Scope, findings: Findings) -> Iterator[Segment]:
+    """Yield a segment of the file, once for each mode that conditions let it lead to."""
     parts = body.mode, body.event, body.direction, body.reset
     if isinstance(body.to, str):
         yield Segment(name, *parts, body.to)
@@ -98,4 +113,10 @@ def _check_names(file: ModelFile, segments: Collection[Segment], resets: Collect
         check(segment, "event", segment.event, file.events, "ends at event")
         check(segment, "reset", segment.reset, resets, "applies reset")
     for segment in segments:
-        check(segment, "to", segment.to, file.modes, "leads to mode")
+        check(segment, "rest" if segment.rests else "to", segment.to, file.modes, "leads to mode")
+        if segment.rests and isinstance(file.events.get(segment.event), DelayedEvent):
+            findings.add_error(
+                ("segments", segment.written, "rest"),
+                f"segment '{segment.written}' ends at the delayed event '{segment.event}', where no impacts "
+                "accumulate; remove 'rest', or end it at an event function",
+            )

@@ -17,6 +17,8 @@ BELOW, ABOVE, ON = 0, 1, 2
 # Instead of a digit: it is not put in, and its symbol stands.
 OPEN = -1
 WORDS = ("below", "above", "on")
+# The word for a contact that holds a motion.
+RESTING = "rest"
 # One digit for each switch.
 Digits: TypeAlias = tuple[int, ...]
 
@@ -48,11 +50,20 @@ class Switch:
     grip: sympy.Expr = sympy.S.One
     # How fast the delayed values in u change it; None where that is not known.
     drift: sympy.Expr | None = sympy.S.Zero
+    # Of a contact: the function whose rate u is, and the digit of motions that are free; the digit is the force.
+    contact: sympy.Expr | None = None
+    free: int = BELOW
 
     @property
     def remembers(self) -> bool:
         """Whether the digit depends on the past."""
         return bool(self.low != self.high)
+
+    def word(self, digit: int) -> str:
+        """Return a digit with the switch's name, as names of modes have it; a contact is named where it holds."""
+        if self.contact is None:
+            return f"{self.name}_{WORDS[digit]}"
+        return f"{self.name}_{RESTING}" if digit == ON else ""
 
     @property
     def bounds(self) -> tuple[sympy.Expr, sympy.Expr]:
@@ -74,6 +85,8 @@ class Jump:
     delay: sympy.Expr | None
     reset: tuple[sympy.Expr, ...]
     when: sympy.Expr = sympy.S.One
+    # Whether a motion rests at the zero of ``function`` after impacts that accumulate.
+    rests: bool = False
 
 
 @dataclass(frozen=True)
@@ -91,8 +104,11 @@ class Equations:
     def change(self, put_in: Callable[[sympy.Expr], sympy.Expr], dropped: Collection[str]) -> Equations:
         """Return the equations with every expression changed, without the jumps ``dropped`` and those after them.
 
-        Switches that decide nothing any more are gone; one whose argument is zero throughout has sign 0.
+        Switches that decide nothing any more are gone; one whose argument is zero throughout has sign 0. Contacts are
+        gone too: they are made anew of what is left.
         """
+        if any(s.contact is not None for s in self.switches):
+            return self.leave_out_contacts().change(put_in, dropped)
         kept = [j for j in self.jumps if j.name not in dropped]
         while any(j.after is not None and not self._happens(j.after, kept) for j in kept):
             kept = [j for j in kept if j.after is None or self._happens(j.after, kept)]
@@ -125,6 +141,12 @@ class Equations:
             tuple(jumps),
         )
         return changed.leave_out_idle()
+
+    def leave_out_contacts(self) -> Equations:
+        """Return the equations without the forces of contacts."""
+        free = {s.digit: sympy.Integer(s.free) for s in self.switches if s.contact is not None}
+        switches = tuple(s for s in self.switches if s.contact is None)
+        return replace(self, field=tuple(f.xreplace(free) for f in self.field), switches=switches)
 
     def add_states(self, states: tuple[sympy.Symbol, ...], field: tuple[sympy.Expr, ...]) -> Equations:
         """Return the equations with more states, which no jump changes."""
@@ -173,21 +195,28 @@ class Equations:
     def find_digits(self, mode: str) -> Digits | None:
         """Return the digits of the mode with a name; None if there is no such mode."""
         digits, rest = [], mode
-        if not self.switches:
-            return () if mode == "smooth" else None
+        if mode == "smooth":
+            return tuple(s.free for s in self.switches) if all(s.contact is not None for s in self.switches) else None
         for switch in self.switches:
-            for number, word in enumerate(WORDS):
-                start = f"{switch.name}_{word}"
-                if rest == start or rest.startswith(start + "_"):
+            for number in (ON, BELOW, ABOVE):
+                start = switch.word(number)
+                if start and (rest == start or rest.startswith(start + "_")):
                     digits.append(number)
                     rest = rest[len(start) + 1 :]
                     break
             else:
-                return None
+                if switch.contact is None:
+                    return None
+                digits.append(switch.free)
         return tuple(digits) if self.name_mode(tuple(digits)) == mode else None
+
+
+def find_bits(digits: Digits) -> int:
+    """Return digits as bits: bit k says that switch k is above."""
+    return sum(1 << k for k, digit in enumerate(digits) if digit == ABOVE)
 
 
 def name_digits(switches: tuple[Switch, ...], digits: Digits, but: int = -1) -> str:
     """Return the digits in words, without those of switch ``but``: "friction_on_wall_below"."""
-    named = (f"{s.name}_{WORDS[d]}" for k, (s, d) in enumerate(zip(switches, digits, strict=True)) if k != but)
-    return "_".join(named)
+    named = (s.word(d) for k, (s, d) in enumerate(zip(switches, digits, strict=True)) if k != but)
+    return "_".join(filter(None, named))

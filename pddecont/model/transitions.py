@@ -9,12 +9,18 @@ not a signature lists it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from pddecont.model.parts import IDENTITY, Segment
+import sympy
+from sympy.logic.boolalg import Boolean
+
+from pddecont.model.endings import Ending
+from pddecont.model.parts import IDENTITY, Form, Segment
+from pddecont.model.switches import Digits
 from pddecont.model.system import Model
+from pddecont.model.ways import Decision
 
 # The ways in which an event function passes zero that a direction stands for.
 WAYS = {"rising": {"rising"}, "falling": {"falling"}, "any": {"rising", "falling"}}
@@ -55,9 +61,60 @@ class Transitions:
 
 def list_transitions(model: Model, mode: str) -> Transitions:
     """Return what can end a mode."""
-    segments = model.segments_by_mode.get(mode, ())
+    segments = model.list_segments(mode)
     crossings = tuple(s for s in segments if model.events[s.event].function is not None)
     return Transitions(segments, crossings, tuple(s for s in segments if s not in crossings))
+
+
+def list_endings(model: Model, mode: str) -> list[Ending]:
+    """Return what ends a mode, each once, with what decides where it leads.
+
+    Of a model by hand the modes that a segment may lead to are its options, by number.
+    """
+    if model.derived is not None:
+        return model.derived.list_endings(mode)
+    found = []
+    for leader in list_leaders(model.list_segments(mode)):
+        ways = list_alternatives(model, leader)
+        options = tuple((number,) for number in range(len(ways)))
+        decision = Decision((0,), options, tuple(way.guard for way in ways))
+        rests = tuple(way for way in model.list_ways(leader) if way.rests)
+        found.append(Ending(leader, (0,), (decision,) if len(ways) > 1 else (), rests=rests))
+    return found
+
+
+def find_way(model: Model, ending: Ending, digits: Digits) -> Segment:
+    """Return the segment of an ending after which these digits hold; of a model by hand its number there."""
+    if model.derived is None:
+        return list_alternatives(model, ending.segment)[digits[0]]
+    return model.derived.make_segment(ending, digits)
+
+
+def find_field_form(model: Model, mode: str) -> Form:
+    """Return the vector field of a mode in the form that modes share."""
+    return Form(model.modes[mode]) if model.derived is None else model.derived.find_field_form(mode)
+
+
+def find_event_form(model: Model, event: str) -> Form:
+    """Return the function of an event in the form that modes share; 1 for a delayed event."""
+    found = model.events[event]
+    if found.form is not None:
+        return found.form
+    return Form((sympy.S.One if found.function is None else found.function,))
+
+
+def find_reset_form(model: Model, reset: str) -> Form:
+    """Return a reset in the form that modes share."""
+    return Form(model.resets[reset]) if model.derived is None else model.derived.find_form(reset)
+
+
+def list_shared_forms(model: Model, mode: str) -> tuple[list[Form], list[Form], list[Boolean]]:
+    """Return the functions of events, the resets, and the rules of decisions that modes like one have too."""
+    alike = [] if model.derived is None else model.derived.list_alike(mode)
+    events = [event.form for ends in alike for event in ends.events.values() if event.form is not None]
+    resets = [form for ends in alike for form in ends.resets.values()]
+    decisions = (d for ends in alike for ending in ends.endings for d in ending.decisions)
+    return events, resets, [rule for decision in decisions for rule in decision.rules]
 
 
 def list_held(model: Model, mode: str) -> tuple[str, ...]:
@@ -80,7 +137,22 @@ def list_leaders(segments: Iterable[Segment]) -> tuple[Segment, ...]:
 
 def list_alternatives(model: Model, segment: Segment) -> tuple[Segment, ...]:
     """Return the segments that one may be, as the states after its reset decide; itself alone without a condition."""
-    return model.ways[segment.written] if segment.written else (segment,)
+    if not segment.written:
+        return (segment,)
+    return tuple(way for way in model.list_ways(segment) if not way.rests)
+
+
+def find_rest(model: Model, segment: Segment, mode: str | None = None) -> Segment | None:
+    """Return what a segment is where it ends with the last of impacts that accumulate; None where no mode is said.
+
+    ``mode`` is preferred to others in which the motion may rest.
+    """
+    return choose_rest([way for way in model.list_ways(segment) if way.rests], mode)
+
+
+def choose_rest(rests: Sequence[Segment], mode: str | None) -> Segment | None:
+    """Return the one of several segments that come to rest that leads to a mode, or else the first one."""
+    return next((rest for rest in rests if rest.to == mode), next(iter(rests), None))
 
 
 def list_clocks(model: Model, event: str) -> tuple[str, ...]:

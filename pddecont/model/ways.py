@@ -1,16 +1,27 @@
-"""Where motions go on after an event: the digits that follow, and the conditions on the states that decide."""
+"""Where motions go on after an event: the digits that have to be read anew, and what decides each of them.
+
+Digits that do not depend on each other are decided one after another, each by a rule of its own; only those of which
+one hangs on the other, such as two surfaces along which a motion may slide at once, are decided together.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping
+from collections.abc import Collection, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import product
+from itertools import islice, product
 
 import sympy
 from sympy.logic.boolalg import Boolean
+from sympy.utilities.iterables import strongly_connected_components
 
+from pddecont.model.conditions import holds
+from pddecont.model.evaluation import evaluate
 from pddecont.model.sliding import FIXED, Surfaces, put_in
 from pddecont.model.switches import ABOVE, BELOW, ON, OPEN, Digits
+
+# Digits that hang together have at most so many combinations with a condition each; of more only the signs of their
+# functions are looked at, and what signs leave open is asked of the numbers at that moment.
+MAX_TOGETHER = 9
 
 
 @dataclass(frozen=True)
@@ -22,15 +33,17 @@ class Undecided:
 
 
 @dataclass(frozen=True)
-class Way:
-    """Digits that follow where ``guard`` holds in the states after an event.
+class Decision:
+    """Digits that are chosen together: the first of the ``options`` whose rule holds in the states after an event.
 
-    ``rule`` is the same in the digits of the switches that do not change: many modes share one.
+    Rules are conditions in the digits of the other switches: many modes share one. Where ``is_open`` none of them may
+    hold, and the numbers decide all digits at once (:func:`choose_digits`).
     """
 
-    digits: Digits
-    guard: Boolean
-    rule: Boolean
+    numbers: tuple[int, ...]
+    options: tuple[Digits, ...]
+    rules: tuple[Boolean, ...]
+    is_open: bool = False
 
 
 @dataclass
@@ -38,48 +51,155 @@ class WayFinder:
     """Finds where motions go on; what it has worked out once it knows."""
 
     surfaces: Surfaces
-    _rules: dict[Hashable, list[Boolean]] = field(default_factory=dict)
+    _rules: dict[Hashable, tuple[Boolean, ...]] = field(default_factory=dict)
     _guards: dict[Hashable, Boolean] = field(default_factory=dict)
 
-    def list_ways(self, digits: Digits, undecided: Mapping[int, Undecided]) -> list[Way]:
-        """Return the digits that may follow, each with its condition: the first that holds decides."""
-        numbers = tuple(undecided)
-        possible = [
-            chosen
-            for chosen in product(*(undecided[k].options for k in numbers))
-            if self.surfaces.may_slide(_replace(digits, dict(zip(numbers, chosen, strict=True))))
-        ]
-        kept = tuple(d if d == ON or k in undecided else OPEN for k, d in enumerate(digits))
-        key = kept, tuple(undecided.items()), tuple(possible)
+    def list_decisions(self, after: Digits, undecided: Mapping[int, Undecided]) -> tuple[Decision, ...]:
+        """Return what decides the ``undecided`` digits, in order: each needs only those before it."""
+        found: list[Decision] = []
+        for group in _group(self.surfaces, after, undecided):
+            own = {k: undecided[k] for k in group}
+            if len(own) == 1 or _are_few(self.surfaces, after, undecided, own):
+                found.append(self._decide(after, undecided, own))
+                continue
+            signs = [k for k in group if not undecided[k].on_surface]
+            found += (self._read_sign(after, undecided, k) for k in signs)
+            rest = {k: undecided[k] for k in group if k not in signs}
+            if rest:
+                found.append(Decision(tuple(rest), self._list_possible(after, undecided, rest), (), is_open=True))
+        return tuple(found)
+
+    def find_guard(self, decisions: Sequence[Decision], digits: Digits) -> Boolean:
+        """Return the condition under which decisions lead to some digits."""
+        return sympy.And(*(self._find_own_guard(decision, digits) for decision in decisions))
+
+    def _decide(self, after: Digits, undecided: Mapping[int, Undecided], own: Mapping[int, Undecided]) -> Decision:
+        """Return the decision on digits that hang together; options that the other digits rule out are left out."""
+        options = self._list_possible(after, undecided, own)
+        kept = _open_all(after, undecided)
+        key = kept, tuple(own.items()), tuple(after[k] for k in own), options
         if key not in self._rules:
-            changed = [_replace(kept, dict(zip(numbers, chosen, strict=True))) for chosen in possible]
-            self._rules[key] = _list_rules(self.surfaces, changed, kept, undecided)
-        found = []
-        for chosen, rule in zip(possible, self._rules[key], strict=True):
-            guard = self._put_in(rule, digits)
+            changed = [_replace(kept, dict(zip(own, chosen, strict=True))) for chosen in options]
+            self._rules[key] = _list_rules(self.surfaces, changed, after, own)
+        rules, known = self._rules[key], _replace(after, dict.fromkeys(undecided, OPEN))
+        left = []
+        for option, rule in zip(options, rules, strict=True):
+            guard = self._put_in(rule, known)
             if guard != sympy.false:
-                found.append(Way(_replace(digits, dict(zip(numbers, chosen, strict=True))), guard, rule))
-        return found
+                left.append((option, rule))
+            if guard == sympy.true:
+                break
+        return Decision(tuple(own), tuple(o for o, _ in left), tuple(r for _, r in left))
+
+    def _read_sign(self, after: Digits, undecided: Mapping[int, Undecided], number: int) -> Decision:
+        """Return the decision by the sign of a switch's function; it is open where the function is zero."""
+        kept = _open_all(after, undecided)
+        u = put_in(self.surfaces.equations.switches[number].argument, self.surfaces.find_values(kept))
+        options = tuple((d,) for d in undecided[number].options if d != ON)
+        return Decision((number,), options, tuple(u > 0 if d == (ABOVE,) else u < 0 for d in options), is_open=True)
+
+    def _list_possible(
+        self, after: Digits, undecided: Mapping[int, Undecided], own: Mapping[int, Undecided]
+    ) -> tuple[Digits, ...]:
+        base = _replace(after, dict.fromkeys(undecided, BELOW))
+        every = _list_agreeing(self.surfaces, after, undecided, own)
+        return tuple(o for o in every if self.surfaces.may_slide(_replace(base, dict(zip(own, o, strict=True)))))
+
+    def _find_own_guard(self, decision: Decision, digits: Digits) -> Boolean:
+        chosen = tuple(digits[k] for k in decision.numbers)
+        rule = dict(zip(decision.options, decision.rules, strict=False)).get(chosen, sympy.true)
+        return self._put_in(rule, digits)
 
     def _put_in(self, rule: Boolean, digits: Digits) -> Boolean:
-        """Return a rule with the digits of a mode."""
-        switches = self.surfaces.equations.switches
-        values = {s.digit: FIXED[d] for s, d in zip(switches, digits, strict=True) if s.digit in rule.free_symbols}
+        """Return a rule with the digits of a mode, but for those that are open."""
+        pairs = zip(self.surfaces.equations.switches, digits, strict=True)
+        values = {s.digit: FIXED[d] for s, d in pairs if d in FIXED and s.digit in rule.free_symbols}
         key = rule, tuple(values.items())
         if key not in self._guards:
             self._guards[key] = rule.xreplace(values) if values else rule
         return self._guards[key]
 
 
+def _group(surfaces: Surfaces, after: Digits, undecided: Mapping[int, Undecided]) -> list[tuple[int, ...]]:
+    """Return the undecided switches in groups that hang together, each after those that it reads.
+
+    What holds a motion on a surface depends on all that its rate reads: a digit that may be on a surface hangs together
+    with all that read it, and with the surfaces that share states with its own.
+    """
+    if len(undecided) == 1:
+        return [tuple(undecided)]
+    loose = {k for k, d in enumerate(after) if k not in undecided and d == ON}
+    loose |= {k for k, u in undecided.items() if ON in u.options}
+    nodes = sorted({*undecided, *loose})
+    edges = {(k, j) for k in nodes for j in _list_read(surfaces, k) if j in nodes}
+    edges |= {(j, k) for k, j in edges if j in loose}
+    states = set(surfaces.equations.states)
+    reads = {k: surfaces.equations.switches[k].argument.free_symbols & states for k in loose}
+    edges |= {(k, j) for k in loose for j in loose if k != j and reads[k] & reads[j]}
+    # Digits of parallel surfaces exclude each other.
+    edges |= {pair for i, j in surfaces.compatible if i in undecided and j in undecided for pair in ((i, j), (j, i))}
+    for k in loose:
+        # Whether a law acts at all on a surface may depend on digits too.
+        acting = [j for j in _list_acting(surfaces, k, loose) if j in undecided]
+        edges |= {(k, j) for j in acting} | {(j, k) for j in acting}
+    components = strongly_connected_components((nodes, sorted(edges)))
+    groups = (tuple(sorted(k for k in component if k in undecided)) for component in components)
+    return [group for group in groups if group]
+
+
+def _list_agreeing(
+    surfaces: Surfaces, after: Digits, undecided: Collection[int], own: Mapping[int, Undecided]
+) -> Iterator[Digits]:
+    """Yield the digits that switches may have at once where those of the other undecided ones are not known."""
+    found = iter([_replace(after, dict.fromkeys(undecided, OPEN))])
+    for k, switch in own.items():
+        found = _branch(surfaces, found, k, switch.options)
+    return (tuple(digits[k] for k in own) for digits in found)
+
+
+def _branch(surfaces: Surfaces, before: Iterator[Digits], number: int, options: Sequence[int]) -> Iterator[Digits]:
+    changed = (_replace(digits, {number: option}) for digits in before for option in options)
+    return (digits for digits in changed if surfaces.agree(digits))
+
+
+def _are_few(surfaces: Surfaces, after: Digits, undecided: Collection[int], own: Mapping[int, Undecided]) -> bool:
+    """Return whether switches may have no more digits at once than there may be conditions."""
+    found = _list_agreeing(surfaces, after, undecided, own)
+    return sum(1 for _ in islice(found, MAX_TOGETHER + 1)) <= MAX_TOGETHER
+
+
+def _list_read(surfaces: Surfaces, number: int) -> list[int]:
+    """Return the other switches whose digits the function or the rate of one reads."""
+    switches, rate = surfaces.equations.switches, surfaces.rates[number]
+    symbols = set(switches[number].argument.free_symbols)
+    if rate is not None and not switches[number].remembers:
+        symbols |= rate.free_symbols
+    return [k for k, s in enumerate(switches) if k != number and s.digit in symbols]
+
+
+def _list_acting(surfaces: Surfaces, number: int, loose: Collection[int]) -> list[int]:
+    """Return the switches on whose digits it depends how the laws of those ``loose`` move one switch's function."""
+    switches, rate = surfaces.equations.switches, surfaces.rates[number]
+    if rate is None:
+        return []
+    symbols = set().union(*(rate.diff(switches[k].digit).free_symbols for k in loose))
+    return [k for k, s in enumerate(switches) if k != number and s.digit in symbols]
+
+
+def _open_all(after: Digits, undecided: Mapping[int, Undecided]) -> Digits:
+    """Return digits with all open but those of the surfaces that a motion keeps sliding along."""
+    return tuple(d if d == ON and k not in undecided else OPEN for k, d in enumerate(after))
+
+
 def _list_rules(
     surfaces: Surfaces, changed: list[Digits], before: Digits, undecided: Mapping[int, Undecided]
-) -> list[Boolean]:
+) -> tuple[Boolean, ...]:
     """Return the condition of each of the sets of digits that may follow; the last one holds where no other does."""
     conditions = [
         sympy.And(*(_find_condition(surfaces, after, k, undecided[k], before[k]) for k in undecided))
         for after in changed[:-1]
     ]
-    return [*conditions, sympy.And(*map(sympy.Not, conditions))]
+    return (*conditions, sympy.And(*map(sympy.Not, conditions)))
 
 
 def _replace(digits: Digits, changes: Mapping[int, int]) -> Digits:
@@ -95,8 +215,7 @@ def _find_condition(surfaces: Surfaces, digits: Digits, number: int, undecided: 
         return above if digit == ABOVE else sympy.Not(above)
     if surfaces.rates[number] is None:
         return u > 0 if digit == ABOVE else u <= 0
-    lower, upper = surfaces.find_bounds(number, digits)
-    leaves = {ABOVE: upper > 0, BELOW: lower < 0, ON: sympy.And(upper <= 0, lower >= 0)}[digit]
+    leaves = _find_direction(surfaces, digits, number)
     if undecided.on_surface:
         return leaves
     if digit == ON:
@@ -104,6 +223,38 @@ def _find_condition(surfaces: Surfaces, digits: Digits, number: int, undecided: 
     return sympy.Or(u > 0, sympy.And(u >= 0, leaves)) if digit == ABOVE else sympy.Or(u < 0, sympy.And(u <= 0, leaves))
 
 
+def _find_direction(surfaces: Surfaces, digits: Digits, number: int) -> Boolean:
+    """Return the condition under which a motion on the surface of a switch goes where its digit says."""
+    # On the other side there may be no rate: what holds the motion on other surfaces may not act there.
+    lower, upper = surfaces.find_bounds(number, digits)
+    if digits[number] == ON:
+        return sympy.And(upper <= 0, lower >= 0)
+    return upper > 0 if digits[number] == ABOVE else lower < 0
+
+
+def choose_digits(
+    surfaces: Surfaces, after: Digits, undecided: Mapping[int, Undecided], numbers: Mapping[sympy.Symbol, float]
+) -> Digits:
+    """Return the digits that follow where symbols have these ``numbers``: the first whose conditions hold."""
+    options: dict[int, tuple[int, ...]] = {}
+    symbols = {s.digit for s in surfaces.equations.switches}
+    for k, own in undecided.items():
+        switch, u = surfaces.equations.switches[k], surfaces.equations.switches[k].argument
+        bound = switch.remembers or switch.contact is not None
+        clear = not (own.on_surface or u.free_symbols & symbols or bound)
+        value = evaluate(u, numbers) if clear else 0.0
+        options[k] = own.options if value == 0.0 else (ABOVE,) if value > 0.0 else (BELOW,)
+    digits = after
+    for chosen in product(*options.values()):
+        later = _replace(after, dict(zip(options, chosen, strict=True)))
+        if not surfaces.may_be(later):
+            continue
+        digits = later
+        if all(holds(_find_condition(surfaces, later, k, u, after[k]), numbers) for k, u in undecided.items()):
+            break
+    return digits
+
+
 def list_options(surfaces: Surfaces, number: int, *, on_surface: bool) -> Undecided:
     """Return that a switch may have any digit."""
-    return Undecided((ABOVE, BELOW, ON) if surfaces.slides[number] else (ABOVE, BELOW), on_surface)
+    return Undecided(surfaces.list_digits(number), on_surface)

@@ -17,7 +17,9 @@ from .carried_events import list_unlisted_carried_events as list_unlisted_carrie
 from .clocks import Clock as Clock
 from .clocks import list_unlisted_clocks as list_unlisted_clocks
 from .distance import measure_distance as measure_distance
+from .durations import find_shortest as find_shortest
 from .error import estimate_rounding_error as estimate_rounding_error
+from .error import find_still_states as find_still_states
 from .error import measure_states as measure_states
 from .estimate import estimate_error as estimate_error
 from .event_profiles import find_event_profile as find_event_profile
@@ -53,6 +55,8 @@ from .remesh import transfer_orbit as transfer_orbit
 from .remesh import transfer_to as transfer_to
 from .repetition import count_repetitions as count_repetitions
 from .repetition import is_at_rest as is_at_rest
+from .repulsion import Repeller as Repeller
+from .repulsion import list_repellers as list_repellers
 from .resegmentation import SegmentSpan as SegmentSpan
 from .resegmentation import resegment as resegment
 from .resegmentation import sample_spans as sample_spans

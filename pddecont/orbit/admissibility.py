@@ -10,12 +10,13 @@ import numpy as np
 
 from pddecont.orbit.carried_events import list_carried_events, list_unlisted_carried_events
 from pddecont.orbit.clocks import list_unlisted_clocks
+from pddecont.orbit.durations import find_instants
 from pddecont.orbit.event_profiles import find_event_profile, find_event_profiles
 from pddecont.orbit.extrema import Extremum, Profile
 from pddecont.orbit.guards import explain_guard, list_guarded, measure_guard
 from pddecont.orbit.leaving import explain_sliding, find_leaving_rate, list_sliding_ends
 from pddecont.orbit.orbit import Orbit
-from pddecont.orbit.problem import INSTANT
+from pddecont.orbit.repulsion import list_repellers
 from pddecont.orbit.signature import WatchedEvent
 from pddecont.orbit.verdict import Verifier
 from pddecont.reasons import NO_REASON, Reason, make_reason
@@ -53,7 +54,7 @@ def find_violations(orbit: Orbit) -> list[Reason]:
 
 def _find_violations(orbit: Orbit) -> Iterator[Reason]:
     yield from _find_crossing_violations(orbit)
-    if all(orbit.durations > INSTANT * orbit.period):
+    if np.all(orbit.durations > find_instants(orbit)):
         yield from _find_unlisted(orbit)
 
 
@@ -71,6 +72,9 @@ def _find_unlisted(orbit: Orbit) -> Iterator[Reason]:
     for s in list_guarded(orbit.signature):
         if measure_guard(orbit, s) < -RELATIVE_ZERO:
             yield explain_guard(orbit.signature, s)
+    for repeller in list_repellers(orbit):
+        if repeller.measure(orbit) < -RELATIVE_ZERO:
+            yield repeller.explain(orbit)
     for s in list_sliding_ends(orbit.signature):
         largest = float(np.max(np.abs(find_event_profile(orbit, orbit.signature.segments[s].event).values)))
         if find_leaving_rate(orbit, s) * orbit.period < -TANGENT * largest:
@@ -80,9 +84,10 @@ def _find_unlisted(orbit: Orbit) -> Iterator[Reason]:
 def _find_crossing_violations(orbit: Orbit) -> Iterator[Reason]:
     profiles = find_event_profiles(orbit)
     carried = {event.segment for event in list_carried_events(orbit)}
+    instants = find_instants(orbit)
     for s, name in enumerate(orbit.signature.names):
         duration = float(orbit.durations[s])
-        if duration <= INSTANT * orbit.period:
+        if duration <= instants[s]:
             yield make_reason("no_duration", number=s + 1, segment=name, duration=duration)
             continue
         for watched in orbit.signature.list_watched_events(s):

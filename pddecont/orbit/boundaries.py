@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from pddecont.codegen import NumericModel
 from pddecont.continuation import Approach, End
+from pddecont.orbit.durations import find_instants, make_instant_matrix
 from pddecont.orbit.orbit import Orbit
-from pddecont.orbit.problem import INSTANT
 from pddecont.reasons import Reason, make_reason
 
 Array = NDArray[np.float64]
@@ -113,14 +113,14 @@ class DurationBoundary:
 
     def margins(self, at: AtOrbit) -> Array:
         """Return by how much each segment's duration exceeds rounding."""
-        return at.orbit.durations - INSTANT * np.sum(at.orbit.durations)
+        return at.orbit.durations - find_instants(at.orbit)
 
     def gradients(self, at: AtOrbit) -> Array:
         """Return their derivatives in the unknowns."""
         durations = at.orbit.problem.unknowns.durations
         n = durations.stop - durations.start
         result = np.zeros((n, len(at.orbit.x)))
-        result[:, durations] = np.eye(n) - INSTANT
+        result[:, durations] = np.eye(n) - make_instant_matrix(at.orbit.signature)
         return result
 
     def reason(self, at: AtOrbit, k: int) -> Reason:

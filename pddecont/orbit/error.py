@@ -63,10 +63,16 @@ def measure_states(values: Array) -> Array:
 
     A state that hardly moves counts by its largest modulus; one that stays at zero, to rounding, has size one.
     """
-    swing = 0.5 * np.ptp(values, axis=0)
     largest = np.max(np.abs(values), axis=0)
     fallback = np.where(largest > ZERO, largest, 1.0)
-    return np.where((swing > STILL * largest) & (largest > ZERO), swing, fallback)
+    return np.where(find_still_states(values), fallback, 0.5 * np.ptp(values, axis=0))
+
+
+def find_still_states(values: Array) -> NDArray[np.bool_]:
+    """Return which states hardly move along an orbit, or stay at zero, to rounding; shape (n_states,)."""
+    swing, largest = 0.5 * np.ptp(values, axis=0), np.max(np.abs(values), axis=0)
+    still: NDArray[np.bool_] = (swing <= STILL * largest) | (largest <= ZERO)
+    return still
 
 
 @cache

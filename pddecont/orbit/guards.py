@@ -6,7 +6,11 @@ moves by its size, so that units do not matter; ``and`` takes the least, ``or`` 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
+import sympy
+from numpy.typing import NDArray
 
 from pddecont.model import combine_differences, list_alternatives, list_differences
 from pddecont.orbit.error import measure_states
@@ -14,6 +18,7 @@ from pddecont.orbit.orbit import Orbit
 from pddecont.orbit.signature import Signature
 from pddecont.reasons import Reason, make_reason
 
+Array = NDArray[np.float64]
 CODE = "guard"
 
 
@@ -27,22 +32,30 @@ def measure_guard(orbit: Orbit, s: int) -> float:
 
     It is judged by the states after the reset at the segment's end.
     """
-    signature, numeric = orbit.signature, orbit.numeric
-    guard, following = signature.segments[s].guard, (s + 1) % len(signature)
+    guard = orbit.signature.segments[s].guard
     differences = list_differences(guard)
+    values, sizes = evaluate_after(orbit, s, differences)
+    return combine_differences(guard, dict(zip(differences, (values / sizes).tolist(), strict=True)))
+
+
+def evaluate_after(orbit: Orbit, s: int, exprs: Sequence[sympy.Expr]) -> tuple[Array, Array]:
+    """Return expressions after the event and the reset at the end of segment ``s``, and their sizes (n_exprs,).
+
+    The size is what one changes by when states, delayed values and time move by their sizes.
+    """
+    numeric, following = orbit.numeric, (s + 1) % len(orbit.signature)
     start = orbit.event_times[[following]]
     reads = orbit.read(orbit.mesh.locate(orbit.theta, start, segment=following)[0])
-    function = numeric.function(differences)
+    function = numeric.function(exprs)
     found, where = function.derivatives(reads.t, reads.x, reads.xd, orbit.parameters), function.structure()
     sizes = measure_states(orbit.values)
     delayed = sizes[[read.state for read in numeric.model.delayed]]
-    change = np.zeros(len(differences))
+    change = np.zeros(len(exprs))
     np.add.at(change, where.dx[0], np.abs(found.dx[:, 0]) * sizes[where.dx[1]])
     np.add.at(change, where.dxd[0], np.abs(found.dxd[:, 0]) * delayed[where.dxd[1]])
     np.add.at(change, where.dt, np.abs(found.dt[:, 0]) * orbit.period)
-    # A comparison of parameters alone has no size; its own number tells the side.
-    relative = found.value[:, 0] / np.where(change > 0.0, change, 1.0)
-    return combine_differences(guard, dict(zip(differences, relative.tolist(), strict=True)))
+    # What parameters alone make has no size; its own number tells the side.
+    return found.value[:, 0], np.where(change > 0.0, change, 1.0)
 
 
 def is_alternative(signature: Signature, s: int, name: str) -> bool:

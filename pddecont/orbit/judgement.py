@@ -6,16 +6,19 @@ an orbit lies so near to the border of what its signature can do that its own er
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from pddecont.orbit.admissibility import SIGNS
 from pddecont.orbit.carried_events import list_carried_events, list_unlisted_carried_events
+from pddecont.orbit.durations import measure_left_out
 from pddecont.orbit.event_profiles import find_event_profile
 from pddecont.orbit.examination import Examination, Window
 from pddecont.orbit.guards import explain_guard, is_alternative, measure_guard
 from pddecont.orbit.leaving import find_leaving_rate, list_sliding_ends
+from pddecont.orbit.signature import Signature
 from pddecont.orbit.verdict import DRIFTS, NOT_DONE, Verification
 from pddecont.reasons import Reason, Scalar, make_reason
 from pddecont.simulate import FailureReason, MotionFailure, MotionRecord
@@ -39,15 +42,26 @@ def judge(examined: Examination, window: Window, record: MotionRecord | None, *,
     if record is None:
         return replace(NOT_DONE, reason=make_reason("too_many_steps"))
     segment = examined.orbit.signature.segments[window.s]
-    expected = (segment.name,) if segment.event else ()
-    if record.failure is not None or record.segments != expected:
+    if record.failure is not None or not _meets(examined.orbit.signature, window.s, record.segments):
         if not strict and is_undecided(examined, window, record):
             return Verification(1)
         return Verification(0, reason=_describe(examined, window, record))
-    deviation = measure_deviation(examined, window, record)
+    deviation = max(measure_deviation(examined, window, record), measure_left_out(examined.orbit, window.s))
     if deviation <= find_allowed(examined) or deviation <= CARRIED * find_carried(examined, window, record, strict):
         return Verification(1, deviation)
     return Verification(0, deviation, make_reason(DRIFTS, number=window.s + 1, segment=segment.name))
+
+
+def _meets(signature: Signature, s: int, found: Sequence[str]) -> bool:
+    """Return whether a motion meets what ends segment ``s`` and nothing else.
+
+    Of impacts that accumulate the motion may follow more than the orbit does, or fewer; whether those left out were
+    negligible is seen where the motion is after them.
+    """
+    model, segment = signature.numeric.model, signature.segments[s]
+    if s in signature.trailing or segment.rests:
+        return {way.name for way in model.list_ways(segment)}.issuperset(found)
+    return tuple(found) == ((segment.name,) if segment.event else ())
 
 
 def find_allowed(examined: Examination) -> float:

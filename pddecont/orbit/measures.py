@@ -47,9 +47,15 @@ def measure_mean(orbit: Orbit, function: ArrayFunction) -> float:
 
 
 def measure_time_in(orbit: Orbit, mode: str) -> float:
-    """Return how long an orbit is in a mode during one period."""
-    segments = zip(orbit.durations, orbit.signature.segments, strict=True)
-    return float(sum(T for T, segment in segments if segment.mode == mode))
+    """Return how long an orbit is in a mode during one period.
+
+    Impacts that accumulate end where those do that the orbit does not follow: gaps go on to shrink as the last two do.
+    """
+    durations, signature = orbit.durations.copy(), orbit.signature
+    for s in (s for s in signature.trailing if signature.segments[s].rests):
+        left = durations[s] ** 2 / (durations[s - 1] - durations[s])
+        durations[[s, (s + 1) % len(signature)]] += left, -left
+    return float(sum(T for T, segment in zip(durations, signature.segments, strict=True) if segment.mode == mode))
 
 
 def measure_at(orbit: Orbit, segment: str, function: ArrayFunction) -> float:

@@ -82,6 +82,24 @@ class Signature:
         """What decides where derivatives of the orbit jump."""
         return find_discontinuity_sources(self.numeric.model, self.segments)
 
+    @cached_property
+    def trailing(self) -> dict[int, int]:
+        """The segments between impacts that accumulate, each with the one that ends with the first of these.
+
+        However short they are and however slow their impacts, they last as long as the first one lets them.
+        """
+        found: dict[int, int] = {}
+        for last in (s for s, segment in enumerate(self.segments) if segment.rests):
+            impact = self.segments[last]
+            first = last
+            while first > last - len(self) + 1:
+                before = self.segments[first - 1]
+                if before.rests or (before.mode, before.written or before.name) != (impact.mode, impact.written):
+                    break
+                first -= 1
+            found |= {s % len(self): first % len(self) for s in range(first + 1, last + 1)}
+        return found
+
     def list_watched_events(self, s: int) -> tuple[WatchedEvent, ...]:
         """Return the events with a function that segment ``s`` watches, each direction once."""
         if s not in self._watched:

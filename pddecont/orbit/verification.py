@@ -15,11 +15,11 @@ import numpy as np
 
 from pddecont.codegen import NumericModel
 from pddecont.delay import DelayMethod, Direct
+from pddecont.orbit.durations import find_instants
 from pddecont.orbit.estimate import estimate_error
 from pddecont.orbit.examination import RTOL, Examination
 from pddecont.orbit.judgement import ESTIMATED, judge
 from pddecont.orbit.orbit import Orbit
-from pddecont.orbit.problem import INSTANT
 from pddecont.orbit.verdict import DRIFTS, Verification
 from pddecont.reasons import make_reason
 from pddecont.simulate import DrivenSimulator, Method, Simulator
@@ -75,7 +75,7 @@ class Referee:
         return Verification(1, found.deviation) if found.deviation <= allowed else found
 
     def _verify(self, orbit: Orbit, *, strict: bool) -> Verification:
-        if not np.all(orbit.durations > INSTANT * orbit.period) or not orbit.period > 0.0:
+        if not np.all(orbit.durations > find_instants(orbit)) or not orbit.period > 0.0:
             return Verification(0, reason=make_reason("no_time"))
         examined = Examination(orbit, self.simulators, self.is_driven)
         found: list[Verification] = []

@@ -45,6 +45,10 @@ class StepKind(Protocol):
         """Return the modes that motions of a step are put into."""
         ...
 
+    def list_sticks(self, body: Any, /) -> Iterable[tuple[str, str]]:
+        """Return the events at which impacts accumulate, each with the mode in which the motion rests then."""
+        ...
+
     def list_varied(self, body: Any, /) -> Iterable[str]:
         """Return the parameters that do not have one value throughout a step."""
         ...

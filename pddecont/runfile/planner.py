@@ -19,6 +19,7 @@ from pddecont.model import (
     KeyPath,
     Model,
     ReferencedNames,
+    add_rests,
     leave_out_effects,
     parse_expression,
 )
@@ -86,6 +87,8 @@ def make_plan(
 
     checker = Checker(text.model, make_problem, document.path)
     checker.model = _leave_out(checker, run, kinds, overrides)
+    sticks = (pair for step in run.steps for pair in kinds[step.kind].list_sticks(step.body))
+    checker.model = add_rests(checker.model, sticks)
     numeric = NumericModel(checker.model)
     values = _resolve_parameters(checker, run, overrides)
     parameters = numeric.with_fixed(np.array(list(values.values()), dtype=float))

@@ -6,8 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.codegen import NumericModel, find_non_finite
+from pddecont.model import find_start_digits, list_surfaces_met
 from pddecont.simulate.failure import FailureReason, MotionFailure
 from pddecont.simulate.integrator import LAST_EVENT, MODE, ZENO_TIME, IntegratorState, Status, T
+from pddecont.simulate.part_tables import PartTables
+from pddecont.simulate.start_modes import name_numbers
 
 Array = NDArray[np.float64]
 # How far ahead a part of the vector field without a value is looked for, relative to the time: from the spacing of
@@ -16,16 +19,18 @@ SHORTEST_AHEAD, LONGEST_AHEAD = -52, -30
 
 
 def diagnose_halt(
-    numeric: NumericModel, state: IntegratorState, status: Status, p: Array, delayed_values: Array
+    numeric: NumericModel, tables: PartTables, state: IntegratorState, status: Status, p: Array, delayed_values: Array
 ) -> MotionFailure:
     """Return why an integration at parameters ``p`` came to a halt; ``delayed_values`` are those read last."""
-    model, t = numeric.model, float(state.clock[T])
-    mode = list(model.modes)[state.count[MODE]]
+    t = float(state.clock[T])
+    mode = None if state.count[MODE] < 0 else list(tables.modes)[state.count[MODE]]
+    if status == Status.REPELLED or mode is None:
+        return _diagnose_repulsion(numeric, mode, state, p, delayed_values)
     if status in (Status.ZENO, Status.SLIDING):
-        event = list(model.events)[state.count[LAST_EVENT]]
+        event = list(tables.events)[state.count[LAST_EVENT]]
         reason = FailureReason.ACCUMULATION if status == Status.ZENO else FailureReason.SLIDING
         return MotionFailure(reason, float(state.clock[ZENO_TIME]), event, mode)
-    part = _find_undefined_part(numeric, state, p, delayed_values)
+    part = _find_undefined_part(numeric, mode, state, p, delayed_values)
     if part:
         return MotionFailure(FailureReason.UNDEFINED, t, None, mode, part)
     return MotionFailure(
@@ -33,13 +38,31 @@ def diagnose_halt(
     )
 
 
-def _find_undefined_part(numeric: NumericModel, state: IntegratorState, p: Array, delayed_values: Array) -> str:
+def _diagnose_repulsion(
+    numeric: NumericModel, mode: str | None, state: IntegratorState, p: Array, delayed_values: Array
+) -> MotionFailure:
+    """Return which surface a motion is on that both fields point away from."""
+    model, t = numeric.model, float(state.clock[T])
+    assert model.derived is not None, "only equations have surfaces that repel"
+    derived, states = model.derived, state.y[: numeric.n_states]
+    numbers = name_numbers(numeric, p, t, states, delayed_values)
+    digits = None if mode is None else derived.find_digits(mode)
+    if digits is None:
+        digits = find_start_digits(derived, numbers)
+    # Where both fields only begin to point away their rates are zero.
+    found = max(list_surfaces_met(derived.surfaces, digits, numbers), key=lambda s: min(-s.below, s.above))
+    named = dict(zip(model.states, states.tolist(), strict=True))
+    return MotionFailure(FailureReason.REPELLED, t, found.switch.name, mode, found.describe(named))
+
+
+def _find_undefined_part(
+    numeric: NumericModel, mode: str, state: IntegratorState, p: Array, delayed_values: Array
+) -> str:
     """Return which part of the vector field has no finite value here or a short way ahead; empty if there is none.
 
     Ways ahead are tried along the present slope, from rounding up, with the delayed values read last.
     """
     model, n, t = numeric.model, numeric.n_states, float(state.clock[T])
-    mode = list(model.modes)[state.count[MODE]]
     y, xd = state.y[:n, None], delayed_values[:, None]
     named = [(f"{name}' of mode '{mode}'", f) for name, f in zip(model.states, model.modes[mode], strict=True)]
     slope = numeric.mode(mode).value(np.array([t]), y, xd, p)

@@ -14,6 +14,7 @@ class FailureReason(Enum):
 
     ACCUMULATION = "accumulation"  # events accumulate, and nothing says which mode follows
     SLIDING = "sliding"  # two vector fields point at the surface of an event
+    REPELLED = "repelled"  # two vector fields point away from a surface that it is on
     UNDEFINED = "undefined"  # the vector field has no value
     NOT_FINITE = "not finite"  # the solution is infinite or NaN
     STEP_TOO_SMALL = "step too small"  # no step meets the tolerances
@@ -31,6 +32,7 @@ class FailureReason(Enum):
 HALTS = (
     FailureReason.ACCUMULATION,
     FailureReason.SLIDING,
+    FailureReason.REPELLED,
     FailureReason.UNDEFINED,
     FailureReason.NOT_FINITE,
     FailureReason.STEP_TOO_SMALL,
@@ -48,9 +50,10 @@ class MotionFailure:
     time
         When it comes to a halt or returns last; NaN where there is no such time.
     event, mode
-        The event that it comes to a halt at, if it is one, and the mode that it is in.
+        The event that it comes to a halt at, if it is one, or the switch whose surface repels it, and the mode that it
+        is in.
     detail
-        Which part of the vector field has no value, and why.
+        Which part of the vector field has no value, and why; which surface repels it, where, and how.
     is_stiff
         Whether the method for stiff models was used.
     """
@@ -74,13 +77,19 @@ def describe_failure(failure: MotionFailure) -> str:
         case FailureReason.ACCUMULATION:
             return (
                 f"events of '{event}' accumulate at t = {t:.12g} (Zeno): the motion comes to rest there. Write a mode "
-                f"for it and name it in the step, 'stick: {{{event}: MODE}}'"
+                f"for it and name it in the step, 'stick: {{{event}: MODE}}', or in the segment, 'rest: MODE'; a jump "
+                "of equations says 'rest: true'"
             )
         case FailureReason.SLIDING:
             return (
                 f"event '{event}' leads, at t = {t:.12g}, to a mode whose flow leads straight back: both point at the "
                 f"surface (the motion slides along it). Write a mode for sliding and name it in the step, 'stick: "
                 f"{{{event}: MODE}}'"
+            )
+        case FailureReason.REPELLED:
+            return (
+                f"at t = {t:.12g} the motion is {failure.detail}; let it start, or jump, beside the surface, or "
+                "give the 'mode' in which it starts"
             )
         case FailureReason.UNDEFINED:
             return f"the simulation ends at t = {t:.10g} in mode '{mode}': {failure.detail}"

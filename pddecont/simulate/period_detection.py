@@ -74,28 +74,13 @@ def detect_period(numeric: NumericModel, p: Array, trajectory: Trajectory) -> Cy
     ------
     SignatureError
         If the trajectory has not settled to a periodic motion, with the nearest return found and what to try; if it has
-        come to rest; if its mode changes where no segment leads to that mode.
+        come to rest.
     """
     if numeric.model.forced:
-        cycle = _detect_forced(numeric.model, trajectory, float(numeric.period.value(p)[0]))
-    elif len(trajectory.events):
-        cycle = _detect_by_events(numeric.model, trajectory)
-    else:
-        cycle = _detect_by_section(numeric.model, trajectory)
-    _refuse_sticking(numeric.model, cycle)
-    return cycle
-
-
-def _refuse_sticking(model: Model, cycle: Cycle) -> None:
-    """Raise :class:`SignatureError` if the cycle changes its mode where no segment leads to that mode."""
-    for i, name in enumerate(cycle.signature):
-        here, there, t = model.segments[cycle.signature[i - 1]], model.segments[name], cycle.times[i]
-        if here.to != there.mode:
-            raise SignatureError(
-                f"after '{here.name}' at t = {t:.10g} the motion sticks in mode '{there.mode}', which that segment "
-                f"does not lead to: no signature lists the events that accumulate at '{here.event}'. Start the orbit "
-                "where nothing sticks, or write the last event before rest as one that leads there"
-            )
+        return _detect_forced(numeric.model, trajectory, float(numeric.period.value(p)[0]))
+    if len(trajectory.events):
+        return _detect_by_events(numeric.model, trajectory)
+    return _detect_by_section(numeric.model, trajectory)
 
 
 def _detect_forced(model: Model, trajectory: Trajectory, period: float) -> Cycle:
@@ -143,10 +128,13 @@ def _find_cycle(trajectory: Trajectory, end: float, length: float, n_periods: in
         return Cycle(
             (), np.array([end - length, end]), (int(trajectory.arc[-1]),), n_periods, trajectory.mode[-1], trajectory
         )
-    q, last = len(inside), int(inside[-1])
-    if last - q < 0 or abs(events.t[last] - events.t[last - q] - length) > SAME_GAPS * length:
+    last = int(inside[-1])
+    # Of impacts that accumulate one more or less may have been followed in the period before.
+    alike = [k for k in range(last) if events.segment[k] == events.segment[last]]
+    first = min(alike, key=lambda k: abs(events.t[last] - events.t[k] - length), default=None)
+    if first is None or abs(events.t[last] - events.t[first] - length) > SAME_GAPS * length:
         return None
-    return _make_cycle(trajectory, last - q, last, n_periods)
+    return _make_cycle(trajectory, first, last, n_periods)
 
 
 def _make_cycle(trajectory: Trajectory, first: int, last: int, n_periods: int) -> Cycle:

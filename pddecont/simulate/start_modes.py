@@ -3,39 +3,54 @@
 from __future__ import annotations
 
 import numpy as np
+import sympy
 from numpy.typing import NDArray
 
 from pddecont.codegen import NumericModel
-from pddecont.model import ABOVE, BELOW, TIME, DerivedModes, find_start_mode
+from pddecont.model import ABOVE, BELOW, TIME, DerivedModes, UndecidedSlidingError, find_start_mode
 
 Array = NDArray[np.float64]
 # Starts at which a function is smaller than this part of the largest one are looked at one by one: it may be zero.
 NEAR = 1e-9
 
 
-def read_start_modes(numeric: NumericModel, p: Array, t: float, states: Array, delayed: Array) -> list[str]:
-    """Return the modes of motions that start at ``t``.
+def read_start_modes(numeric: NumericModel, p: Array, t: float, states: Array, delayed: Array) -> list[str | None]:
+    """Return the modes of motions that start at ``t``; None where both fields point away from a surface.
 
     ``states`` (n, n_states) and ``delayed`` values (n, n_delayed) are those at the start.
-
-    Raises
-    ------
-    PddecontError
-        If both fields point away from a surface on which a motion starts.
     """
     model, derived = numeric.model, numeric.model.derived
     if derived is None:
         return [model.initial_mode] * len(states)
-    known = {TIME: t} | dict(zip(model.parameter_symbols, p.tolist(), strict=True))
     doubtful, digits = _read_digits(numeric, derived, p, t, states, delayed)
-    modes = []
-    for row, xd, slow, own in zip(states.tolist(), delayed.tolist(), doubtful, digits.T.tolist(), strict=True):
-        if slow:
-            numbers = known | dict(zip((*model.state_symbols, *model.delayed_symbols), [*row, *xd], strict=True))
-            modes.append(find_start_mode(derived, numbers))
-        else:
-            modes.append(derived.find_mode(tuple(own)))
+    modes: list[str | None] = []
+    for row, xd, slow, own in zip(states, delayed, doubtful, digits.T.tolist(), strict=True):
+        modes.append(read_mode(numeric, p, t, row, xd) if slow else derived.find_mode(tuple(own)))
     return modes
+
+
+def read_mode(
+    numeric: NumericModel, p: Array, t: float, states: Array, delayed: Array, before: str | None = None
+) -> str | None:
+    """Return the mode of a motion at ``t``; None where both fields point away from a surface that it is on.
+
+    ``states`` (n_states,) and ``delayed`` values (n_delayed,) are those at ``t``; relays with memory are between their
+    thresholds what they were in the mode ``before``.
+    """
+    derived = numeric.model.derived
+    if derived is None:
+        return before or numeric.model.initial_mode
+    try:
+        return find_start_mode(derived, name_numbers(numeric, p, t, states, delayed), before)
+    except UndecidedSlidingError:
+        return None
+
+
+def name_numbers(numeric: NumericModel, p: Array, t: float, states: Array, delayed: Array) -> dict[sympy.Symbol, float]:
+    """Return the numbers of the model's symbols: time, parameters, states and delayed values."""
+    model = numeric.model
+    symbols = (*model.parameter_symbols, *model.state_symbols, *model.delayed_symbols)
+    return {TIME: t} | dict(zip(symbols, [*p.tolist(), *states.tolist(), *delayed.tolist()], strict=True))
 
 
 def _read_digits(
@@ -49,4 +64,8 @@ def _read_digits(
     function = numeric.function([s.argument for s in switches])
     u = function.value(np.full(n, t), np.ascontiguousarray(states.T), np.ascontiguousarray(delayed.T), p)
     near = np.abs(u) <= NEAR * np.max(np.abs(u), axis=1, initial=0.0, keepdims=True)
-    return np.any(near, axis=0), np.where(u > 0.0, ABOVE, BELOW).astype(np.int64)
+    digits = np.where(u > 0.0, ABOVE, BELOW).astype(np.int64)
+    for k, switch in enumerate(switches):
+        if switch.contact is not None:
+            near[k], digits[k] = False, switch.free
+    return np.any(near, axis=0), digits

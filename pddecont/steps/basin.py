@@ -99,4 +99,5 @@ BASIN_STEP = StepKind(
     integrates=True,
     list_names=list_basin_names,
     list_modes=list_basin_modes,
+    list_sticks=lambda body: body.stick.items(),
 )

@@ -52,6 +52,8 @@ class StepKind(Generic[F, S]):
         Whether the run's accuracy decides its delay and mesh.
     list_names, list_modes
         Texts whose names the model must have, and modes that motions are put into, whichever effects are left out.
+    list_sticks
+        Events at which impacts accumulate, each with the mode in which the motion rests then.
     list_varied
         Parameters that do not have one value throughout a step.
     """
@@ -67,6 +69,7 @@ class StepKind(Generic[F, S]):
     takes_accuracy: bool = False
     list_names: Callable[[F], Iterable[Any]] = _list_nothing
     list_modes: Callable[[F], Iterable[str]] = _list_nothing
+    list_sticks: Callable[[F], Iterable[tuple[str, str]]] = _list_nothing
     list_varied: Callable[[F], Iterable[str]] = _list_nothing
 
     def load(self) -> Runner:

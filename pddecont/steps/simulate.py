@@ -177,5 +177,6 @@ SIMULATE_STEP = StepKind(
     integrates=True,
     list_names=list_simulate_names,
     list_modes=list_simulate_modes,
+    list_sticks=lambda body: body.stick.items(),
     list_varied=list_simulate_varied,
 )

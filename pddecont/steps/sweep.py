@@ -162,5 +162,6 @@ SWEEP_STEP = StepKind(
     integrates=True,
     list_names=list_sweep_names,
     list_modes=list_sweep_modes,
+    list_sticks=lambda body: body.stick.items(),
     list_varied=lambda body: body.over,
 )

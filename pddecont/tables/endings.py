@@ -77,6 +77,11 @@ def _describe_continue(step: Step, ending: Reason) -> str:
         after = f"; the orbit of the next signature was not found: {ending.values['next_signature']}"
     elif last.code == "meeting":
         after = f": {describe_reason(last)}; beyond, they happen in another order: start anew from a simulation there"
+    elif last.code == "released":
+        after = (
+            f": {describe_reason(last)}; beyond, the motion is released before it rests, after more and more impacts "
+            "towards this point: start anew from a simulation there"
+        )
     return describe_direction(step, ending, "signatures") + after
 
 

@@ -42,6 +42,7 @@ _WORDS: dict[str, Callable[[Values], str]] = {
     "user_function": lambda v: str(v["name"]),
     "tangential": lambda v: "event turns tangential",
     "meeting": lambda v: f"{v['event']} meets {v['other']}",
+    "released": lambda v: f"the impacts at {v['event']} accumulate just as {v['segment']} releases the motion",
     "vanishing": lambda v: f"{v['segment']} vanishes",
     "hopf_normal_form": lambda v: (
         f"{v['nature']}, frequency {v['frequency']:.8g}, l1 = {v['coefficient']:.5g}; orbits at {v['side']} "
@@ -74,6 +75,11 @@ _WORDS: dict[str, Callable[[Values], str]] = {
     "slides": lambda v: (
         f"{_name_segment(v)}: beyond event '{v['event']}' the flow leads straight back: both fields point at its "
         "surface, and the motion slides along it"
+    ),
+    "repels": lambda v: (
+        f"{_name_segment(v)}: after its event, {v['time']:.8g} after the orbit's start, the orbit is on the surface "
+        f"{v['surface']} = 0 of switch '{v['switch']}', and both fields point away from it (its rate is "
+        f"{v['below']:.6g} below and {v['above']:.6g} above): nothing decides on which side it goes on"
     ),
     "halts": lambda v: (
         f"{_name_segment(v)}: the motion comes to a halt ({v['why']}{_name_part(' at event', v['event'])}"

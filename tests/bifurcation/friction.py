@@ -16,21 +16,21 @@ DAMPING = 0.2
 class Block:
     """The block at given parameters; ``terms`` are the amplitudes of cos(k om t) by k."""
 
-    def __init__(self, om, terms, vb, mu):
-        self.om, self.terms, self.vb, self.mu = om, terms, vb, mu
+    def __init__(self, om, terms, vb, mu, damping=DAMPING):
+        self.om, self.terms, self.vb, self.mu, self.damping = om, terms, vb, mu, damping
 
     def force(self, t):
         return sum(a * math.cos(k * self.om * t) for k, a in self.terms.items())
 
     def needed(self, t, x):
         """Return the friction that a sticking block needs."""
-        return self.force(t) - x - DAMPING * self.vb
+        return self.force(t) - x - self.damping * self.vb
 
     def slip(self, t, x, v, side, end):
         """Return the time and states where v comes to vb, or those at ``end``."""
 
         def field(t, y):
-            return [y[1], self.force(t) - y[0] - DAMPING * y[1] - self.mu * side]
+            return [y[1], self.force(t) - y[0] - self.damping * y[1] - self.mu * side]
 
         def meet(t, y):
             return y[1] - self.vb if t > start + 1e-7 else side * 1.0

@@ -9,7 +9,7 @@ from scipy.special import lambertw
 
 from tests.bifurcation.friction import Block
 from tests.bifurcation.runs import follow, settle
-from tests.runs import labels, multipliers, parameter, run
+from tests.runs import change, labels, multipliers, parameter, run
 
 BELT = {
     "name": "belt",
@@ -145,6 +145,68 @@ def _top(block, t, x):
         lambda a: -needed(a), bounds=(s[k - 1], s[k + 1]), method="bounded", options={"xatol": 1e-9}
     )
     return -found.fun - block.mu
+
+
+SYMMETRIC = {
+    **BELT,
+    "parameters": {"om": 0.5, "F": 1.5, "G": 0.0, "vb": 0.0, "mu": 1.0},
+    "equations": {"x'": "v", "v'": "F*cos(om*t) + G*cos(3*om*t) - x - 0.1*v - mu*sign(v)"},
+    "switches": {"slip": "v"},
+}
+
+
+@pytest.mark.parametrize("step", [{}, {"initial": 0.01, "max": 0.02}, {"initial": 0.2, "max": 0.3}])
+def test_a_symmetric_orbit_that_sticks_anew_on_both_sides_is_named(step, tmp_path):
+    """Beyond the point both turns cross the surface first and are drawn back to it."""
+    steps = [*STEPS[:1], {"name": "o", "orbit": {"from": "s"}}, follow("b", "o", {"G": [-0.9, 0.2]}, step=step)]
+    branch = run({**SYMMETRIC, "run": {"mesh": MESH, "steps": steps}}, tmp_path / "a.h5").step("b")
+    assert labels(branch) == ["SS1"]
+
+    def excess(G):
+        block = Block(0.5, {1: 1.5, 3: G}, 0.0, 1.0, damping=0.1)
+        return min(block.needed(t, x) for kind, t, x in block.follow(40) if kind == "down") + 1.0
+
+    assert parameter(branch, "G", "SS1") == pytest.approx(brentq(excess, -0.7, -0.3, xtol=1e-11), abs=1e-8)
+    assert np.all(branch.points["verified"] == 1)
+
+
+@pytest.mark.parametrize("step", [{}, {"initial": 0.01, "max": 0.02}, {"initial": 0.2, "max": 0.3}])
+def test_a_step_over_two_points_that_are_close_finds_both(step, tmp_path):
+    """With more damping both sticks are broken in two first, and 2e-4 later their first parts are crossings."""
+    mapping = change(SYMMETRIC, "equations.v'", "F*cos(om*t) + G*cos(3*om*t) - x - 0.2*v - mu*sign(v)")
+    steps = [*STEPS[:1], {"name": "o", "orbit": {"from": "s"}}, follow("b", "o", {"G": [-0.9, 0.2]}, step=step)]
+    branch = run({**mapping, "run": {"mesh": MESH, "steps": steps}}, tmp_path / "a.h5").step("b")
+    assert labels(branch) == ["CS1", "AS1"]
+
+    def excess(G):
+        block = Block(0.5, {1: 1.5, 3: G}, 0.0, 1.0)
+        return min(block.needed(t, x) for kind, t, x in block.follow(40) if kind == "down") + 1.0
+
+    assert parameter(branch, "G", "CS1") == pytest.approx(brentq(excess, -0.74, -0.7247, xtol=1e-11), abs=1e-8)
+    assert parameter(branch, "G", "AS1") - parameter(branch, "G", "CS1") == pytest.approx(1.965e-4, abs=1e-7)
+
+
+def test_points_do_not_depend_on_the_steps_that_lead_there(tmp_path):
+    """A long step may pass several: the motion ceases at the first, and no zero beyond it counts."""
+    mapping = {**BELT, "parameters": {"om": 0.5, "F": 1.0, "G": 0.0, "vb": 0.3, "mu": 0.4}}
+    steps = [
+        *STEPS[:1],
+        {"name": "o", "orbit": {"from": "s"}},
+        follow("wide", "o", {"G": [-1, 1]}),
+        follow("narrow", "o", {"G": [-0.7, 0.62]}),
+    ]
+    results = run({**mapping, "run": {"mesh": MESH, "steps": steps}}, tmp_path / "a.h5")
+    found = {}
+    for name in ("wide", "narrow"):
+        step = results.step(name)
+        at = parameter(step, "G")
+        kept = [(step.labels[i][:2], x) for i, x in zip(step.order, at, strict=True) if step.labels[i]]
+        found[name] = [(kind, x) for kind, x in kept if kind != "EP" and -0.7 < x < 0.62]
+        assert np.all(step.points["verified"] == 1)
+    kinds, values = ([f[k] for f in found["wide"]] for k in (0, 1))
+    assert kinds == ["CS", "AS", "AS", "CS", "AS", "SS", "GS", "AS", "CS", "AS", "SS", "AS"]
+    assert kinds == [kind for kind, _ in found["narrow"]]
+    assert values == pytest.approx([x for _, x in found["narrow"]], abs=1e-8)
 
 
 def test_an_orbit_may_slide_all_along(tmp_path):

@@ -134,9 +134,8 @@ def test_nothing_slides_along(text):
 def test_surfaces_that_meet_nowhere_are_no_trouble():
     """Two belts with different speeds."""
     model = plane("y", "-x - 0.5*sign(y) - 0.3*sign(y - 0.3)")
-    assert sorted(model.modes) == sorted(
-        f"y_{a}_y2_{b}" for a in ("below", "above", "on") for b in ("below", "above", "on") if (a, b) != ("on", "on")
-    )
+    together = [("below", "below"), ("on", "below"), ("above", "below"), ("above", "on"), ("above", "above")]
+    assert sorted(model.modes) == sorted(f"y_{a}_y2_{b}" for a, b in together)
 
 
 @pytest.mark.parametrize(

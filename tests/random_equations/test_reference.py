@@ -8,7 +8,8 @@ import pytest
 
 from tests.random_equations.generator import draw_equations
 from tests.random_equations.laws import Law
-from tests.random_equations.reference import Impact, Reference, UnsureError
+from tests.random_equations.reference import Impact, Reference
+from tests.random_equations.sides import UnsureError
 
 
 def run(texts, start, t_end, **more):

@@ -12,7 +12,7 @@ from pddecont.errors import PddecontError
 from pddecont.model import expand_model
 from pddecont.simulate import Method, simulate
 from tests.conftest import numeric_from
-from tests.random_equations.reference import UnsureError
+from tests.random_equations.sides import UnsureError
 
 METHOD = Method(1e-11, 1e-12)
 T_END, N_TIMES = 15.0, 301

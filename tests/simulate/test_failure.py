@@ -18,10 +18,13 @@ from tests.simulate.motions import trajectory_of
 
 SENTENCES = {
     FailureReason.ACCUMULATION: "events of 'hit' accumulate at t = 1.23456789012 (Zeno): the motion comes to rest "
-    "there. Write a mode for it and name it in the step, 'stick: {hit: MODE}'",
+    "there. Write a mode for it and name it in the step, 'stick: {hit: MODE}', or in the segment, 'rest: MODE'; a jump "
+    "of equations says 'rest: true'",
     FailureReason.SLIDING: "event 'hit' leads, at t = 1.23456789012, to a mode whose flow leads straight back: both "
     "point at the surface (the motion slides along it). Write a mode for sliding and name it in the step, "
     "'stick: {hit: MODE}'",
+    FailureReason.REPELLED: "at t = 1.23456789012 the motion is log(x) takes the logarithm of zero; let it start, or "
+    "jump, beside the surface, or give the 'mode' in which it starts",
     FailureReason.UNDEFINED: "the simulation ends at t = 1.23456789 in mode 'fly': log(x) takes the logarithm of zero",
     FailureReason.NOT_FINITE: "the solution is no longer finite near t = 1.23456789 in mode 'fly'; it grows without "
     "bound there, or the vector field cannot be evaluated: check its logarithms, roots and divisions",

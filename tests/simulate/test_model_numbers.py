@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from pddecont.delay import Chain, Direct
-from pddecont.simulate import Method, ReturnSection, Simulator
-from pddecont.simulate.model_numbers import make_system, make_values
+from pddecont.simulate import Method, Simulator
 from tests.conftest import numeric_from, shipped
+from tests.simulate.motions import BALL
 
 FORCED = (
     "name: m\nstates: [x]\nparameters: {tau: 0.5, p: 3}\nforcing: {period: p}\n"
@@ -17,7 +17,7 @@ FORCED = (
 
 
 def values_of(text, p, delay=None, method=None, longest=0.0):
-    return make_values(numeric_from(text), delay or Direct(), method or Method(), ReturnSection(), np.array(p), longest)
+    return Simulator(numeric_from(text), delay or Direct(), method or Method()).values(np.array(p), longest)
 
 
 @pytest.mark.parametrize(
@@ -41,20 +41,27 @@ def test_the_past_is_kept_for_the_longest_delay_or_longer():
 
 
 def test_events_stick_to_the_modes_that_the_method_names():
-    numeric = shipped("belt_stick_slip")
-    model = numeric.model
-    event, mode = list(model.events)[-1], list(model.modes)[-1]
-    values = Simulator(numeric, Direct(), Method(stick={event: mode})).values(numeric.parameter_values)
-    assert list(values.stick) == [-1] * (len(model.events) - 1) + [len(model.modes) - 1]
+    simulator = Simulator(numeric_from(BALL), Direct(), Method(stick={"hit": "lie"}))
+    assert list(simulator.numeric.model.segments) == ["hop", "hop>lie"]
+    assert list(simulator.system.resting) == [1, 1]
+    assert list(Simulator(numeric_from(BALL), Direct()).system.resting) == [-1]
+
+
+def test_of_several_modes_of_rest_the_method_chooses():
+    still = "lie: {y': 0, v': 0}"
+    text = BALL.replace("to: fly}", "to: fly, rest: lie}").replace(still, f"{still}, {still.replace('lie', 'doze')}")
+    assert list(Simulator(numeric_from(text), Direct()).system.resting) == [1, 1]
+    simulator = Simulator(numeric_from(text), Direct(), Method(stick={"hit": "doze"}))
+    assert list(simulator.numeric.model.segments) == ["hop", "hop>lie", "hop>doze"]
+    assert list(simulator.system.resting) == [2, 2, 2]
 
 
 def test_derivatives_are_compiled_for_those_who_use_them():
     numeric = shipped("impact_oscillator")
 
     def addresses(method, tangent):
-        functions = numeric.compile()
-        system = make_system(numeric, functions, Direct(), method, ReturnSection(), tangent=tangent)
-        return bool(system.field_jacobian), bool(system.reset_jacobian)
+        system = Simulator(numeric, Direct(), method, tangent=tangent).system
+        return bool(np.all(system.field_jacobian)), bool(np.all(system.reset_jacobian))
 
     assert addresses(Method(), False) == (False, False)
     assert addresses(Method(stiff=True), False) == (True, False)

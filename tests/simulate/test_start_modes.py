@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from pddecont.errors import PddecontError
 from pddecont.model import TIME, find_start_mode
 from pddecont.simulate.start_modes import read_start_modes
 from tests.conftest import numeric_from
@@ -49,10 +48,10 @@ def test_a_model_by_hand_starts_in_its_own_mode():
 
 
 @pytest.mark.parametrize("n", [1, 5])
-def test_one_that_nothing_decides_is_an_error(n):
+def test_one_that_nothing_decides_has_none_and_others_have_theirs(n):
     numeric = numeric_from(
         {"name": "m", "states": ["x"], "equations": {"x'": "sign(x) - 0.1*x"}, "initial": {"x": 0.5}}
     )
     states = np.linspace(0.0, 1.0, n)[:, None]
-    with pytest.raises(PddecontError, match="both fields point away"):
-        read_start_modes(numeric, numeric.parameter_values, 0.0, states, np.zeros((n, 0)))
+    found = read_start_modes(numeric, numeric.parameter_values, 0.0, states, np.zeros((n, 0)))
+    assert found == [None, *["x_above"] * (n - 1)]

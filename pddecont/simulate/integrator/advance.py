@@ -13,10 +13,16 @@ from pddecont.simulate.integrator.breaking import (
 from pddecont.simulate.integrator.buffers import N_COEFFICIENTS, make_log
 from pddecont.simulate.integrator.calls import entry, inlined, internal, offset
 from pddecont.simulate.integrator.core import make_core
-from pddecont.simulate.integrator.event_handling import enter_sticking_mode, find_start_crossing, handle_events
+from pddecont.simulate.integrator.event_handling import find_start_crossing, handle_events, resume_events
 from pddecont.simulate.integrator.event_location import find_first_crossing
 from pddecont.simulate.integrator.event_sides import update_side
-from pddecont.simulate.integrator.history import interpolate_state, past_has_capacity, record_step, time_tolerance
+from pddecont.simulate.integrator.history import (
+    interpolate_state,
+    past_has_capacity,
+    read_delayed,
+    record_step,
+    time_tolerance,
+)
 from pddecont.simulate.integrator.sliding import return_to_surfaces
 from pddecont.simulate.integrator.state import (
     ARC,
@@ -46,7 +52,10 @@ EVENTS_AT_ONCE, LOG_HEADROOM = 16, 64
 
 @entry
 def initialise(system, values, state, work, t, mode):
-    """Set the clock of a new integration to ``t`` and its mode; its states are in ``state.y`` already."""
+    """Set the clock of a new integration to ``t`` and its mode; its states are in ``state.y`` already.
+
+    A mode of -1 says that nothing decides in which one it starts.
+    """
     c = make_core(system, values, state, make_log(0, 0, 0), work)
     c.clock[T] = c.clock[T_START] = t
     c.count[MODE] = mode
@@ -59,7 +68,8 @@ def change_parameters(system, values, state, work, before):
     """Let ``values`` hold from the present time on instead of ``before``.
 
     The vector field jumps now, and the jumps of the past come back after other delays. The variables of a chain are its
-    derivatives times powers of its step, which changes with the delay.
+    derivatives times powers of its step, which changes with the delay. The delayed values at the present time are left
+    in ``work.xd``.
     """
     c = make_core(system, values, state, make_log(0, 0, 0), work)
     t = c.clock[T]
@@ -88,6 +98,7 @@ def change_parameters(system, values, state, work, before):
             last = c.past_arc[j]
         pass_breaking_points(c, t)
     add_breaking_points(c, t, 0)
+    read_delayed(c, t, c.y, c.xd, 0)
 
 
 @entry
@@ -104,6 +115,9 @@ def advance(c, t_stop, most_steps):
     Each turn of the loop handles what is due at the present time or makes one step. At most ``most_steps`` are made.
     """
     n_steps = 0
+    if c.count[MODE] < 0:
+        read_delayed(c, c.clock[T], c.y, c.xd, 0)
+        return Status.REPELLED
     while True:
         t = c.clock[T]
         if not past_has_capacity(c) or not queues_have_capacity(c, EVENTS_AT_ONCE):
@@ -112,19 +126,22 @@ def advance(c, t_stop, most_steps):
             return Status.LOG_FULL
         if c.log_steps > 0 and c.log_n[0] + 1 > c.log_steps:
             return Status.LOG_FULL
+        if c.resume[0] == 1:
+            status = resume_events(c)
+            if status != Status.REACHED:
+                return status
+            continue
         if c.count[ARC] == 0 and c.count[FRESH] == 1 and t == c.clock[T_START]:
             hit, direction = find_start_crossing(c)
+            if hit == -2:
+                return Status.NEW_WAY
             if hit >= 0:
                 status = handle_events(c, hit, direction)
-                if (status == Status.ZENO or status == Status.SLIDING) and enter_sticking_mode(c, t_stop):
-                    continue
                 if status != Status.REACHED:
                     return status
                 continue
         if c.count[N_PENDING] > 0 and c.pending_time[0] <= t + time_tolerance(t):
             status = handle_events(c, -1, 0)
-            if (status == Status.ZENO or status == Status.SLIDING) and enter_sticking_mode(c, t_stop):
-                continue
             if status != Status.REACHED:
                 return status
             continue
@@ -139,8 +156,6 @@ def advance(c, t_stop, most_steps):
         if status != Status.REACHED:
             return status
         status = _finish_step(c, t, h, stop)
-        if (status == Status.ZENO or status == Status.SLIDING) and enter_sticking_mode(c, t_stop):
-            continue
         if status != Status.REACHED:
             return status
 

@@ -11,31 +11,47 @@ from pddecont.simulate.integrator.history import read_delayed, time_tolerance
 from pddecont.simulate.integrator.state import ARC, FRESH, LAST_EVENT, MODE, N_PENDING, READY, SHIFT, ZENO_TIME, T
 from pddecont.simulate.integrator.status import Status
 from pddecont.simulate.integrator.variational import find_event_shift, map_tangent, set_tangent
+from pddecont.simulate.integrator.ways import ask_for_rest, choose_way
 
 
 @internal
 def handle_events(c, hit, direction):
     """Let everything happen that is due at the present time; segment ``hit`` (-1: none) crosses in ``direction``.
 
-    Returns a status: REACHED to go on, SECTION after the event that returns are counted at, ZENO or SLIDING; CAPACITY
-    or LOG_FULL after more events at one moment than there is capacity for.
+    Returns a status: REACHED to go on, SECTION after the event that returns are counted at, ZENO, SLIDING or REPELLED;
+    CAPACITY or LOG_FULL after more events at one moment than there is capacity for; NEW_WAY to go on by
+    :func:`resume_events`.
     """
-    t = c.clock[T]
-    _mark_crossings(c, t, hit, direction)
-    forced = c.segment_event[hit] if hit >= 0 else -1
-    result = Status.REACHED
+    _mark_crossings(c, c.clock[T], hit, direction)
+    c.resume[1], c.resume[2] = c.segment_event[hit] if hit >= 0 else -1, Status.REACHED
+    c.resume[3] = -1
+    return resume_events(c)
+
+
+@internal
+def resume_events(c):
+    """Let everything happen that is due at the present time, from where :func:`handle_events` had to stop."""
+    t, forced, result, repelling = c.clock[T], c.resume[1], c.resume[2], c.resume[3]
+    c.resume[0] = 0
     while True:
         segment, pending = _find_next_segment(c, t, forced)
         if segment < 0:
             break
         event = c.segment_event[segment]
-        status = _apply_event(c, segment, pending)
+        if _leaves_to_both_sides(c, segment):
+            result = Status.REPELLED
+        status, segment = _apply_event(c, segment, pending)
+        if status == Status.NEW_WAY:
+            c.resume[0], c.resume[1], c.resume[2], c.resume[3] = 1, forced, result, repelling
+            return status
+        if _is_repelled(c, segment, t):
+            repelling = segment
         forced = -1
         if pending < 0:
             c.crossing[event] = 0
         if status != Status.REACHED:
             return status
-        if event == c.stop_event:
+        if event == c.stop_event and result == Status.REACHED:
             result = Status.SECTION
         if not queues_have_capacity(c, 1):
             return Status.CAPACITY
@@ -43,12 +59,15 @@ def handle_events(c, hit, direction):
             return Status.LOG_FULL
     while c.count[N_PENDING] > 0 and c.pending_time[0] <= t + time_tolerance(t):
         remove_pending(c, 0)
-    return result
+    # Other events of this moment may have moved it off the surface.
+    return Status.REPELLED if repelling >= 0 and _is_repelled(c, repelling, t) else result
 
 
 @internal
 def find_start_crossing(c):
     """Return the segment that ends at the very start and the direction of its crossing; -1 and 0 if none does.
+
+    The segment is -2 where the tables do not hold what one leads to.
 
     A motion that starts on a surface has not crossed it, unless it moves into it and the reset turns it round: that is
     an impact. From rest on the surface it moves where its acceleration points.
@@ -62,13 +81,13 @@ def find_start_crossing(c):
         direction = 1 if into > 0.0 else -1
         if into == 0.0 or direction * c.segment_direction[segment] < 0 or abs(evaluate_event(c, event, t, c.y)) > size:
             continue
-        read_delayed(c, t, c.y, c.xd, 0)
         for i in range(c.dimension):
             c.trial[i] = c.y[i]
-        for i in range(c.n):
-            c.trial[i] = 0.0
-        call(c.reset, c.segment_reset[segment], t, c.y, c.xd, c.p, c.trial)
-        target = c.segment_to[_choose_alternative(c, segment, t, c.trial)]
+        _apply_reset(c, segment, t, c.trial)
+        way = choose_way(c, segment, t, c.trial)
+        if way < 0:
+            return -2, 0
+        target = c.segment_to[way]
         after, _ = evaluate_event_slope(c, event, target, t, c.trial)
         if after * direction <= 0.0 and target == mode:
             return segment, direction
@@ -138,10 +157,17 @@ def _find_next_segment(c, t, forced):
 def _apply_event(c, segment, pending):
     """End a segment: reset, new mode, breaking points and delayed events to come; return a status.
 
-    ``pending`` is the place of the delayed event in the queue, -1 for an event function.
+    The segment that it turned out to be is returned too. ``pending`` is the place of the delayed event in the queue, -1
+    for an event function. Nothing has happened yet where the status is NEW_WAY.
     """
     t, n, mode = c.clock[T], c.n, c.count[MODE]
     event = c.segment_event[segment]
+    crossing, resolution = (c.crossing[event] if pending < 0 else 0), 0.0
+    if crossing != 0:
+        _, resolution = evaluate_event_slope(c, event, mode, t, c.y)
+    status, way = _find_way_on(c, segment, crossing, resolution)
+    if way < 0:
+        return Status.NEW_WAY, segment
     shift = 0.0
     if pending >= 0:
         shift = c.pending_shift[pending]
@@ -149,29 +175,11 @@ def _apply_event(c, segment, pending):
     elif c.tangent == 1:
         shift = find_event_shift(c, event, mode, t)
     if c.tangent == 1:
-        map_tangent(c, c.segment_reset[segment], mode, t, shift)
-    crossing, resolution = (c.crossing[event] if pending < 0 else 0), 0.0
-    if crossing != 0:
-        _, resolution = evaluate_event_slope(c, event, mode, t, c.y)
-    read_delayed(c, t, c.y, c.xd, 0)
-    for i in range(n):
-        c.after_reset[i] = 0.0
-    call(c.reset, c.segment_reset[segment], t, c.y, c.xd, c.p, c.after_reset)
-    segment = _choose_alternative(c, segment, t, c.after_reset)
-    target = c.segment_to[segment]
-    row = c.log_n[1]
-    logged = row < c.log_events
-    if logged:
-        c.event_time[row], c.event_segment[row] = t, segment
-        for i in range(n):
-            c.event_before[row * n + i] = c.y[i]
+        map_tangent(c, c.segment_reset[way], mode, t, shift)
+    target = c.segment_to[way]
+    _log_event(c, way, t)
     for i in range(n):
         c.y[i] = c.after_reset[i]
-        if logged:
-            c.event_after[row * n + i] = c.y[i]
-    if logged:
-        c.event_arc[row] = c.count[ARC] + 1
-        c.log_n[1] = row + 1
     if c.tangent == 1:
         set_tangent(c, target, t, shift)
     c.count[MODE] = target
@@ -179,50 +187,93 @@ def _apply_event(c, segment, pending):
     c.count[FRESH], c.count[READY] = 1, 0
     c.count[LAST_EVENT] = event
     c.clock[SHIFT] = shift
-    c.segment_counts[segment] += 1
+    c.segment_counts[way] += 1
     add_breaking_points(c, t, 0)
     for place in range(c.clock_first[event], c.clock_first[event + 1]):
         other = c.clock_event[place]
         add_pending(c, t + c.event_delay[other], other, shift)
     carry_sides(c, event if crossing != 0 else -1, resolution, mode, t)
+    return status, way
+
+
+@internal
+def _find_way_on(c, segment, crossing, resolution):
+    """Return whether the motion goes on after a segment, and the segment that it is; ``c.after_reset`` is what follows.
+
+    The status is SLIDING or ZENO where nothing is said of the motion there, else REACHED. The segment is -1 where the
+    tables do not hold it, or the mode that it leads to.
+    """
+    t, event, mode, resting = c.clock[T], c.segment_event[segment], c.count[MODE], c.resting[segment]
+    _apply_reset(c, segment, t, c.after_reset)
+    way, status = choose_way(c, segment, t, c.after_reset), Status.REACHED
+    if way >= 0 and way != resting:
+        status = _find_halt(c, event, crossing, mode, c.segment_to[way], t, resolution)
+        if status != Status.REACHED and resting >= 0:
+            way, status = ask_for_rest(c, segment), Status.REACHED
+    if way >= 0 and way == resting:
+        _apply_reset(c, way, t, c.after_reset)
+        for i in range(1, 4):
+            c.accumulation[4 * event + i] = 0.0
+    return status, way
+
+
+@internal
+def _log_event(c, segment, t):
+    """Write the event that ends a segment to the log, if there is room for it."""
+    row, n = c.log_n[1], c.n
+    if row < c.log_events:
+        c.event_time[row], c.event_segment[row], c.event_arc[row] = t, segment, c.count[ARC] + 1
+        for i in range(n):
+            c.event_before[row * n + i] = c.y[i]
+            c.event_after[row * n + i] = c.after_reset[i]
+        c.log_n[1] = row + 1
+
+
+@internal
+def _find_halt(c, event, crossing, mode, target, t, resolution):
+    """Return whether the motion goes on from ``c.after_reset``: SLIDING or ZENO where it does not, else REACHED."""
+    _swap_states(c)
+    status = Status.REACHED
     if is_sliding(c, event, crossing, mode, target, t, resolution):
-        c.clock[ZENO_TIME] = t
-        return Status.SLIDING
-    if is_at_rest(c, event, crossing, target, t, resolution):
-        c.clock[ZENO_TIME] = t
-        return Status.ZENO
-    return detect_accumulation(c, event, mode, t)
+        c.clock[ZENO_TIME], status = t, Status.SLIDING
+    elif is_at_rest(c, event, crossing, target, t, resolution):
+        c.clock[ZENO_TIME], status = t, Status.ZENO
+    else:
+        status = detect_accumulation(c, event, mode, t)
+    _swap_states(c)
+    return status
 
 
 @internal
-def _choose_alternative(c, segment, t, y):
-    """Return the first alternative of a segment whose guard holds in the states ``y``; the last one if none does.
-
-    ``c.xd`` holds the delayed values.
-    """
-    last = segment + c.alternatives[segment] - 1
-    while segment < last:
-        c.gradient[0] = 0.0
-        call(c.guard, c.segment_guard[segment], t, y, c.xd, c.p, c.gradient)
-        if c.gradient[0] > 0.0:
-            break
-        segment += 1
-    return segment
+def _swap_states(c):
+    """Exchange the states before and after a reset."""
+    for i in range(c.n):
+        c.y[i], c.after_reset[i] = c.after_reset[i], c.y[i]
 
 
 @internal
-def enter_sticking_mode(c, t_stop):
-    """Go on in the mode that the last event sticks to; return whether there is one.
+def _leaves_to_both_sides(c, segment):
+    """Return whether a motion that leaves a surface by ``segment`` is let go to the other side at the same moment."""
+    other = c.segment_opposite[segment]
+    return other >= 0 and c.crossing[c.segment_event[other]] * c.segment_direction[other] > 0
 
-    The clock is set to the time at which the events accumulate, or to ``t_stop`` if that comes first.
-    """
-    mode = c.stick[c.count[LAST_EVENT]]
-    if mode < 0:
+
+@internal
+def _apply_reset(c, segment, t, after):
+    """Write the states after the reset of a segment to ``after``; ``c.xd`` holds the delayed values then."""
+    read_delayed(c, t, c.y, c.xd, 0)
+    for i in range(c.n):
+        after[i] = 0.0
+    reset = c.segment_reset[segment]
+    call(c.reset[reset], c.reset_case[reset], t, c.y, c.xd, c.p, after)
+
+
+@internal
+def _is_repelled(c, segment, t):
+    """Return whether the motion is on a surface after ``segment`` from which both fields point away."""
+    if c.segment_repulsion[segment] == 0:
         return False
-    c.clock[T] = min(c.clock[ZENO_TIME], max(t_stop, c.clock[T]))
-    c.count[MODE] = mode
-    c.count[ARC] += 1
-    c.count[FRESH], c.count[READY] = 1, 0
-    for i in range(1, 4):
-        c.accumulation[4 * c.count[LAST_EVENT] + i] = 0.0
-    return True
+    read_delayed(c, t, c.y, c.xd, 0)
+    c.gradient[0] = 0.0
+    call(c.segment_repulsion[segment], c.segment_repulsion_case[segment], t, c.y, c.xd, c.p, c.gradient)
+    return c.gradient[0] > 0.0

@@ -124,9 +124,9 @@ def _evaluate_history(c, order, t, state):
     """Return a state of the history before the start, or its derivative of an order."""
     if c.count[CONSTANT] == 1:
         return 0.0 if order > 0 else c.constant[state]
-    c.after_reset[state] = 0.0
-    call(c.history, order, t, c.constant, c.constant, c.p, c.after_reset)
-    return c.after_reset[state]
+    c.past_trial[state] = 0.0
+    call(c.history, order, t, c.constant, c.constant, c.p, c.past_trial)
+    return c.past_trial[state]
 
 
 @internal

@@ -85,7 +85,7 @@ def _find_in_other_mode(virtual: Equilibrium) -> tuple[Equilibrium, float, int] 
     """Return an equilibrium that lies in its mode, near a virtual one of a neighbouring mode; None if there is none."""
     model = virtual.motion.numeric.model
     tried, ahead = {virtual.motion.mode}, [read_mode(virtual)]
-    ahead += [s.to for s in model.segments_by_mode.get(virtual.motion.mode, ())]
+    ahead += [s.to for s in model.list_segments(virtual.motion.mode)]
     while ahead and len(tried) < MODES_TRIED:
         mode = ahead.pop(0)
         if mode in tried:
@@ -95,7 +95,7 @@ def _find_in_other_mode(virtual: Equilibrium) -> tuple[Equilibrium, float, int] 
             found = solve_equilibrium(replace(virtual, motion=replace(virtual.motion, mode=mode)))
             if find_passed_side(found[0]) is None:
                 return found
-        ahead += [s.to for s in model.segments_by_mode.get(mode, ())]
+        ahead += [s.to for s in model.list_segments(mode)]
     return None
 
 
