@@ -42,8 +42,8 @@ def _list_modes(context: Context, step: PlannedStep[EquilibriumSettings]) -> lis
             context.plan.source,
             0,
             0,
-            f"step '{step.name}': the model has {model.derived.n_modes} modes, more than the {MOST_MODES} that are searched; "
-            "name one with 'mode'",
+            f"step '{step.name}': the model has {model.derived.n_modes} modes, more than the {MOST_MODES} that are "
+            "searched; name one with 'mode'",
         )
     return list(model.modes)
 
