@@ -79,6 +79,7 @@ def differentiate(expr, symbol):
 )
 @example(X**P, (-1.0, 0.0), (0.0, 0.0), [0.0, 0.0], 3.0)
 @example(X**P, (0.0, 0.0), (0.5, 0.0), [0.0, 0.0], 0.5)
+@example(X**P, (0.0, 0.0), (0.0, 0.0), [0.0, 0.0], 0.0)
 @example(1 / X, (0.0, 0.0), (0.5, 0.0), [1.0, 0.0], 0.5)
 @example(sympy.tan(X), (1.5, 0.0), (0.5, 0.0), [1.0, 0.0], 0.5)
 def test_values_and_slopes_lie_in_their_intervals(expr, low, widths, parts, p):
