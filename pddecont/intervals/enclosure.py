@@ -131,7 +131,7 @@ def _raise(base: _Term, exponent: _Term) -> _Term:
     """Return a power; (b^e)' = e b^(e-1) b' + b^e log(b) e'."""
     value = functions.power(base.value, exponent.value)
     slopes: Slopes = {}
-    if base.slopes:
+    if base.slopes and np.any(exponent.value.magnitude != 0.0):
         slope = exponent.value * functions.power(base.value, exponent.value - ONE)
         slopes = _chain(slope, base.slopes)
     if exponent.slopes:
