@@ -11,7 +11,9 @@ from pddecont.cli.completion import complete_file
 from pddecont.cli.console import print_json, printable
 
 if TYPE_CHECKING:
-    from pddecont.model import DerivedModes, Model
+    from collections.abc import Iterator
+
+    from pddecont.model import DerivedModes, Ending, Model
 
 
 @click.command("info")
@@ -82,8 +84,6 @@ def _load_model(file: str, without: tuple[str, ...]) -> tuple[Model, list[str] |
 def model_info(file: str, without: tuple[str, ...]) -> dict[str, Any]:
     """Return what a model, or a run file and its model, holds."""
     model, steps = _load_model(file, without)
-    from pddecont.model import write_condition
-
     delays = [s.name for s in model.delayed_symbols]
     return {
         "model": model.name,
@@ -93,6 +93,18 @@ def model_info(file: str, without: tuple[str, ...]) -> dict[str, Any]:
         "forcing period": None if model.period is None else str(model.period),
         "delayed": delays,
         "switches": [] if model.derived is None else _describe_switches(model.derived),
+        **(_list_parts(model) if model.derived is None or model.derived.builds_all else _describe_many(model)),
+        "effects": list(model.effects),
+        "steps": steps,
+        "left out": model.left_out.as_data(),
+    }
+
+
+def _list_parts(model: Model) -> dict[str, Any]:
+    """Return all modes, events, resets and segments of a model."""
+    from pddecont.model import write_condition
+
+    return {
         "modes": list(model.modes),
         "events": list(model.events),
         "resets": list(model.resets),
@@ -102,10 +114,47 @@ def model_info(file: str, without: tuple[str, ...]) -> dict[str, Any]:
             + (f" when {write_condition(s.guard)}" if s.written and not s.rests else "")
             for s in model.segments.values()
         ],
-        "effects": list(model.effects),
-        "steps": steps,
-        "left out": model.left_out.as_data(),
     }
+
+
+def _describe_many(model: Model) -> dict[str, Any]:
+    """Return what switches and jumps do where modes are too many to be listed, and what decides the digits after."""
+    derived = model.derived
+    assert derived is not None
+    alike = derived.list_alike(model.initial_mode)
+    endings = {derived.name_briefly(e): e for ends in alike for e in ends.endings}
+    return {
+        "modes": [f"{derived.n_modes} sets of digits; a mode is built when a motion or a signature comes to it"],
+        "first mode": model.initial_mode,
+        "events": list(dict.fromkeys(name for ends in alike for name in ends.events)),
+        "segments": [
+            f"{name}: {e.segment.event} ({e.segment.direction}) / {e.segment.reset} -> "
+            + "; ".join(_describe_ending(derived, e))
+            for name, e in endings.items()
+        ],
+    }
+
+
+def _describe_ending(derived: DerivedModes, ending: Ending) -> Iterator[str]:
+    """Yield what an ending changes: the digits that it sets, and those that conditions decide."""
+    from pddecont.model import write_condition
+
+    switches = derived.equations.switches
+    before = derived.find_digits(ending.segment.mode)
+    decided = {k for decision in ending.decisions for k in decision.numbers}
+    for k, (old, new) in enumerate(zip(before, ending.after, strict=True)):
+        if old != new and k not in decided:
+            yield switches[k].word(new)
+    for decision in ending.decisions:
+        ways = []
+        for number, option in enumerate(decision.options):
+            digits = zip(decision.numbers, option, strict=True)
+            words = "_".join(switches[k].word(digit) or "free" for k, digit in digits)
+            last = number == len(decision.options) - 1 and not decision.is_open
+            rules = decision.rules[number : number + (not last)]
+            ways.append(" when ".join([words, *map(write_condition, rules)]))
+        yield ", else ".join(ways)
+    yield from (f"{resting.to} after impacts that accumulate" for resting, _ in ending.rests)
 
 
 def _describe_switches(derived: DerivedModes) -> list[str]:

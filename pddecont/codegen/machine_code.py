@@ -7,11 +7,11 @@ import importlib.util
 import os
 import sys
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from pathlib import Path
-from typing import Any, Protocol, cast
+from typing import Any, Protocol, TypeAlias, cast
 from weakref import WeakValueDictionary
 
 import sympy
@@ -21,7 +21,7 @@ from sympy.logic.boolalg import Boolean
 from pddecont.codegen.cache import find_cache_folder
 from pddecont.codegen.compilation import compiler_settings
 from pddecont.codegen.printer import Names, ScalarPrinter, name_symbols, print_assignments
-from pddecont.model import ABOVE, ON, TIME, Model, Segment, write_repulsions
+from pddecont.model import TIME, Model
 
 _make_pointer: Callable[[Any], Any] = types.CPointer
 DOUBLE_POINTER = _make_pointer(types.float64)
@@ -35,39 +35,8 @@ def generated(which, t, x, xd, p, out):
 # Derivatives of the history that a chain may start from: one less than its highest Taylor order, 4.
 HISTORY_ORDERS = 4
 
-
-@dataclass(frozen=True)
-class FieldCases:
-    """The vector fields that machine code tells apart, and the number of each mode's: digits below, the case above."""
-
-    fields: tuple[tuple[sympy.Expr, ...], ...]
-    digits: tuple[sympy.Symbol, ...]
-    of_mode: tuple[int, ...]
-
-
-def find_field_cases(model: Model) -> FieldCases:
-    """Return the vector fields of a model; of equations one for all modes that slide along the same surfaces."""
-    derived = model.derived
-    if derived is None:
-        return FieldCases(tuple(model.modes.values()), (), tuple(range(len(model.modes))))
-    digits = tuple(switch.digit for switch in derived.equations.switches)
-    cases: dict[tuple[int, ...], int] = {}
-    of_mode = []
-    for mode in model.modes:
-        own = derived.equations.find_digits(mode) or ()
-        on = tuple(k for k, d in enumerate(own) if d == ON)
-        bits = sum(1 << k for k, d in enumerate(own) if d == ABOVE)
-        of_mode.append(cases.setdefault(on, len(cases)) << len(digits) | bits)
-    return FieldCases(tuple(map(derived.slide, cases)), digits, tuple(of_mode))
-
-
-def _rule_of(segment: Segment) -> Boolean:
-    return segment.guard if segment.rule is None else segment.rule
-
-
-def _write_indicator(condition: Boolean) -> sympy.Expr:
-    """Return the number that is 1 where a condition holds and 0 elsewhere."""
-    return sympy.Piecewise((1, condition), (0, True))
+Exprs: TypeAlias = tuple[sympy.Expr, ...]
+Derive: TypeAlias = Callable[[Exprs], list[sympy.Expr]]
 
 
 class MachineCode(Protocol):
@@ -78,94 +47,79 @@ class MachineCode(Protocol):
         """Where the function begins."""
 
 
+class Pages:
+    """Functions of one kind as machine code, page by page: what is added later does not touch what is there.
+
+    ``kinds`` say by name what is compiled of a function: its expressions, their derivatives. A function is known by
+    the number of its page and by ``which`` there.
+    """
+
+    def __init__(self, load: Callable[[list[list[sympy.Expr]]], int], kinds: Mapping[str, Derive]) -> None:
+        self._load, self._kinds = load, kinds
+        self._pages: list[list[Exprs]] = []
+        self._places: dict[Exprs, tuple[int, int]] = {}
+        self._addresses: dict[tuple[str, int], int] = {}
+
+    def add(self, functions: Iterable[Exprs]) -> None:
+        """Add those of some functions that are not there yet, as one page."""
+        new = [exprs for exprs in dict.fromkeys(functions) if exprs not in self._places]
+        self._places |= {exprs: (len(self._pages), which) for which, exprs in enumerate(new)}
+        self._pages += [new] if new else []
+
+    def find_place(self, exprs: Exprs) -> tuple[int, int]:
+        """Return the number of a function's page, and ``which`` it is there."""
+        return self._places[exprs]
+
+    def list_addresses(self, kind: str) -> list[int]:
+        """Return the address of each page's machine code, which is made when first needed."""
+        for number, page in enumerate(self._pages):
+            if (kind, number) not in self._addresses:
+                self._addresses[kind, number] = self._load([self._kinds[kind](exprs) for exprs in page])
+        return [self._addresses[kind, number] for number in range(len(self._pages))]
+
+
 @dataclass(frozen=True, eq=False)
 class ModelFunctions:
-    """Addresses of a model's functions as machine code; each is made when first needed.
+    """A model's functions as machine code; each is made when first needed.
 
-    They are valid as long as this object is. ``section`` is one more event function, numbered after the model's own;
-    ``history_exprs`` replace the model's history.
+    Addresses are valid as long as this object is. ``history_exprs`` replace the model's history.
     """
 
     model: Model
-    section: sympy.Expr | None = None
     history_exprs: tuple[sympy.Expr, ...] | None = None
     # Machine code lasts as long as these objects do.
     _loaded: list[MachineCode] = field(default_factory=list, repr=False)
+    # Motions that are followed at the same time add their modes one after another.
+    lock: threading.RLock = field(default_factory=threading.RLock, repr=False)
 
     @cached_property
-    def events(self) -> tuple[sympy.Expr, ...]:
-        """The event functions by number; a delayed event has none, and 1 is in its place."""
-        functions = [sympy.Integer(1) if e.function is None else e.function for e in self.model.events.values()]
-        return tuple(functions if self.section is None else [*functions, self.section])
+    def digits(self) -> tuple[sympy.Symbol, ...]:
+        """The symbols for the digits of switches: the lowest bits of ``which``, with the function's number above."""
+        derived = self.model.derived
+        return () if derived is None else tuple(switch.digit for switch in derived.equations.switches)
 
     @cached_property
-    def cases(self) -> FieldCases:
-        """The vector fields as the machine code numbers them."""
-        return find_field_cases(self.model)
+    def fields(self) -> Pages:
+        """The vector fields f, "value", and df/dx, row by row, then df/dxd, "jacobian"."""
+        symbols = self.model.state_symbols, self.model.delayed_symbols
+        return self._pages(lambda f: [slope for s in symbols for slope in _matrix(f, s)])
 
     @cached_property
-    def field(self) -> int:
-        """The address of f; ``which`` is the case of the mode."""
-        return self._address([list(f) for f in self.cases.fields], self.cases.digits)
+    def events(self) -> Pages:
+        """The event functions h, "value", and dh/dx, dh/dxd and dh/dt, "jacobian"."""
+        symbols = (*self.model.state_symbols, *self.model.delayed_symbols, TIME)
+        return self._pages(lambda h: _matrix(h, symbols))
 
     @cached_property
-    def event(self) -> int:
-        """The address of h; ``which`` is the event."""
-        return self._address([[h] for h in self.events])
+    def resets(self) -> Pages:
+        """The resets g, "value", and dg/dx, dg/dxd and dg/dt, each row by row, "jacobian"."""
+        symbols = self.model.state_symbols, self.model.delayed_symbols, (TIME,)
+        return self._pages(lambda g: [slope for s in symbols for slope in _matrix(g, s)])
 
     @cached_property
-    def reset(self) -> int:
-        """The address of g; ``which`` is the reset."""
-        return self._address([list(g) for g in self.model.resets.values()])
-
-    @cached_property
-    def guard_numbers(self) -> tuple[int, ...]:
-        """What each segment's condition is known by: its number among those that differ, with the digits below."""
-        numbers = {rule: number for number, rule in enumerate(self._rules)}
-        own, shift = self._digits, len(self.cases.digits)
-        return tuple(numbers[_rule_of(s)] << shift | own.get(s.to, 0) for s in self.model.segments.values())
-
-    @cached_property
-    def guard(self) -> int:
-        """The address of the conditions, 1 where they hold; ``which`` is their number. 0 if there are none."""
-        if all(rule == sympy.true for rule in self._rules):
-            return 0
-        return self._address([[_write_indicator(rule)] for rule in self._rules], self.cases.digits)
-
-    @cached_property
-    def _rules(self) -> list[Boolean]:
-        return list(dict.fromkeys(map(_rule_of, self.model.segments.values())))
-
-    @cached_property
-    def repulsion_numbers(self) -> tuple[int, ...]:
-        """What the condition is known by that a surface repels the motion after each segment; -1 without one."""
-        numbers = {rule: number for number, rule in enumerate(self._differing_repulsions)}
-        own, shift = self._digits, len(self.cases.digits)
-        return tuple(
-            numbers[rule] << shift | own[segment.to] if rule in numbers else -1
-            for segment, rule in zip(self.model.segments.values(), self._repulsions, strict=True)
-        )
-
-    @cached_property
-    def repulsion(self) -> int:
-        """The address of the conditions under which a surface repels a motion on it. 0 if there are none."""
-        if not self._differing_repulsions:
-            return 0
-        return self._address([[_write_indicator(rule)] for rule in self._differing_repulsions], self.cases.digits)
-
-    @cached_property
-    def _repulsions(self) -> list[Boolean]:
-        return write_repulsions(self.model)
-
-    @cached_property
-    def _differing_repulsions(self) -> list[Boolean]:
-        return [rule for rule in dict.fromkeys(self._repulsions) if rule != sympy.false]
-
-    @cached_property
-    def _digits(self) -> dict[str, int]:
-        """The digits of each mode as bits."""
-        mask = (1 << len(self.cases.digits)) - 1
-        return {mode: case & mask for mode, case in zip(self.model.modes, self.cases.of_mode, strict=True)}
+    def rules(self) -> Pages:
+        """The conditions, "value": 1 where they hold, 0 elsewhere."""
+        return Pages(lambda page: self._address(page, self.digits), {"value": list})
 
     @cached_property
     def history(self) -> int:
@@ -173,37 +127,8 @@ class ModelFunctions:
         exprs = self.history_exprs or self.model.history
         return self._address([[e.diff(TIME, k) if k else e for e in exprs] for k in range(HISTORY_ORDERS)])
 
-    @cached_property
-    def field_jacobian(self) -> int:
-        """The address of df/dx, row by row, then df/dxd; ``which`` is the case of the mode."""
-        return self._address(
-            [
-                self._matrix(f, self.model.state_symbols) + self._matrix(f, self.model.delayed_symbols)
-                for f in self.cases.fields
-            ],
-            self.cases.digits,
-        )
-
-    @cached_property
-    def event_jacobian(self) -> int:
-        """The address of dh/dx, dh/dxd and dh/dt; ``which`` is the event."""
-        symbols = (*self.model.state_symbols, *self.model.delayed_symbols, TIME)
-        return self._address([self._matrix([h], symbols) for h in self.events])
-
-    @cached_property
-    def reset_jacobian(self) -> int:
-        """The address of dg/dx, dg/dxd and dg/dt, each row by row; ``which`` is the reset."""
-        model = self.model
-        return self._address(
-            [
-                self._matrix(g, model.state_symbols) + self._matrix(g, model.delayed_symbols) + self._matrix(g, [TIME])
-                for g in model.resets.values()
-            ]
-        )
-
-    @staticmethod
-    def _matrix(exprs: Sequence[sympy.Expr], symbols: Sequence[sympy.Symbol]) -> list[sympy.Expr]:
-        return [e.diff(s) for e in exprs for s in symbols]
+    def _pages(self, differentiate: Derive) -> Pages:
+        return Pages(lambda page: self._address(page, self.digits), {"value": list, "jacobian": differentiate})
 
     def _address(self, cases: Sequence[Sequence[sympy.Expr]], digits: Sequence[sympy.Symbol] = ()) -> int:
         model = self.model
@@ -211,6 +136,16 @@ class ModelFunctions:
         code = load_machine_code(write_machine_source(cases, names, digits))
         self._loaded.append(code)
         return code.address
+
+
+@cache
+def write_rule(rule: Boolean) -> Exprs:
+    """Return a condition as a number that is 1 where it holds and 0 elsewhere."""
+    return (sympy.Piecewise((1, rule), (0, True)),)
+
+
+def _matrix(exprs: Sequence[sympy.Expr], symbols: Sequence[sympy.Symbol]) -> list[sympy.Expr]:
+    return [e.diff(s) for e in exprs for s in symbols]
 
 
 def write_machine_source(

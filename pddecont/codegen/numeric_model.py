@@ -127,17 +127,15 @@ class NumericModel:
         """The forcing period as a function of the parameters, n_out = 1 (0 for autonomous models)."""
         return self._parameter_function(() if self.model.period is None else (self.model.period,))
 
-    def compile(
-        self, section: sympy.Expr | None = None, history: tuple[sympy.Expr, ...] | None = None
-    ) -> ModelFunctions:
+    def compile(self, history: tuple[sympy.Expr, ...] | None = None) -> ModelFunctions:
         """Return the model's functions as machine code; each is compiled when first needed.
 
-        ``section`` is one more event function, numbered after the model's own; ``history`` replaces the model's.
+        ``history`` replaces the model's.
         """
         # The compiler is imported by those who simulate, and by no others.
         from pddecont.codegen.machine_code import ModelFunctions
 
-        return self._machine_code.setdefault((section, history), ModelFunctions(self.model, section, history))
+        return self._machine_code.setdefault(history, ModelFunctions(self.model, history))
 
     def _parameter_function(self, exprs: tuple[sympy.Expr, ...]) -> ParameterFunction:
         return ParameterFunction(self._array_function(exprs, (), ()))

@@ -16,7 +16,7 @@ from pddecont.errors import ModelError, Problem, suggest
 from pddecont.model.conditions import list_differences
 from pddecont.model.contacts import list_refusals
 from pddecont.model.delayed_drift import add_drifts
-from pddecont.model.derived_modes import DerivedModes, TooManyModesError, make_modes
+from pddecont.model.derived_modes import DerivedModes, TooManySwitchesError, make_modes
 from pddecont.model.document import Document, KeyPath, parse_document, read_text
 from pddecont.model.equations import check_kind, declare_switches, read_equations
 from pddecont.model.evaluation import evaluate
@@ -44,7 +44,7 @@ from pddecont.model.validation import validate
 
 Exprs = tuple[sympy.Expr, ...]
 # Modes, events, resets, segments, and what they were made of.
-Parts = tuple[Mapping[str, Exprs], dict[str, Event], dict[str, Exprs], dict[str, Segment], DerivedModes | None]
+Parts = tuple[Mapping[str, Exprs], Mapping[str, Event], Mapping[str, Exprs], Mapping[str, Segment], DerivedModes | None]
 
 
 def load_model(path: str) -> tuple[Model, list[Problem]]:
@@ -177,10 +177,10 @@ class _Builder(Findings):
             return None
         try:
             derived = make_modes(add_drifts(equations, dict(self.list_delayed()), self.delayed_value))
-        except (UndecidedSlidingError, TooManyModesError) as exc:
+        except (UndecidedSlidingError, TooManySwitchesError) as exc:
             self.add_error(("equations",), str(exc), key=True)
             return None
-        return derived.modes, derived.events, derived.resets, derived.segments, derived
+        return (*derived.parts.values(), derived)
 
     def positive(self, path: KeyPath, text: str | float, what: str, *, zero: bool = False) -> sympy.Expr:
         """Return an expression in the parameters, and check that it is positive (or zero) at their values."""
@@ -327,7 +327,7 @@ class _Builder(Findings):
             return find_start_mode(derived, known)
         except UndecidedSlidingError as exc:
             self.add_error(("initial",), str(exc), key=True)
-            return next(iter(derived.modes))
+            return ""
 
     def history(self) -> Exprs:
         """Return the states for t <= 0."""

@@ -23,6 +23,12 @@ def find_reads(model: Model) -> tuple[Reads, set[str]]:
     def states_in(exprs: Iterable[sympy.Expr]) -> set[str]:
         return {owner[s] for e in exprs for s in e.free_symbols if s in owner}
 
+    if model.derived is not None:
+        reads = model.derived.list_reads()
+        return (
+            {name: states_in(reads[i]) - {name} for i, name in enumerate(model.states)},
+            states_in(model.derived.list_conditions()),
+        )
     bodies = [*model.modes.values(), *model.resets.values()]
     by_state = {name: states_in(body[i] for body in bodies) - {name} for i, name in enumerate(model.states)}
     functions = [e.function for e in model.events.values() if e.function is not None]

@@ -1,99 +1,172 @@
-"""Modes, events, resets and segments made of equations with switches.
+"""Modes, events, resets and segments made of equations with switches, as they are reached.
 
-A mode is a set of digits. It ends where a switch's function crosses its surface, where the digit that keeps a motion on
-a surface reaches its bound, and at the jumps of the model. All modes are named at once; what fields and conditions have
-in common is worked out once.
+A mode is a set of digits. What ends it is worked out when something asks for it: a motion that comes to it, a signature
+that names it. A model with few modes has them all built at once.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+import threading
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from itertools import product
-from typing import Any
+from typing import Any, TypeVar
 
 import sympy
 
 from pddecont.errors import PddecontError
-from pddecont.model.contacts import add_contacts, is_held
-from pddecont.model.expression import TIME
-from pddecont.model.parts import IDENTITY, Event, Segment
-from pddecont.model.rest import find_resting, make_resting
+from pddecont.model.contacts import add_contacts
+from pddecont.model.ending_names import list_event_digits, list_written_digits
+from pddecont.model.endings import Crossing, Ending, EndingFinder, ModeEndings
+from pddecont.model.parts import IDENTITY, Event, Form, Segment
+from pddecont.model.rest import find_rate_along, find_resting, make_resting
 from pddecont.model.sliding import Surfaces, find_surfaces, put_in
-from pddecont.model.switches import ABOVE, BELOW, ON, Digits, Equations, Jump, name_digits
+from pddecont.model.switches import ABOVE, BELOW, ON, Digits, Equations, find_bits, name_digits
 from pddecont.model.validation import ALTERNATIVE
-from pddecont.model.vanishing import vanishes, vanishes_where
-from pddecont.model.ways import Undecided, WayFinder, list_options
+from pddecont.model.ways import choose_digits
 
-# All modes are named, with what ends them, before a motion starts.
-MAX_MODES = 5000
+# A model with no more modes than this, and no more segments from one event, has all of them built at once, so that
+# lists of them are complete; of larger ones they hold what was reached.
+FEW_MODES, FEW_WAYS = 32, 32
 
+# Digits are bits of a number that says, too, which of a page's functions is meant.
+MAX_SWITCHES = 48
+
+T = TypeVar("T")
 Exprs = tuple[sympy.Expr, ...]
 # How the names of resets begin that put states on the surfaces of a mode.
 RETURN = "onto_"
-# The words for leaving a surface to a side.
-OFF = {ABOVE: "off_up", BELOW: "off_down"}
 
 
-@dataclass(frozen=True)
-class Crossing:
-    """What a segment does with a switch: it meets its surface, or leaves it where it slid along it; up or down."""
-
-    switch: int
-    up: bool
-    leaves: bool
+class TooManySwitchesError(PddecontError):
+    """A model has more switches than can be handled."""
 
 
-class TooManyModesError(PddecontError):
-    """A model has more modes than can be handled."""
+class Parts(Mapping[str, T]):
+    """Parts of a model by name: each is made when it is asked for; those built so far are listed."""
 
+    def __init__(self, built: Mapping[str, Any], find: Callable[[str], T | None]) -> None:
+        self._built, self._find = built, find
 
-class Fields(Mapping[str, Exprs]):
-    """The vector fields of modes by name; each is worked out when it is asked for."""
-
-    def __init__(self, surfaces: Surfaces) -> None:
-        self.surfaces = surfaces
-        self._digits: dict[str, Digits] = {}
-        self._known: dict[str, Exprs] = {}
-
-    def add(self, name: str, digits: Digits) -> None:
-        """Add a mode."""
-        self._digits[name] = digits
-
-    def __getitem__(self, name: str) -> Exprs:
-        """Return the field of a mode, one expression a state."""
-        if name not in self._known:
-            values = self.surfaces.find_values(self._digits[name])
-            self._known[name] = tuple(put_in(f, values) for f in self.surfaces.equations.field)
-        return self._known[name]
+    def __getitem__(self, name: str) -> T:
+        """Return the part with a name; raise KeyError if there is none."""
+        found = self._find(name)
+        if found is None:
+            raise KeyError(name)
+        return found
 
     def __iter__(self) -> Iterator[str]:
-        """Return the names of the modes."""
-        return iter(self._digits)
+        """Return the names of those built so far."""
+        return iter(list(self._built))
 
     def __len__(self) -> int:
-        """Return the number of modes."""
-        return len(self._digits)
+        """Return how many are built."""
+        return len(self._built)
 
 
-@dataclass
 class DerivedModes:
     """What is made of a model's equations: fields, events, resets and segments by name."""
 
-    surfaces: Surfaces
-    events: dict[str, Event] = field(default_factory=dict)
-    resets: dict[str, Exprs] = field(default_factory=dict)
-    segments: dict[str, Segment] = field(default_factory=dict)
-    # What the segments that pass switches do, by their names as written.
-    crossings: dict[str, Crossing] = field(default_factory=dict)
+    def __init__(
+        self,
+        surfaces: Surfaces,
+        sticks: tuple[tuple[str, str], ...] = (),
+        delayed: frozenset[sympy.Symbol] = frozenset(),
+    ) -> None:
+        self._sticks, self._delayed = sticks, delayed
+        self.surfaces, self.equations = surfaces, surfaces.equations
+        self._finder = EndingFinder(surfaces)
+        self._modes: dict[str, Digits] = {}
+        self._endings: dict[Digits, ModeEndings] = {}
+        self._fields: dict[str, Exprs] = {}
+        self._events: dict[str, Event] = {}
+        self._resets: dict[str, Exprs] = {IDENTITY: self.equations.states}
+        self._forms: dict[str, Form] = {IDENTITY: Form(self.equations.states)}
+        self._segments: dict[str, Segment] = {}
+        self._slid: dict[tuple[int, ...], Exprs] = {}
+        self._lock = threading.RLock()
+        for jump in () if self.builds_all else self.equations.jumps:
+            if jump.function is None:
+                # Its clock runs in modes in which it does not happen too.
+                self._events[jump.name] = Event(jump.name, None, jump.after, jump.delay, source=jump.name)
 
-    def __post_init__(self) -> None:
-        self.equations = self.surfaces.equations
-        self.modes = Fields(self.surfaces)
-        self.finder = WayFinder(self.surfaces)
-        self.resets[IDENTITY] = self.equations.states
+    def __eq__(self, other: object) -> bool:
+        """Return whether the same is made of both, whatever was reached."""
+        return isinstance(other, DerivedModes) and (self.surfaces, self._sticks) == (other.surfaces, other._sticks)
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what is sent to another process: locks are made anew there."""
+        return {name: value for name, value in self.__dict__.items() if name not in ("_lock", "modes", "parts")}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Take what was sent."""
+        self.__dict__.update(state)
+        self._lock = threading.RLock()
+
+    @cached_property
+    def modes(self) -> Mapping[str, Exprs]:
+        """The vector fields of modes by name."""
+        return Parts(self._modes, self._find_field)
+
+    @cached_property
+    def parts(self) -> dict[str, Any]:
+        """Modes, events, resets and segments, by their names as fields of a model."""
+        return {
+            "modes": self.modes,
+            "events": Parts(self._events, self._find_event),
+            "resets": Parts(self._resets, self._find_reset),
+            "segments": Parts(self._segments, self._find_segment),
+        }
+
+    @cached_property
+    def n_modes(self) -> int:
+        """How many modes there may be."""
+        return math.prod(len(self.surfaces.list_digits(k)) for k in range(len(self.surfaces.slides)))
+
+    @property
+    def builds_all(self) -> bool:
+        """Whether the model has so few modes that all of them are built."""
+        return self.n_modes <= FEW_MODES
+
+    def build_all(self) -> None:
+        """Build all modes, if they are few."""
+        for digits in self._list_every() if self.builds_all else ():
+            self.build(digits)
+
+    def _list_every(self) -> Iterator[Digits]:
+        options = (sorted(self.surfaces.list_digits(k)) for k in range(len(self.surfaces.slides)))
+        return (digits for digits in product(*options) if self.surfaces.may_be(digits))
+
+    def build_every(self, most: int) -> bool:
+        """Build all modes with all their segments; return whether there are no more than ``most``."""
+        if self.n_modes > most:
+            return False
+        for digits in self._list_every():
+            for ending in self.list_endings(self.build(digits)):
+                for after in self.list_way_digits(ending):
+                    self.make_segment(ending, after)
+                self.list_rests(ending)
+        return True
+
+    def build(self, digits: Digits) -> str:
+        """Build the mode with some digits and what ends it, unless that is done; return its name."""
+        name = self.equations.name_mode(digits)
+        with self._lock:
+            if name not in self._modes:
+                ends = self.find_ends(digits)
+                self._modes[name] = digits
+                for event in ends.events.values():
+                    self._events.setdefault(event.name, event)
+                for reset, form in ends.resets.items():
+                    self._forms.setdefault(reset, form)
+                    self._resets.setdefault(reset, self._put_in(form, digits))
+                if self.builds_all:
+                    self.list_segments(name)
+        return name
 
     def find_mode(self, digits: Digits) -> str:
         """Return the name of a mode; where a motion cannot slide it is above."""
@@ -101,30 +174,198 @@ class DerivedModes:
             tuple(ABOVE if d == ON and not s else d for d, s in zip(digits, self.surfaces.slides, strict=True))
         )
 
+    def find_digits(self, mode: str) -> Digits:
+        """Return the digits of a mode."""
+        return self.look_up(mode) or ()
+
+    def look_up(self, mode: str) -> Digits | None:
+        """Return the digits of a mode by its name; None if there is no such mode."""
+        known = self._modes.get(mode)
+        if known is not None:
+            return known
+        digits = self.equations.find_digits(mode)
+        if digits is None or any(d not in self.surfaces.list_digits(k) for k, d in enumerate(digits)):
+            return None
+        return digits if self.surfaces.may_be(digits) else None
+
+    def add_rests(self, sticks: Sequence[tuple[str, str]], delayed: Collection[sympy.Symbol]) -> DerivedModes:
+        """Return the same where impacts that accumulate at events come to rest in modes: pairs (event, mode)."""
+        return make_modes_of(self.surfaces, (*self._sticks, *sticks), frozenset(delayed))
+
+    def find_ends(self, digits: Digits) -> ModeEndings:
+        """Return what ends the mode with some digits, which is not listed for that."""
+        with self._lock:
+            if digits not in self._endings:
+                ends = self._finder.find(digits)
+                ends.endings = [self._let_rest(ending, ends) for ending in ends.endings]
+                self._endings[digits] = ends
+            return self._endings[digits]
+
+    def _let_rest(self, ending: Ending, ends: ModeEndings) -> Ending:
+        """Return an ending with the modes in which its motions rest that are named apart from the equations."""
+        own, rests = ending.segment, list(ending.rests)
+        for event, mode in self._sticks:
+            held = self.look_up(mode) if event == own.event else None
+            resting = make_resting(own, own.name, mode)
+            if held is not None and all(resting.name != known.name for known, _ in rests):
+                rests.append((resting, held))
+                reset, function = ends.resets.get(own.reset), ends.events[own.event].function
+                rate = find_rate_along(function or sympy.S.Zero, self.equations.states, self.modes[own.mode])
+                before = self.equations.states if reset is None else self._put_in(reset, self.find_digits(own.mode))
+                read = rate.free_symbols | (function or sympy.S.Zero).free_symbols
+                known = function is not None and not read & self._delayed
+                after = find_resting(self.equations.states, rate, before) if known else before
+                ends.resets[resting.reset] = Form(after)
+        return replace(ending, rests=tuple(rests))
+
+    def list_endings(self, mode: str) -> list[Ending]:
+        """Return what ends a mode, which is built if it was not."""
+        digits = self.look_up(mode)
+        if digits is None:
+            return []
+        self.build(digits)
+        return self.find_ends(digits).endings
+
+    def list_segments(self, mode: str) -> list[Segment]:
+        """Return the segments that run in a mode; of an ending that may lead to many modes the first one."""
+        found = []
+        for ending in self.list_endings(mode):
+            every = self.list_way_digits(ending)
+            few = every if ending.n_ways <= FEW_WAYS else [next(every)]
+            found += [self.make_segment(ending, digits) for digits in few]
+            found += self.list_rests(ending)
+        return found
+
+    def list_way_digits(self, ending: Ending) -> Iterator[Digits]:
+        """Yield the digits of the modes that an ending may lead to."""
+        return (digits for digits in ending.list_digits() if self.surfaces.may_be(digits))
+
+    def list_rests(self, ending: Ending) -> list[Segment]:
+        """Return what the segment of an ending is where the motion comes to rest."""
+        with self._lock:
+            return [self._segments.setdefault(resting.name, resting) for resting, _ in ending.rests]
+
+    def make_segment(self, ending: Ending, digits: Digits) -> Segment:
+        """Return the segment of an ending that leads to the mode with some digits."""
+        name = self._name_way(ending, digits)
+        with self._lock:
+            if name not in self._segments:
+                self._segments[name] = self.make_unlisted(ending, digits)
+            return self._segments[name]
+
+    def make_unlisted(self, ending: Ending, digits: Digits) -> Segment:
+        """Return the same, which is not listed for that."""
+        made = replace(ending.segment, name=self._name_way(ending, digits), to=self.equations.name_mode(digits))
+        if ending.n_ways == 1:
+            return made
+        guard = self._finder.finder.find_guard(ending.decisions, digits)
+        return replace(made, written=ending.segment.name, guard=guard)
+
+    def _name_way(self, ending: Ending, digits: Digits) -> str:
+        if ending.n_ways == 1:
+            return ending.segment.name
+        return f"{ending.segment.name}{ALTERNATIVE}{self.equations.name_mode(digits)}"
+
+    def choose(self, ending: Ending, numbers: Mapping[sympy.Symbol, float]) -> Digits:
+        """Return the digits that follow an ending where symbols have these ``numbers``."""
+        return choose_digits(self.surfaces, ending.after, ending.undecided, numbers)
+
+    def find_ending(self, segment: Segment) -> Ending:
+        """Return the ending that a segment is of."""
+        written = segment.written or segment.name
+        return next(e for e in self.list_endings(segment.mode) if e.segment.name == written)
+
+    def list_ways(self, segment: Segment) -> tuple[Segment, ...]:
+        """Return the segments that one may be; of one with many ways those asked for so far."""
+        written, ending = segment.written or segment.name, self.find_ending(segment)
+        if ending.n_ways <= FEW_WAYS:
+            ways = [self.make_segment(ending, digits) for digits in self.list_way_digits(ending)]
+        else:
+            ways = [s for s in list(self._segments.values()) if s.written == written and not s.rests]
+        return (*ways, *self.list_rests(ending))
+
+    def find_form(self, reset: str) -> Form:
+        """Return a reset in the digits of the switches."""
+        return self._forms[reset]
+
+    def find_field_form(self, mode: str) -> Form:
+        """Return the vector field of a mode in the digits of the switches along which it does not slide."""
+        digits = self.find_digits(mode)
+        on = tuple(k for k, d in enumerate(digits) if d == ON)
+        if on not in self._slid:
+            values = self.surfaces.solve(on)
+            self._slid[on] = tuple(put_in(f, values) for f in self.equations.field)
+        return Form(self._slid[on], find_bits(digits))
+
+    def list_reads(self) -> list[list[sympy.Expr]]:
+        """Return for each state the expressions that its rate and its resets are made of.
+
+        Where a motion slides, a digit stands for what its switch's rate reads.
+        """
+        equations, rates = self.equations, self.surfaces.rates
+        bodies = [equations.field, *(jump.reset for jump in equations.jumps)]
+        found = []
+        for i in range(len(equations.states)):
+            exprs = [body[i] for body in bodies]
+            seen: set[sympy.Symbol] = set()
+            for expr in exprs:
+                for k, switch in enumerate(equations.switches):
+                    rate = rates[k]
+                    if self.surfaces.slides[k] and rate is not None and switch.digit in expr.free_symbols - seen:
+                        seen.add(switch.digit)
+                        exprs.append(rate)
+            found.append(exprs)
+        return found
+
+    def list_conditions(self) -> list[sympy.Expr]:
+        """Return the expressions that decide when something happens, and which mode follows."""
+        equations = self.equations
+        rates = zip(self.surfaces.rates, self.surfaces.slides, strict=True)
+        found = [e for s in equations.switches for e in (s.argument, s.low, s.high)]
+        found += [rate for rate, slides in rates if rate is not None and (slides or equations.jumps)]
+        return found + [jump.function for jump in equations.jumps if jump.function is not None]
+
+    def list_expressions(self) -> list[sympy.Expr]:
+        """Return all that is evaluated along a motion: the field, resets, what decides when something happens."""
+        resets = [g for jump in self.equations.jumps for g in jump.reset]
+        return [*self.equations.field, *resets, *self.list_conditions()]
+
+    def list_alike(self, mode: str) -> list[ModeEndings]:
+        """Return what ends the modes that slide along the same surfaces, below and above all others.
+
+        Between them they have the conditions and functions that such modes have.
+        """
+        own, switches = self.find_digits(mode), self.equations.switches
+        digits = dict.fromkeys(tuple(d if d == ON else side for d in own) for side in (BELOW, ABOVE))
+        free = [
+            tuple(d if s.contact is None or d == ON else s.free for d, s in zip(alike, switches, strict=True))
+            for alike in digits
+        ]
+        return [self.find_ends(d) for d in dict.fromkeys(free) if self.surfaces.may_be(d)]
+
     def keep_states(self, kept: Sequence[int]) -> DerivedModes:
         """Return the same with these states alone; nothing that is left reads the others."""
-        equations = self.equations.keep_states(kept)
-        made = DerivedModes(replace(self.surfaces, equations=equations))
-        made.build_all()
-        return made
+        return make_modes_of(replace(self.surfaces, equations=self.equations.keep_states(kept)))
 
-    @property
-    def parts(self) -> dict[str, Any]:
-        """Modes, events, resets and segments, by their names as fields of a model."""
-        return {"modes": self.modes, "events": self.events, "resets": self.resets, "segments": self.segments}
+    def name_briefly(self, ending: Ending) -> str:
+        """Return the name of an ending's segment without the digits of other switches."""
+        digits = self.find_digits(ending.segment.mode)
+        number = -1 if ending.crossing is None else ending.crossing.switch
+        return ending.segment.name.removeprefix(name_digits(self.equations.switches, digits, number)).removeprefix("_")
+
+    def has_ending(self, written: str) -> bool:
+        """Return whether a segment has this name, whatever it leads to."""
+        modes = (self.equations.name_mode(digits) for digits in list_written_digits(self.equations, written))
+        return any(ending.segment.name == written for mode in modes for ending in self.list_endings(mode))
 
     def find_crossing(self, segment: Segment) -> Crossing | None:
         """Return what a segment does with a switch; None for jumps."""
-        return self.crossings.get(segment.written or segment.name)
+        return self.find_ending(segment).crossing if segment.event else None
 
     def find_jump_of_rate(self, switch: int, mode: str) -> sympy.Expr:
         """Return by how much du/dt of a switch grows across its surface: motions slide where it is negative."""
         low, high = self.surfaces.find_bounds(switch, self.find_digits(mode))
         return high - low
-
-    def find_digits(self, mode: str) -> Digits:
-        """Return the digits of a mode."""
-        return self.equations.find_digits(mode) or ()
 
     def find_digit(self, mode: str, switch: int) -> int:
         """Return the digit of a switch in a mode."""
@@ -132,13 +373,8 @@ class DerivedModes:
 
     def list_exits(self, mode: str) -> list[tuple[str, Crossing]]:
         """Return the events at which motions cease to slide in a mode, and what they do."""
-        digits = self.find_digits(mode)
-        found = []
-        for k, digit in enumerate(digits):
-            for side in (ABOVE, BELOW) if digit == ON and self.equations.switches[k].contact is None else ():
-                name = self._name_exit(k, digits, side)
-                found.append((name, Crossing(k, side == ABOVE, leaves=True)))
-        return found
+        leaving = (e for e in self.list_endings(mode) if e.crossing is not None and e.crossing.leaves)
+        return [(e.segment.event, e.crossing) for e in leaving if e.crossing is not None]
 
     def find_surface(self, mode: str, event: str) -> int | None:
         """Return the switch whose surface an event is in a mode beside it; None for other events."""
@@ -147,254 +383,71 @@ class DerivedModes:
         beside = (
             k for k, d in enumerate(digits) if d != ON and not switches[k].remembers and switches[k].contact is None
         )
-        return next((k for k in beside if self._name_surface(k, digits)[0] == event), None)
-
-    def _name_exit(self, number: int, digits: Digits, side: int) -> str:
-        """Return the name of the event at which a motion leaves a surface to a side."""
-        switch, rate = self.equations.switches[number], self.surfaces.rates[number]
-        assert rate is not None, "no motion slides along a surface whose rate is not known"
-        word = OFF[side] if switch.contact is None else "off"
-        return self._name_event(f"{switch.name}_{word}", rate, number, digits)[0]
+        return next((k for k in beside if self._finder.name_surface(k, digits).name == event), None)
 
     def list_surfaces(self, mode: str) -> tuple[str, ...]:
         """Return the events whose functions are the surfaces that a motion slides along in a mode."""
         digits = self.find_digits(mode)
-        return tuple(name for name, _ in self._find_held(digits))
+        return tuple(event.name for event in self._finder.list_held(digits))
 
     def find_return(self, mode: str) -> str:
         """Return the reset that puts states on the surfaces that a motion slides along in a mode."""
-        return RETURN + mode if RETURN + mode in self.resets else IDENTITY
+        return RETURN + mode if ON in self.find_digits(mode) else IDENTITY
 
-    def _add_return(self, mode: str, digits: Digits) -> None:
-        """Add the reset to the nearest states at which the functions of the surfaces of a mode are zero."""
-        functions = [function for _, function in self._find_held(digits)]
-        if functions:
-            x, u = sympy.Matrix(self.equations.states), sympy.Matrix(functions)
-            slopes = u.jacobian(x)
-            square = slopes * slopes.T
-            change = slopes.T * (square.adjugate() * u) / square.det(method="berkowitz")
-            self.resets[RETURN + mode] = tuple(x - change)
-
-    def _find_held(self, digits: Digits) -> Iterator[tuple[str, sympy.Expr]]:
-        """Yield the functions that are zero along a motion, with their events: those of surfaces; places and speeds."""
-        for k, digit in enumerate(digits):
-            switch = self.equations.switches[k]
-            if digit == ON and switch.contact is not None:
-                yield self._name_event(switch.name, switch.contact, -1, digits)
-                yield self._name_event(f"{switch.name}_speed", switch.argument, -1, digits)
-            elif digit == ON:
-                yield self._name_surface(k, digits)
-
-    def _name_surface(self, number: int, digits: Digits) -> tuple[str, sympy.Expr]:
-        """Return the name of the event at which a switch's function is zero, and the function."""
-        switch = self.equations.switches[number]
-        return self._name_event(switch.name, switch.argument, number, digits)
-
-    def slide(self, on: tuple[int, ...]) -> Exprs:
-        """Return the field along the surfaces of the switches ``on``, in terms of the digits of the others."""
-        values = self.surfaces.solve(on)
-        return tuple(put_in(f, values) for f in self.equations.field)
-
-    def build_all(self) -> None:
-        """Make every mode that there can be."""
-        options = [self.surfaces.list_digits(k) for k in range(len(self.equations.switches))]
-        number = math.prod(map(len, options))
-        if number > MAX_MODES:
-            raise TooManyModesError(
-                f"the switches of these equations make {number} modes; at most {MAX_MODES} can be handled"
-            )
-        for digits in product(*(sorted(own) for own in options)):
-            if self.surfaces.may_be(digits):
-                self.build(digits)
-
-    def build(self, digits: Digits) -> str:
-        """Make a mode and what ends it, unless that is done; return its name."""
-        name = self.equations.name_mode(digits)
-        if name not in self.modes:
-            self.modes.add(name, digits)
-            self._add_return(name, digits)
-            for segment in self._list_segments(digits):
-                self.segments[segment.name] = segment
-        return name
-
-    def _list_segments(self, digits: Digits) -> Iterator[Segment]:
-        tied = {self._find_tied(jump, digits) for jump in self.equations.jumps if self.equations.allows(jump, digits)}
-        for jump in self.equations.jumps:
-            yield from self._jump(jump, digits)
-        for number, digit in enumerate(digits):
-            if digit == ON:
-                yield from self._leave(number, digits)
-            elif number not in tied and self.equations.switches[number].contact is None:
-                yield from self._cross(number, digits)
-
-    def _find_tied(self, jump: Jump, digits: Digits) -> int | None:
-        """Return the switch of time alone that a jump passes as it comes, such as the edge of a wave at each dose."""
-        for k, switch in enumerate(self.equations.switches):
-            passes = {BELOW: "rising", ABOVE: "falling"}.get(digits[k]) == jump.direction
-            if passes and switch.argument == jump.function and not switch.remembers:
-                return None if switch.argument.free_symbols & set(self.equations.states) else k
-        return None
-
-    def _cross(self, number: int, digits: Digits) -> Iterator[Segment]:
-        """Yield what follows where a switch's function crosses its surface."""
-        switch, rises = self.equations.switches[number], digits[number] == BELOW
-        level = switch.high if rises else switch.low
-        name, function = self._name_surface(number, digits)
-        if switch.remembers:
-            name = f"{name}_{'high' if rises else 'low'}"
-        self._add_event(Event(name, function - level, source=switch.name))
-        after = (*digits[:number], ABOVE if rises else BELOW, *digits[number + 1 :])
-        if not self.surfaces.agree(after):
-            # A parallel surface lies between.
-            return
-        undecided: dict[int, Undecided] = {}
-        if self.surfaces.slides[number]:
-            undecided[number] = Undecided((after[number], ON), on_surface=True)
-        undecided |= self._find_disturbed(number, after)
-        written = self._name_segment(f"{switch.name}_{'up' if rises else 'down'}", number, digits)
-        direction = "rising" if rises else "falling"
-        self.crossings[written] = Crossing(number, rises, leaves=False)
-        yield from self._branch(Segment(written, "", name, direction, IDENTITY, ""), digits, after, undecided)
-
-    def _leave(self, number: int, digits: Digits) -> Iterator[Segment]:
-        """Yield what follows where a motion ceases to slide along a surface."""
-        switch = self.equations.switches[number]
-        lower, upper = self.surfaces.find_bounds(number, digits)
-        for name, function in self._find_held(digits):
-            self._add_event(Event(name, function, source=switch.name if switch.contact is None else ""))
-        for digit, function, direction in ((ABOVE, upper, "rising"), (BELOW, lower, "falling")):
-            if digit not in self.surfaces.list_digits(number):
-                continue
-            word = f"{switch.name}_{OFF[digit] if switch.contact is None else 'off'}"
-            event = self._name_exit(number, digits, digit)
-            self._add_event(Event(event, function))
-            after = (*digits[:number], digit, *digits[number + 1 :])
-            written = self._name_segment(word, number, digits)
-            if switch.contact is None:
-                self.crossings[written] = Crossing(number, digit == ABOVE, leaves=True)
-            # The digit goes on where it comes to 0 or 1; torn off from farther apart it jumps.
-            undecided = {} if switch.grip == 1 else self._find_disturbed(number, after)
-            yield from self._branch(Segment(written, "", event, direction, IDENTITY, ""), digits, after, undecided)
-
-    def _jump(self, jump: Jump, digits: Digits) -> Iterator[Segment]:
-        """Yield what follows a jump: each digit is read from the states after it."""
-        equations = self.equations
-        if not equations.allows(jump, digits) or is_held(equations, jump, digits):
-            return
+    def _put_in(self, form: Form, digits: Digits) -> Exprs:
         values = self.surfaces.find_values(digits)
-        name = jump.name
-        if jump.function is None:
-            self._add_event(Event(name, None, jump.after, jump.delay, source=name))
-        else:
-            name, function = self._name_event(jump.name, jump.function, -1, digits)
-            self._add_event(Event(name, function, source=jump.name))
-        reset, body = self._name_reset(jump, digits)
-        self.resets.setdefault(reset, body)
-        changed = {x: g for x, g in zip(equations.states, body, strict=True) if g != x}
-        undecided: dict[int, Undecided] = {}
-        for k, switch in enumerate(equations.switches):
-            u = put_in(switch.argument, values)
-            if switch.contact is not None and digits[k] != ON:
-                continue
-            if digits[k] == ON and not u.free_symbols & set(changed):
-                undecided[k] = list_options(self.surfaces, k, on_surface=True)
-            elif u.free_symbols & set(changed):
-                zero = not switch.remembers and vanishes(sympy.expand(u.xreplace(changed)))
-                undecided[k] = list_options(self.surfaces, k, on_surface=zero)
-        tied, after = self._find_tied(jump, digits), digits
-        if tied is not None:
-            after = (*digits[:tied], ABOVE if digits[tied] == BELOW else BELOW, *digits[tied + 1 :])
-            undecided = self._find_disturbed(tied, after) | undecided
-        written = self._name_segment(jump.name, -1, digits)
-        segment = Segment(written, "", name, jump.direction, reset, "")
-        yield from self._branch(segment, digits, after, undecided)
-        yield from self._rest(segment, jump, digits)
+        return tuple(put_in(e, values) for e in form.exprs)
 
-    def _rest(self, segment: Segment, jump: Jump, digits: Digits) -> Iterator[Segment]:
-        """Yield what a jump is where it is the last of those that accumulate: the motion rests."""
-        for k, switch in enumerate(self.equations.switches):
-            held = (*digits[:k], ON, *digits[k + 1 :])
-            if switch.contact is not None and switch.name == jump.name and self.surfaces.may_slide(held):
-                mode, to = self.equations.name_mode(digits), self.equations.name_mode(held)
-                resting = make_resting(replace(segment, mode=mode), segment.name, to)
-                self.resets[resting.reset] = find_resting(
-                    self.equations.states, switch.argument, self.resets[segment.reset]
-                )
-                yield resting
+    def _find_field(self, mode: str) -> Exprs | None:
+        if mode not in self._fields:
+            digits = self.look_up(mode)
+            if digits is None:
+                return None
+            values = self.surfaces.find_values(digits)
+            self._fields[mode] = tuple(put_in(f, values) for f in self.equations.field)
+        return self._fields[mode]
 
-    def _find_disturbed(self, number: int, digits: Digits) -> dict[int, Undecided]:
-        """Return the other switches whose digits have to be read anew when one has changed."""
-        found = {k: list_options(self.surfaces, k, on_surface=False) for k in self._shifted[number]}
-        pushed = (k for k in self._pushed[number] if digits[k] == ON and k not in found)
-        return found | {k: list_options(self.surfaces, k, on_surface=True) for k in pushed}
+    def _find_event(self, name: str) -> Event | None:
+        if name not in self._events:
+            for digits in list_event_digits(self.equations, name):
+                found = self.surfaces.may_slide(digits) and self.find_ends(digits).events.get(name)
+                if found:
+                    self._events.setdefault(name, found)
+                    break
+        return self._events.get(name)
 
-    @cached_property
-    def _shifted(self) -> list[list[int]]:
-        """The switches whose function jumps where the digit of each one changes."""
-        return self._find_jumping([s.argument for s in self.equations.switches])
+    def _find_reset(self, name: str) -> Exprs | None:
+        if name not in self._resets and name.startswith(RETURN):
+            digits = self.find_digits(name.removeprefix(RETURN))
+            if ON in digits:
+                self._resets[name] = self._make_return(digits)
+        return self._resets.get(name)
 
-    @cached_property
-    def _pushed(self) -> list[list[int]]:
-        """The switches whose rate jumps where the digit of each one changes: a motion along them may be moved off."""
-        return self._find_jumping([sympy.S.Zero if rate is None else rate for rate in self.surfaces.rates])
+    def _find_segment(self, name: str) -> Segment | None:
+        written, _, to = name.partition(ALTERNATIVE)
+        if name not in self._segments:
+            for digits in list_written_digits(self.equations, written):
+                endings = self.list_endings(self.equations.name_mode(digits))
+                after = self.look_up(to) if to else None
+                for ending in endings:
+                    if ending.segment.name == written and any(s.name == name for s in self.list_rests(ending)):
+                        break
+                    if ending.segment.name != written or (ending.n_ways > 1) != bool(to):
+                        continue
+                    if after is None and not to:
+                        return self.make_segment(ending, next(self.list_way_digits(ending)))
+                    if after is not None and ending.may_lead_to(after):
+                        return self.make_segment(ending, after)
+        return self._segments.get(name)
 
-    def _find_jumping(self, exprs: list[sympy.Expr]) -> list[list[int]]:
-        """Return for each switch the numbers of the expressions of others that jump at its surface."""
-        moving, found = {*self.equations.states, TIME}, []
-        for number, own in enumerate(self.equations.switches):
-            reading = (k for k, e in enumerate(exprs) if k != number and own.digit in e.free_symbols)
-            found.append([k for k in reading if not vanishes_where(exprs[k].diff(own.digit), own.argument, moving)])
-        return found
-
-    def _branch(
-        self, segment: Segment, digits: Digits, after: Digits, undecided: dict[int, Undecided]
-    ) -> Iterator[Segment]:
-        """Yield a segment once for each way on."""
-        mode, written = self.equations.name_mode(digits), segment.name
-        if not self.surfaces.may_slide(after):
-            # What held the motion on a surface is gone.
-            held = {k: list_options(self.surfaces, k, on_surface=True) for k, d in enumerate(after) if d == ON}
-            undecided = held | undecided
-        ways = self.finder.list_ways(after, undecided)
-        anew = tuple(k for k, u in undecided.items() if self.surfaces.slides[k] and {ABOVE, BELOW} <= set(u.options))
-        for way in ways:
-            to = self.equations.name_mode(way.digits)
-            if len(ways) == 1:
-                yield replace(segment, mode=mode, to=to, anew=anew)
-            else:
-                name = f"{written}{ALTERNATIVE}{to}"
-                segment = replace(segment, written=written, anew=anew)
-                yield replace(segment, name=name, mode=mode, to=to, guard=way.guard, rule=way.rule)
-
-    def _name_segment(self, word: str, number: int, digits: Digits) -> str:
-        """Return the name of a segment: the digits of the other switches, then what happens."""
-        others = name_digits(self.equations.switches, digits, number)
-        return f"{others}_{word}" if others else word
-
-    def _name_event(self, word: str, expr: sympy.Expr, number: int, digits: Digits) -> tuple[str, sympy.Expr]:
-        """Return the name of an event, with the digits on which its function depends, and the function."""
-        switches = self.equations.switches
-        read = {k for k, s in enumerate(switches) if k != number and s.digit in expr.free_symbols}
-        if any(digits[k] == ON for k in read):
-            read = {k for k in range(len(switches)) if k != number}
-        if not read:
-            return word, expr
-        slides = number >= 0 and digits[number] == ON
-        function = put_in(expr, self.surfaces.find_values(digits, number))
-        if number >= 0 and not slides and switches[number].digit in function.free_symbols:
-            # What holds the motion on another surface depends on the side of this one.
-            read.add(number)
-            function = put_in(function, self.surfaces.find_values(digits))
-        words = (switches[k].word(digits[k]) for k in sorted(read))
-        return "_".join(filter(None, [word, *words])), function
-
-    def _name_reset(self, jump: Jump, digits: Digits) -> tuple[str, Exprs]:
-        whole = sympy.Tuple(*jump.reset)
-        name, body = self._name_event(jump.name, whole, -1, digits)
-        return name, tuple(body)
-
-    def _add_event(self, event: Event) -> None:
-        self.events.setdefault(event.name, event)
+    def _make_return(self, digits: Digits) -> Exprs:
+        """Return the reset to the nearest states at which the functions of the surfaces of a mode are zero."""
+        held = (event.function for event in self._finder.list_held(digits))
+        x, u = sympy.Matrix(self.equations.states), sympy.Matrix([h for h in held if h is not None])
+        slopes = u.jacobian(x)
+        square = slopes * slopes.T
+        change = slopes.T * (square.adjugate() * u) / square.det(method="berkowitz")
+        return tuple(x - change)
 
 
 def make_modes(equations: Equations) -> DerivedModes:
@@ -404,7 +457,19 @@ def make_modes(equations: Equations) -> DerivedModes:
     ------
     UndecidedSlidingError
         If the surfaces along which a motion slides do not determine how.
+    TooManySwitchesError
+        If there are more switches than can be handled.
     """
-    made = DerivedModes(find_surfaces(add_contacts(equations)))
+    n = len(equations.switches)
+    if n > MAX_SWITCHES:
+        raise TooManySwitchesError(f"these equations have {n} switches; at most {MAX_SWITCHES} can be handled")
+    return make_modes_of(find_surfaces(add_contacts(equations)))
+
+
+def make_modes_of(
+    surfaces: Surfaces, sticks: tuple[tuple[str, str], ...] = (), delayed: frozenset[sympy.Symbol] = frozenset()
+) -> DerivedModes:
+    """Return what is made of equations whose surfaces are known; motions rest in the modes that ``sticks`` name."""
+    made = DerivedModes(surfaces, sticks, delayed)
     made.build_all()
     return made

@@ -17,6 +17,9 @@ from pddecont.model.transitions import find_rest, list_alternatives, list_leader
 
 COMPARISONS = {sympy.Gt: ">", sympy.Ge: ">=", sympy.Lt: "<", sympy.Le: "<="}
 
+# A file by hand with more modes is no use to anybody.
+MAX_MODES = 300
+
 
 class _FormulaPrinter(StrPrinter):  # type: ignore[misc]
     """Prints what the parser of formulas reads."""
@@ -32,7 +35,18 @@ _PRINTER = _FormulaPrinter()
 
 
 def expand_model(model: Model) -> dict[str, Any]:
-    """Return a model as the mapping of a file with modes, events, resets and segments."""
+    """Return a model as the mapping of a file with modes, events, resets and segments.
+
+    Raises
+    ------
+    PddecontError
+        If it has more modes than anybody reads.
+    """
+    if model.derived is not None and not model.derived.build_every(MAX_MODES):
+        raise PddecontError(
+            f"model '{model.name}' makes {model.derived.n_modes} modes; at most {MAX_MODES} are written by hand. "
+            "'info' without '--expand' says what its switches do; effects left out ('--without') make it smaller"
+        )
     states = model.states
     forcing = {} if model.period is None else {"forcing": {"period": write_formula(model.period)}}
     history = {

@@ -6,14 +6,13 @@ from collections.abc import Mapping
 
 import sympy
 
-from pddecont.model.conditions import holds
 from pddecont.model.derived_modes import DerivedModes
 from pddecont.model.evaluation import evaluate
 from pddecont.model.repulsion import ROUNDING, list_surfaces_met
 from pddecont.model.sliding import UndecidedSlidingError
 from pddecont.model.switches import ABOVE, BELOW, Digits
 from pddecont.model.vanishing import measure_terms
-from pddecont.model.ways import Undecided, list_options
+from pddecont.model.ways import Undecided, choose_digits, list_options
 
 Numbers = Mapping[sympy.Symbol, float]
 
@@ -56,5 +55,4 @@ def find_start_digits(derived: DerivedModes, numbers: Numbers, before: str | Non
                 undecided[k] = list_options(surfaces, k, on_surface=True)
         known[switch.digit] = float(digit)
         digits.append(digit)
-    ways = derived.finder.list_ways(tuple(digits), undecided)
-    return next((way for way in ways[:-1] if holds(way.guard, numbers)), ways[-1]).digits
+    return choose_digits(surfaces, tuple(digits), undecided, numbers)

@@ -12,6 +12,17 @@ IDENTITY = "identity"
 
 
 @dataclass(frozen=True)
+class Form:
+    """Expressions that many modes share: they hold the digits of switches, which ``bits`` says for one mode.
+
+    The digit of switch k is bit k. Expressions without digits have the bits 0.
+    """
+
+    exprs: tuple[sympy.Expr, ...]
+    bits: int = 0
+
+
+@dataclass(frozen=True)
 class Event:
     """A zero of ``function`` along the orbit, or a moment ``delay`` after the event ``after``."""
 
@@ -19,8 +30,9 @@ class Event:
     function: sympy.Expr | None
     after: str | None = None
     delay: sympy.Expr | None = None
-    # Of a model given by its equations: the switch or jump that this is an event of.
+    # Of a model given by its equations: the switch or jump that this is an event of, and its function in digits.
     source: str = ""
+    form: Form | None = None
 
     def starts(self, other: Event) -> bool:
         """Return whether this event starts the clock of another."""
@@ -41,9 +53,8 @@ class Segment:
     # states after the reset.
     written: str = ""
     guard: Boolean = sympy.true
-    # Of a model given by its equations: the guard in the digits of the switches, which many modes share.
-    rule: Boolean | None = None
-    # Likewise: the switches whose digits are read anew after it, and that motions slide along or are repelled by.
+    # Of a model given by its equations: the switches whose digits are read anew after it, and that motions slide along
+    # or are repelled by.
     anew: tuple[int, ...] = ()
     # Whether it ends with the last of impacts that accumulate: from there on the motion rests in the mode it leads to.
     rests: bool = False

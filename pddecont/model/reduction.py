@@ -121,15 +121,15 @@ def _derive_anew(
 ) -> Model:
     """Return the model with modes, events, resets and segments made of what is left of its equations."""
     model, now = cut.model, make_modes(derived.equations.change(put_in, dropped))
-    kinds: dict[str, tuple[Collection[str], Collection[str], str]] = {
-        "modes": (model.modes, now.modes, "no switch left makes it"),
-        "events": (model.events, now.events, "nothing left makes it"),
-        "resets": (model.resets, now.resets, "no jump left applies it"),
-        "segments": (model.segments, now.segments, "no event left ends it"),
+    kinds: dict[str, tuple[Collection[str], str]] = {
+        "modes": (model.modes, "no switch left makes it"),
+        "events": (model.events, "nothing left makes it"),
+        "resets": (model.resets, "no jump left applies it"),
+        "segments": (model.segments, "no event left ends it"),
     }
-    for kind, (before, after, why) in kinds.items():
-        cut.reasons[kind] |= {name: why for name in before if name not in after}
-    digits = derived.equations.find_digits(model.initial_mode) or ()
+    for kind, (before, why) in kinds.items():
+        cut.reasons[kind] |= {name: why for name in before if name not in now.parts[kind]}
+    digits = derived.find_digits(model.initial_mode) or ()
     known = {s.name: d for s, d in zip(derived.equations.switches, digits, strict=True)}
     start = tuple(known.get(s.name, s.free) for s in now.equations.switches)
     return replace(model, **now.parts, derived=now, initial_mode=now.find_mode(start))
@@ -282,7 +282,12 @@ def _timed(model: Model) -> bool:
 
 
 def _expressions(model: Model) -> list[sympy.Expr]:
-    """Return all that is evaluated along a motion: vector fields, resets, event functions, conditions."""
+    """Return all that is evaluated along a motion: vector fields, resets, event functions, conditions.
+
+    Of a model given by its equations it is what its modes are made of.
+    """
+    if model.derived is not None:
+        return model.derived.list_expressions()
     bodies = [e for group in (model.modes, model.resets) for body in group.values() for e in body]
     bodies += [e.function for e in model.events.values() if e.function is not None]
     return bodies + [e for s in model.segments.values() for e in list_differences(s.guard)]

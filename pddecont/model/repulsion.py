@@ -15,6 +15,7 @@ from sympy.logic.boolalg import Boolean
 
 from pddecont.model.evaluation import evaluate
 from pddecont.model.expression import TIME
+from pddecont.model.parts import Segment
 from pddecont.model.sliding import Surfaces
 from pddecont.model.switches import ON, OPEN, Digits, Switch
 from pddecont.model.system import Model
@@ -71,27 +72,26 @@ def _clear_rounding(expr: sympy.Expr, numbers: Numbers) -> float:
     return 0.0 if abs(value) <= ROUNDING * measure_terms(expr, numbers) else value
 
 
-def write_repulsions(model: Model) -> list[Boolean]:
-    """Return for each segment the condition that a surface repels the motion after it: one whose digit is read anew.
+def write_repulsion(model: Model, segment: Segment) -> Boolean:
+    """Return the condition that a surface repels the motion after a segment: one whose digit is read anew.
 
     It is the same for all modes that slide along the same surfaces: the digits of the other switches stand.
     """
-    if model.derived is None:
-        return [sympy.false] * len(model.segments)
-    derived, known = model.derived, dict[tuple[int, Digits], Boolean]()
-    found = []
-    for segment in model.segments.values():
-        digits = derived.find_digits(segment.to)
-        kept = tuple(d if d == ON else OPEN for d in digits)
-        keys = [(k, kept) for k in segment.anew if digits[k] != ON]
-        for key in keys:
-            if key not in known:
-                known[key] = _write_repulsion(derived.surfaces, *key)
-        found.append(sympy.Or(*(known[key] for key in keys)))
-    return found
+    if model.derived is None or not segment.anew:
+        return sympy.false
+    surfaces, digits = model.derived.surfaces, model.derived.find_digits(segment.to) or ()
+    kept = tuple(d if d == ON else OPEN for d in digits)
+    return sympy.Or(*(_write_repulsion(surfaces, k, kept) for k in segment.anew if digits[k] != ON))
 
 
 def _write_repulsion(surfaces: Surfaces, number: int, digits: Digits) -> Boolean:
+    key = number, digits
+    if key not in surfaces.repulsions:
+        surfaces.repulsions[key] = _find_repulsion(surfaces, number, digits)
+    return surfaces.repulsions[key]
+
+
+def _find_repulsion(surfaces: Surfaces, number: int, digits: Digits) -> Boolean:
     u, rates = surfaces.find_function(number, digits), surfaces.find_bounds(number, digits)
     if any(rate.has(sympy.nan, sympy.zoo) for rate in rates):
         # On the other side no law holds the motion on another surface that it slides along.

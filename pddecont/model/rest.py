@@ -55,7 +55,7 @@ def make_resting(segment: Segment, written: str, mode: str) -> Segment:
     Its reset is called as it is.
     """
     name = f"{written}{ALTERNATIVE}{mode}"
-    return replace(segment, name=name, reset=name, to=mode, written=written, guard=sympy.true, rule=None, rests=True)
+    return replace(segment, name=name, reset=name, to=mode, written=written, guard=sympy.true, rests=True)
 
 
 def find_resets_to_rest(

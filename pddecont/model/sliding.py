@@ -12,15 +12,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from itertools import combinations
 
 import sympy
+from sympy.logic.boolalg import Boolean
 
 from pddecont.errors import PddecontError
 from pddecont.model.expression import TIME
 from pddecont.model.parallel import Compatible, find_compatible
-from pddecont.model.switches import ABOVE, BELOW, ON, Digits, Equations, Switch
-from pddecont.model.vanishing import vanishes, vanishes_where
+from pddecont.model.switches import ABOVE, BELOW, ON, OPEN, Digits, Equations, Switch
+from pddecont.model.vanishing import find_rank, vanishes, vanishes_where
 
 Values = Mapping[sympy.Symbol, sympy.Expr]
 FIXED: Mapping[int, sympy.Expr] = {BELOW: sympy.S.Zero, ABOVE: sympy.S.One}
@@ -45,6 +45,9 @@ class Surfaces:
     compatible: Compatible
     _solved: dict[Digits, Values] = field(default_factory=dict, repr=False, compare=False)
     _possible: dict[Digits, bool] = field(default_factory=dict, repr=False, compare=False)
+    _meeting: dict[tuple[int, ...], bool] = field(default_factory=dict, repr=False, compare=False)
+    # What :mod:`pddecont.model.repulsion` has worked out.
+    repulsions: dict[tuple[int, Digits], Boolean] = field(default_factory=dict, repr=False, compare=False)
 
     def find_values(self, digits: Digits, free: int = -1) -> Values:
         """Return what each digit's symbol stands for: 0, 1, or what keeps the motion on its surface.
@@ -59,18 +62,15 @@ class Surfaces:
         return fixed | {s: put_in(e, fixed) for s, e in self.solve(on).items()}
 
     def may_be(self, digits: Digits) -> bool:
-        """Return whether a motion can have these digits: they agree, and it can slide where it should.
-
-        Raises
-        ------
-        UndecidedSlidingError
-            If the laws are multiplied, and no linear system decides how a motion slides along all surfaces.
-        """
+        """Return whether a motion can have these digits: they agree, and it can slide where it should."""
         return self.agree(digits) and self.may_slide(digits)
 
     def agree(self, digits: Digits) -> bool:
-        """Return whether no digits exclude each other, as x > 1 and x < 0."""
-        return all((digits[i], digits[j]) in pairs for (i, j), pairs in self.compatible.items())
+        """Return whether no digits exclude each other, as x > 1 and x < 0; those that are open exclude none."""
+        return all(
+            OPEN in (digits[i], digits[j]) or (digits[i], digits[j]) in pairs
+            for (i, j), pairs in self.compatible.items()
+        )
 
     def list_digits(self, number: int) -> tuple[int, ...]:
         """Return the digits that a switch may have."""
@@ -84,11 +84,6 @@ class Surfaces:
 
         They cannot where one of them does not act there, where the surfaces are parallel, or where the laws move the
         motion in the same way.
-
-        Raises
-        ------
-        UndecidedSlidingError
-            If the laws are multiplied, and no linear system decides how a motion slides along all surfaces.
         """
         if ON not in digits:
             return True
@@ -96,21 +91,42 @@ class Surfaces:
             on = tuple(k for k, d in enumerate(digits) if d == ON)
             fixed = {s.digit: FIXED[d] for s, d in zip(self.equations.switches, digits, strict=True) if d != ON}
             matrix = self._find_matrix(on).applyfunc(lambda e: put_in(e, fixed))
-            meet = self._may_meet(on)
-            if meet and matrix.free_symbols & {s.digit for s in self.equations.switches}:
-                names = " and ".join(f"'{self.equations.switches[k].name}'" for k in on)
-                raise UndecidedSlidingError(
-                    f"no linear system decides how a motion slides along {names} at once: their laws are multiplied"
-                )
-            self._possible[digits] = meet and not vanishes(matrix.det(method="berkowitz"))
+            self._possible[digits] = self._may_meet(on) and not vanishes(matrix.det(method="berkowitz"))
         return self._possible[digits]
+
+    def check_linear(self) -> None:
+        """Check that linear systems decide how motions slide along surfaces at once.
+
+        Raises
+        ------
+        UndecidedSlidingError
+            If laws are multiplied: how the digit of one moves a surface depends on another digit.
+        """
+        switches = self.equations.switches
+        sliding = {s.digit: k for k, (s, slides) in enumerate(zip(switches, self.slides, strict=True)) if slides}
+        for number in sliding.values():
+            rate = self._rate_of(number)
+            read = rate.free_symbols & set(sliding)
+            for one in sorted(read, key=sliding.__getitem__):
+                for other in rate.diff(one).free_symbols & read:
+                    on = tuple(sorted({number, sliding[one], sliding[other]}))
+                    if self._may_meet(on):
+                        names = " and ".join(f"'{switches[k].name}'" for k in on)
+                        raise UndecidedSlidingError(
+                            f"no linear system decides how a motion slides along {names} at once: their laws are "
+                            "multiplied"
+                        )
 
     def _may_meet(self, on: tuple[int, ...]) -> bool:
         """Return whether surfaces are independent: parallel ones have no point in common."""
-        states = self.equations.states
-        slopes = sympy.Matrix([[self.equations.switches[k].argument.diff(x) for x in states] for k in on])
-        minors = combinations(range(len(states)), len(on))
-        return any(not vanishes(slopes[:, list(columns)].det(method="berkowitz")) for columns in minors)
+        if on not in self._meeting:
+            self._meeting[on] = self._find_whether_they_meet(on)
+        return self._meeting[on]
+
+    def _find_whether_they_meet(self, on: tuple[int, ...]) -> bool:
+        arguments = [self.equations.switches[k].argument for k in on]
+        slopes = [[u.diff(x) for x in self.equations.states] for u in arguments]
+        return find_rank(slopes) == len(on)
 
     def find_function(self, number: int, digits: Digits) -> sympy.Expr:
         """Return the function of a switch, the others having ``digits``."""
@@ -161,7 +177,13 @@ class Surfaces:
 
 
 def find_surfaces(equations: Equations) -> Surfaces:
-    """Return the switching surfaces of equations."""
+    """Return the switching surfaces of equations.
+
+    Raises
+    ------
+    UndecidedSlidingError
+        If the surfaces along which a motion slides do not determine how.
+    """
     rates = tuple(_find_rate(equations, switch) for switch in equations.switches)
     moving = {*equations.states, TIME}
     slides = tuple(
@@ -171,7 +193,9 @@ def find_surfaces(equations: Equations) -> Surfaces:
         and not vanishes_where(sympy.expand(rate.diff(switch.digit)), switch.argument, moving)
         for switch, rate in zip(equations.switches, rates, strict=True)
     )
-    return Surfaces(equations, rates, slides, find_compatible(equations.switches))
+    found = Surfaces(equations, rates, slides, find_compatible(equations.switches))
+    found.check_linear()
+    return found
 
 
 def put_in(expr: sympy.Expr, values: Values) -> sympy.Expr:

@@ -211,6 +211,11 @@ class Equations:
         return tuple(digits) if self.name_mode(tuple(digits)) == mode else None
 
 
+def find_bits(digits: Digits) -> int:
+    """Return digits as bits: bit k says that switch k is above."""
+    return sum(1 << k for k, digit in enumerate(digits) if digit == ABOVE)
+
+
 def name_digits(switches: tuple[Switch, ...], digits: Digits, but: int = -1) -> str:
     """Return the digits in words, without those of switch ``but``: "friction_on_wall_below"."""
     named = (s.word(d) for k, (s, d) in enumerate(zip(switches, digits, strict=True)) if k != but)

@@ -71,20 +71,38 @@ class Model:
         """Whether the model depends on time explicitly."""
         return self.period is not None
 
+    def list_segments(self, mode: str) -> tuple[Segment, ...]:
+        """Return the segments that run in a mode, in declared order."""
+        return self._segments_by_mode.get(mode, ()) if self.derived is None else tuple(self.derived.list_segments(mode))
+
+    def has_segment(self, name: str) -> bool:
+        """Return whether a segment has a name, with or without the mode that it leads to."""
+        if name in self.segments:
+            return True
+        return name in self._ways if self.derived is None else self.derived.has_ending(name)
+
+    def list_ways(self, segment: Segment) -> tuple[Segment, ...]:
+        """Return the segments that one may be, those where the motion rests too: those of one name in the file."""
+        return self._ways[segment.written or segment.name] if self.derived is None else self.derived.list_ways(segment)
+
+    def list_rests(self, segment: Segment) -> tuple[Segment, ...]:
+        """Return what a segment is where its event accumulates and the motion rests."""
+        if self.derived is not None:
+            return tuple(self.derived.list_rests(self.derived.find_ending(segment)))
+        return tuple(way for way in self.list_ways(segment) if way.rests)
+
     @cached_property
-    def segments_by_mode(self) -> Mapping[str, tuple[Segment, ...]]:
-        """The segments that run in each mode, in declared order."""
+    def _segments_by_mode(self) -> Mapping[str, tuple[Segment, ...]]:
         return _group((segment.mode, segment) for segment in self.segments.values())
 
     @cached_property
-    def ways(self) -> Mapping[str, tuple[Segment, ...]]:
-        """The segments that one of the file, by its name there, may be."""
+    def _ways(self) -> Mapping[str, tuple[Segment, ...]]:
         return _group((segment.written or segment.name, segment) for segment in self.segments.values())
 
     @cached_property
     def smooth(self) -> bool:
         """Whether the model has no events at all."""
-        return not self.segments
+        return not self.list_segments(self.initial_mode) and not self.segments
 
     @cached_property
     def state_symbols(self) -> tuple[sympy.Symbol, ...]:
@@ -198,4 +216,4 @@ def check_signature(model: Model, signature: Sequence[str]) -> None:
 
 def find_followers(model: Model, segment: str) -> list[str]:
     """Return the segments that may follow ``segment``."""
-    return [s.name for s in model.segments.values() if s.mode == model.segments[segment].to]
+    return [s.name for s in model.list_segments(model.segments[segment].to)]

@@ -9,13 +9,19 @@ not a signature lists it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
-from pddecont.model.derived_modes import Crossing
-from pddecont.model.parts import IDENTITY, Segment
+import sympy
+from sympy.logic.boolalg import Boolean
+
+from pddecont.model.endings import Ending
+from pddecont.model.parts import IDENTITY, Form, Segment
+from pddecont.model.repulsion import write_repulsion
+from pddecont.model.switches import Digits
 from pddecont.model.system import Model
+from pddecont.model.ways import Decision
 
 # The ways in which an event function passes zero that a direction stands for.
 WAYS = {"rising": {"rising"}, "falling": {"falling"}, "any": {"rising", "falling"}}
@@ -56,22 +62,69 @@ class Transitions:
 
 def list_transitions(model: Model, mode: str) -> Transitions:
     """Return what can end a mode."""
-    segments = model.segments_by_mode.get(mode, ())
+    segments = model.list_segments(mode)
     crossings = tuple(s for s in segments if model.events[s.event].function is not None)
     return Transitions(segments, crossings, tuple(s for s in segments if s not in crossings))
 
 
-def list_opposite(model: Model) -> list[str | None]:
-    """Return for each segment that leaves a surface the first one that leaves it to the other side; None for others."""
-    found: dict[tuple[str, int, bool], str] = {}
-    leaving: list[tuple[str, Crossing] | None] = []
-    for segment in model.segments.values():
-        crossing = None if model.derived is None else model.derived.find_crossing(segment)
-        leaves = crossing is not None and crossing.leaves
-        leaving.append((segment.mode, crossing) if crossing is not None and leaves else None)
-        if crossing is not None and leaves:
-            found.setdefault((segment.mode, crossing.switch, crossing.up), segment.name)
-    return [None if own is None else found[own[0], own[1].switch, not own[1].up] for own in leaving]
+def list_endings(model: Model, mode: str) -> list[Ending]:
+    """Return what ends a mode, each once, with what decides where it leads.
+
+    Of a model by hand the modes that a segment may lead to are its options, by number.
+    """
+    if model.derived is not None:
+        return model.derived.list_endings(mode)
+    found = []
+    for leader in list_leaders(model.list_segments(mode)):
+        ways = list_alternatives(model, leader)
+        options = tuple((number,) for number in range(len(ways)))
+        decision = Decision((0,), options, tuple(way.guard for way in ways))
+        found.append(Ending(leader, (0,), (decision,) if len(ways) > 1 else ()))
+    return found
+
+
+def list_way_digits(model: Model, ending: Ending) -> Iterator[Digits]:
+    """Yield what tells the segments of an ending apart: the digits after each; of a model by hand a number."""
+    return ending.list_digits() if model.derived is None else model.derived.list_way_digits(ending)
+
+
+def find_way(model: Model, ending: Ending, digits: Digits) -> Segment:
+    """Return the segment of an ending after which these digits hold; of a model by hand its number there."""
+    if model.derived is None:
+        return list_alternatives(model, ending.segment)[digits[0]]
+    return model.derived.make_segment(ending, digits)
+
+
+def find_field_form(model: Model, mode: str) -> Form:
+    """Return the vector field of a mode in the form that modes share."""
+    return Form(model.modes[mode]) if model.derived is None else model.derived.find_field_form(mode)
+
+
+def find_event_form(model: Model, event: str) -> Form:
+    """Return the function of an event in the form that modes share; 1 for a delayed event."""
+    found = model.events[event]
+    if found.form is not None:
+        return found.form
+    return Form((sympy.S.One if found.function is None else found.function,))
+
+
+def find_reset_form(model: Model, reset: str) -> Form:
+    """Return a reset in the form that modes share."""
+    return Form(model.resets[reset]) if model.derived is None else model.derived.find_form(reset)
+
+
+def list_shared_forms(model: Model, mode: str) -> tuple[list[Form], list[Form], list[Boolean]]:
+    """Return the functions of events, the resets, and the conditions that modes like one have too."""
+    derived = model.derived
+    if derived is None:
+        return [], [], []
+    alike = derived.list_alike(mode)
+    events = [event.form for ends in alike for event in ends.events.values() if event.form is not None]
+    resets = [form for ends in alike for form in ends.resets.values()]
+    endings = [ending for ends in alike for ending in ends.endings]
+    rules = [rule for ending in endings for decision in ending.decisions for rule in decision.rules]
+    first = (derived.make_unlisted(ending, next(derived.list_way_digits(ending))) for ending in endings)
+    return events, resets, [*rules, *(write_repulsion(model, segment) for segment in first)]
 
 
 def list_held(model: Model, mode: str) -> tuple[str, ...]:
@@ -96,7 +149,7 @@ def list_alternatives(model: Model, segment: Segment) -> tuple[Segment, ...]:
     """Return the segments that one may be, as the states after its reset decide; itself alone without a condition."""
     if not segment.written:
         return (segment,)
-    return tuple(way for way in model.ways[segment.written] if not way.rests)
+    return tuple(way for way in model.list_ways(segment) if not way.rests)
 
 
 def find_rest(model: Model, segment: Segment, mode: str | None = None) -> Segment | None:
@@ -104,7 +157,7 @@ def find_rest(model: Model, segment: Segment, mode: str | None = None) -> Segmen
 
     ``mode`` is preferred to others in which the motion may rest.
     """
-    ways = [way for way in model.ways[segment.written or segment.name] if way.rests and way.mode == segment.mode]
+    ways = [way for way in model.list_rests(segment) if way.mode == segment.mode]
     return next((way for way in ways if way.to == mode), next(iter(ways), None))
 
 

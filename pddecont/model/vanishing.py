@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 
+import numpy as np
 import sympy
 
 from pddecont.model.evaluation import evaluate
@@ -50,6 +51,19 @@ def vanishes_where(expr: sympy.Expr, surface: sympy.Expr, moving: Collection[sym
         if found == N_POINTS:
             return True
     return False
+
+
+def find_rank(rows: Sequence[Sequence[sympy.Expr]]) -> int:
+    """Return the largest rank that a matrix of expressions has at points drawn at random."""
+    draw, largest = random.Random(1), 0
+    symbols = sorted(set().union(*(e.free_symbols for row in rows for e in row)), key=str)
+    for _ in range(N_POINTS if symbols else 1):
+        point = {s: draw.uniform(0.2, 1.7) for s in symbols}
+        numbers = np.array([[evaluate(e, point) for e in row] for row in rows])
+        if np.all(np.isfinite(numbers)):
+            scale = np.max(np.abs(numbers), axis=1, keepdims=True)
+            largest = max(largest, int(np.linalg.matrix_rank(numbers / np.where(scale > 0.0, scale, 1.0), ROUNDING)))
+    return largest
 
 
 def _move_to(surface: sympy.Expr, symbol: sympy.Symbol, point: dict[sympy.Symbol, float]) -> bool:

@@ -60,7 +60,7 @@ def _meets(signature: Signature, s: int, found: Sequence[str]) -> bool:
     """
     model, segment = signature.numeric.model, signature.segments[s]
     if s in signature.trailing or segment.rests:
-        return {way.name for way in model.ways[segment.written or segment.name]}.issuperset(found)
+        return {way.name for way in model.list_ways(segment)}.issuperset(found)
     return tuple(found) == ((segment.name,) if segment.event else ())
 
 

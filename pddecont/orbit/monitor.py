@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -108,19 +108,20 @@ class _MeasureParser:
     def _at(self, node: ast.Call, _: Scope) -> sympy.Expr:
         if len(node.args) != 2:
             raise ExpressionError("at takes a segment and an expression: at(segment, expression)", node.col_offset)
-        written = (s.written for s in self.model.segments.values() if s.written)
-        segment = _find_name(self.model, node.args[0], [*self.model.segments, *dict.fromkeys(written)], "segment")
+        segment = _find_name(self.model, node.args[0], "segment", self.model.has_segment)
         function = self.numeric.function([translate_expression(node.args[1], self.inner)])
         return self.add(lambda orbit: measure_at(orbit, segment, function))
 
     def _time_in(self, node: ast.Call, _: Scope) -> sympy.Expr:
-        mode = _find_name(self.model, _only_argument(node), self.model.modes, "mode")
+        mode = _find_name(self.model, _only_argument(node), "mode", self.model.modes.__contains__)
         return self.add(lambda orbit: measure_time_in(orbit, mode))
 
     def _extremum(self, node: ast.Call, _: Scope) -> sympy.Expr:
-        events = [event.name for event in self.model.events.values() if event.function is not None]
-        event = _find_name(self.model, _only_argument(node), events, "event")
+        event = _find_name(self.model, _only_argument(node), "event", self._has_function)
         return self.add(lambda orbit: measure_approach(orbit, event))
+
+    def _has_function(self, event: str) -> bool:
+        return event in self.model.events and self.model.events[event].function is not None
 
 
 def _only_argument(node: ast.Call) -> ast.expr:
@@ -129,10 +130,11 @@ def _only_argument(node: ast.Call) -> ast.expr:
     return node.args[0]
 
 
-def _find_name(model: Model, node: ast.expr, known: Collection[str], what: str) -> str:
+def _find_name(model: Model, node: ast.expr, what: str, is_known: Callable[[str], bool]) -> str:
     # A segment's name may hold a >, which is written with blanks about it here.
     name = ast.unparse(node).replace(" ", "")
-    if name not in known:
+    if not is_known(name):
+        known = [other for other in getattr(model, f"{what}s") if is_known(other)]
         article = "an" if what == "event" else "a"
         raise ExpressionError(
             f"'{name}' is not {article} {what}{model.hint(f'{what}s', name, known)} ({what}s: "

@@ -13,7 +13,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -113,7 +113,7 @@ class StepWriter:
         recorded: Step | None = None,
         kept: int = 0,
     ):
-        self.path, self.name, self.format, self.meta = path, name, step_format, meta
+        self.path, self.name, self.format, self.meta = path, name, step_format, dict(meta)
         self.n, self._capacity = kept, capacity
         self.used = dict.fromkeys(step_format.orbits, 0)
         if recorded is not None and kept:
@@ -159,6 +159,16 @@ class StepWriter:
             self._write(f"points/{name}", column, self.n, np.asarray(points[name])[None])
         self.n += 1
         self._write("finished", Column("i8"), 0, np.array([self.n]))
+
+    def list_more(self, key: str, names: Iterable[str]) -> list[str]:
+        """Return a list of names that columns belong to, with those of ``names`` that it lacked; they get columns."""
+        known: list[str] = list(self.meta[key])
+        new = [name for name in names if name not in known]
+        if new:
+            self._check_place()
+            self.meta[key] = known + new
+            self._arrange()
+        return known + new
 
     def terminate(self, ending: Reason, place: int = 0) -> None:
         """Record how the step, or one of its directions, ended."""
@@ -274,7 +284,9 @@ def _array(
     kind = h5py.h5t.py_create(np.dtype(dtype), logical=True)
     dataset = h5py.Dataset(h5py.h5d.create(group.id, leaf.encode(), kind, space, dcpl=plist))
     if had is not None and name in had and used:
-        dataset[:used] = had[name][:used]
+        rows = had[name][:used]
+        # Columns may have been added since.
+        dataset[(slice(used), *map(slice, rows.shape[1:]))] = rows
 
 
 def _copy(old: h5py.File, new: h5py.File, anew: str | None = None) -> h5py.Group:

@@ -22,6 +22,8 @@ from .integrator import find_machine_code as find_machine_code
 from .lyapunov import LyapunovExponent as LyapunovExponent
 from .lyapunov import find_lyapunov_exponent as find_lyapunov_exponent
 from .method import Method as Method
+from .motion_row import pack_motion as pack_motion
+from .motion_row import unpack_motion as unpack_motion
 from .motion_task import MotionTask as MotionTask
 from .nearby_cycle import find_nearby_cycle as find_nearby_cycle
 from .past import Past as Past

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,13 +14,13 @@ from pddecont.simulate.integrator import (
     ParameterValues,
     Status,
     T,
-    enlarge,
+    fit_returns,
     follow_to_period,
     make_return_buffer,
 )
+from pddecont.simulate.motion_row import pack_motion
 from pddecont.simulate.returns import ReturnSettings
 from pddecont.simulate.simulator import Simulator
-from pddecont.simulate.snapshot import pack
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -55,10 +55,10 @@ class Attractor:
     states, slopes, times
         The returns of one period, or as many as were kept (n_returns, n), (n_returns, n), (n_returns,).
     segment_counts
-        How often each segment ends between the first and the last of them (n_segments,); in a period of a motion that
-        has one.
+        How often segments end between the first and the last of them, by name, those that end at all; in a period of
+        a motion that has one.
     packed_state
-        The state of the integration at the last return, from :func:`~pddecont.simulate.snapshot.pack`.
+        The state of the integration at the last return, from :func:`~pddecont.simulate.motion_row.pack_motion`.
     p
         The parameters.
     failure
@@ -70,7 +70,7 @@ class Attractor:
     states: Array
     slopes: Array
     times: Array
-    segment_counts: Integers
+    segment_counts: Mapping[str, int]
     packed_state: Array
     p: Array
     failure: MotionFailure | None = None
@@ -87,13 +87,15 @@ def find_attractor(
     simulator: Simulator, values: ParameterValues, state: IntegratorState, settings: ReturnSettings
 ) -> Attractor:
     """Return the attractor that a motion leads to; one with a ``failure`` if it leads to none."""
-    system, n = simulator.system, simulator.system.n
+    n = simulator.system.n
     capacity = max(settings.n_kept, PERIODS_SEEN * settings.max_period + 2) + 1
-    returns = make_return_buffer(system, capacity, settings.max_period)
+    returns = make_return_buffer(simulator.system, capacity, settings.max_period)
     t_end = float(state.clock[T]) + settings.transient
     while True:
+        values, state = simulator.reached.fit(values, state)
+        returns = fit_returns(returns, simulator.system)
         number, period = follow_to_period(
-            system,
+            simulator.system,
             values,
             state,
             simulator.work,
@@ -104,9 +106,9 @@ def find_attractor(
             settings.max_period,
         )
         status = Status(number)
-        if status != Status.CAPACITY:
+        if status not in (Status.CAPACITY, Status.NEW_WAY):
             break
-        state = enlarge(state)
+        state = simulator.make_room(values, state, status)
     n_returns = int(returns.number[0])
     failure = None
     if status not in (Status.SECTION, Status.REACHED):
@@ -132,8 +134,8 @@ def find_attractor(
         returns.states[rows, :n],
         returns.states[rows, n:],
         returns.times[rows],
-        counts,
-        pack(state),
+        {name: int(n) for name, n in zip(simulator.tables.segments, counts, strict=True) if n},
+        pack_motion(simulator.tables, state),
         values.p,
         failure,
     )
@@ -168,7 +170,7 @@ def is_same_attractor(a: Attractor, b: Attractor, atol: float, *, at_section: bo
         return False
     if a.period == 0:
         return cover_same_region(a.states, b.states)
-    if np.any(a.segment_counts != b.segment_counts) or abs(a.turn - b.turn) > APART * a.turn:
+    if a.segment_counts != b.segment_counts or abs(a.turn - b.turn) > APART * a.turn:
         return False
     allowed = APART * np.maximum(a.size, b.size) + APART_ERRORS * atol
     slope = (

@@ -72,26 +72,34 @@ def classify_row(task: MotionTask, row: BasinRow) -> ClassifiedRow:
         if start.mode is None
         else [start.mode] * len(row.states)
     )
+    numbers = np.array([simulator.number_mode(mode) for mode in modes], dtype=np.int64)
     known = _gather_returns(row.known, simulator.system.n)
-    classify_cells(
-        simulator.system,
-        values,
-        simulator.work,
-        template,
-        row.states,
-        np.array([simulator.number_mode(mode) for mode in modes], dtype=np.int64),
-        int(start.constant),
-        settings.forcing_period,
-        settings.phase,
-        settings.transient,
-        known.points,
-        known.owner,
-        known.following,
-        known.length,
-        known.size,
-        labels,
-        times,
-    )
+    done = 0
+    while done < len(row.states):
+        values = simulator.reached.fit_values(values)
+        n_done = classify_cells(
+            simulator.system,
+            values,
+            simulator.work,
+            template,
+            row.states[done:],
+            numbers[done:],
+            int(start.constant),
+            settings.forcing_period,
+            settings.phase,
+            settings.transient,
+            known.points,
+            known.owner,
+            known.following,
+            known.length,
+            known.size,
+            labels[done:],
+            times[done:],
+        )
+        done += int(n_done)
+        if done < len(row.states):
+            # The cell is followed anew when what it came to is there.
+            simulator.reached.add_way(values)
     strays = {}
     for cell in np.flatnonzero(labels < 0):
         state = simulator.start(values, row.states[cell], start.mode, constant=start.constant)

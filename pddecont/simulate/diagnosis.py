@@ -9,6 +9,7 @@ from pddecont.codegen import NumericModel, find_non_finite
 from pddecont.model import find_start_digits, list_surfaces_met
 from pddecont.simulate.failure import FailureReason, MotionFailure
 from pddecont.simulate.integrator import LAST_EVENT, MODE, ZENO_TIME, IntegratorState, Status, T
+from pddecont.simulate.part_tables import PartTables
 from pddecont.simulate.start_modes import name_numbers
 
 Array = NDArray[np.float64]
@@ -18,18 +19,18 @@ SHORTEST_AHEAD, LONGEST_AHEAD = -52, -30
 
 
 def diagnose_halt(
-    numeric: NumericModel, state: IntegratorState, status: Status, p: Array, delayed_values: Array
+    numeric: NumericModel, tables: PartTables, state: IntegratorState, status: Status, p: Array, delayed_values: Array
 ) -> MotionFailure:
     """Return why an integration at parameters ``p`` came to a halt; ``delayed_values`` are those read last."""
-    model, t = numeric.model, float(state.clock[T])
+    t = float(state.clock[T])
     if status == Status.REPELLED:
-        return _diagnose_repulsion(numeric, state, p, delayed_values)
-    mode = list(model.modes)[state.count[MODE]]
+        return _diagnose_repulsion(numeric, tables, state, p, delayed_values)
+    mode = list(tables.modes)[state.count[MODE]]
     if status in (Status.ZENO, Status.SLIDING):
-        event = list(model.events)[state.count[LAST_EVENT]]
+        event = list(tables.events)[state.count[LAST_EVENT]]
         reason = FailureReason.ACCUMULATION if status == Status.ZENO else FailureReason.SLIDING
         return MotionFailure(reason, float(state.clock[ZENO_TIME]), event, mode)
-    part = _find_undefined_part(numeric, state, p, delayed_values)
+    part = _find_undefined_part(numeric, mode, state, p, delayed_values)
     if part:
         return MotionFailure(FailureReason.UNDEFINED, t, None, mode, part)
     return MotionFailure(
@@ -38,14 +39,14 @@ def diagnose_halt(
 
 
 def _diagnose_repulsion(
-    numeric: NumericModel, state: IntegratorState, p: Array, delayed_values: Array
+    numeric: NumericModel, tables: PartTables, state: IntegratorState, p: Array, delayed_values: Array
 ) -> MotionFailure:
     """Return which surface a motion is on that both fields point away from."""
     model, t = numeric.model, float(state.clock[T])
     assert model.derived is not None, "only equations have surfaces that repel"
     derived, states = model.derived, state.y[: numeric.n_states]
     numbers = name_numbers(numeric, p, t, states, delayed_values)
-    mode = None if state.count[MODE] < 0 else list(model.modes)[state.count[MODE]]
+    mode = None if state.count[MODE] < 0 else list(tables.modes)[state.count[MODE]]
     digits = find_start_digits(derived, numbers) if mode is None else derived.find_digits(mode)
     # Where both fields only begin to point away their rates are zero.
     found = max(list_surfaces_met(derived.surfaces, digits, numbers), key=lambda s: min(-s.below, s.above))
@@ -53,13 +54,14 @@ def _diagnose_repulsion(
     return MotionFailure(FailureReason.REPELLED, t, found.switch.name, mode, found.describe(named))
 
 
-def _find_undefined_part(numeric: NumericModel, state: IntegratorState, p: Array, delayed_values: Array) -> str:
+def _find_undefined_part(
+    numeric: NumericModel, mode: str, state: IntegratorState, p: Array, delayed_values: Array
+) -> str:
     """Return which part of the vector field has no finite value here or a short way ahead; empty if there is none.
 
     Ways ahead are tried along the present slope, from rounding up, with the delayed values read last.
     """
     model, n, t = numeric.model, numeric.n_states, float(state.clock[T])
-    mode = list(model.modes)[state.count[MODE]]
     y, xd = state.y[:n, None], delayed_values[:, None]
     named = [(f"{name}' of mode '{mode}'", f) for name, f in zip(model.states, model.modes[mode], strict=True)]
     slope = numeric.mode(mode).value(np.array([t]), y, xd, p)

@@ -97,7 +97,7 @@ class _Recorder:
     """Collects what logs hold before they are emptied."""
 
     def __init__(self, simulator: Simulator, keep_from: float):
-        self.model, self.method, self.keep_from = simulator.numeric.model, simulator.method, keep_from
+        self.tables, self.method, self.keep_from = simulator.tables, simulator.method, keep_from
         self.steps: list[tuple[NDArray[Any], ...]] = []
         self.events: list[tuple[NDArray[Any], ...]] = []
 
@@ -118,7 +118,7 @@ class _Recorder:
         """Return what was kept as a trajectory."""
         time, length, end, arc, mode, value, coefficients = (np.concatenate(a) for a in zip(*self.steps, strict=True))
         t, segment, before, after, event_arc = (np.concatenate(a) for a in zip(*self.events, strict=True))
-        modes, segments = list(self.model.modes), list(self.model.segments)
+        modes, segments = list(self.tables.modes), list(self.tables.segments)
         events = Events(t, tuple(segments[s] for s in segment), before, after, event_arc)
         names, rtol, atol = tuple(modes[m] for m in mode), self.method.rtol, self.method.atol
         return Trajectory(time, length, end, arc, names, value, coefficients, events, n_steps, rtol, atol)

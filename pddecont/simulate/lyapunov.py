@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from pddecont.simulate.attractors import Attractor
 from pddecont.simulate.failure import MotionFailure
-from pddecont.simulate.integrator import IntegratorState, ParameterValues, Status, enlarge, measure_growth
+from pddecont.simulate.integrator import IntegratorState, ParameterValues, Status, measure_growth
+from pddecont.simulate.motion_row import unpack_motion
 from pddecont.simulate.simulator import TANGENT_SEED, Simulator
-from pddecont.simulate.snapshot import unpack
 
 # Intervals over which the growth of a tangent is taken: enough for a slope with an uncertainty, and a bound on memory.
 INTERVALS, MAX_INTERVALS = 200, 1_000_000
@@ -78,14 +78,15 @@ def _follow_growth(
     """Write the logarithm of the tangent's growth over each interval to ``logs``; return the state and how it ended."""
     done = np.array([0.0, np.nan])
     while True:
+        values, state = simulator.reached.fit(values, state)
         status = Status(measure_growth(simulator.system, values, state, simulator.work, interval, logs, done))
-        if status != Status.CAPACITY:
+        if status not in (Status.CAPACITY, Status.NEW_WAY):
             return state, status
-        state = enlarge(state)
+        state = simulator.make_room(values, state, status)
 
 
 def _start_tangent(simulator: Simulator, values: ParameterValues, attractor: Attractor) -> IntegratorState:
     """Return the integration at the last return of an attractor, with a tangent in a direction of no meaning."""
-    state = unpack(simulator.system, values, attractor.packed_state)
+    state = unpack_motion(simulator.reached, values, attractor.packed_state)
     state.y[simulator.system.n_full :] = np.random.default_rng(TANGENT_SEED).standard_normal(simulator.system.n_full)
     return state

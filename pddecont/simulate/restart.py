@@ -46,8 +46,10 @@ def restart_motion(
 
     ``pending`` are the delayed events under way, (time, event) in order.
     """
-    system, model = simulator.system, simulator.numeric.model
-    events = list(model.events)
+    number = simulator.tables.add_mode(mode)
+    events = [simulator.tables.add_event(event) for _, event in pending]
+    system = simulator.system
+    values, _ = simulator.reached.fit(values, make_state(system, values))
     kept = simulator.past_columns
     used = len(past.time) if len(kept) else 0
     state = make_state(system, values, max(used, len(pending)) + 3)
@@ -59,9 +61,9 @@ def restart_motion(
     state.count[FIRST], state.count[USED], state.count[CONSTANT] = 0, used, 0
     state.y[: system.n] = states
     state.count[N_PENDING] = len(pending)
-    for k, (time, event) in enumerate(pending):
-        state.pending_time[k], state.pending_event[k] = time, events.index(event)
-    number, arc = list(model.modes).index(mode), int(past.arc[-1])
+    for k, ((time, _), event) in enumerate(zip(pending, events, strict=True)):
+        state.pending_time[k], state.pending_event[k] = time, event
+    arc = int(past.arc[-1])
     while (
         begin_inside_arc(system, values, state, simulator.work, t, float(past.time[0]), number, arc) == Status.CAPACITY
     ):
@@ -93,21 +95,23 @@ def follow_motion(
     simulator: Simulator, values: ParameterValues, state: IntegratorState, t_stop: float, most_steps: int
 ) -> MotionRecord | None:
     """Return what a motion does up to ``t_stop``; None if that takes more than ``most_steps`` steps."""
-    system = simulator.system
-    log = make_log(system.n, 0, MAX_EVENTS)
+    log = make_log(simulator.system.n, 0, MAX_EVENTS)
     while True:
+        values, state = simulator.reached.fit(values, state)
         left = most_steps - int(state.count[N_STEPS] + state.count[N_REJECTED])
-        status = Status(run(system, values, state, log, simulator.work, t_stop, left)) if left > 0 else Status.PAUSED
-        if status == Status.CAPACITY:
-            state = enlarge(state)
+        status = Status.PAUSED
+        if left > 0:
+            status = Status(run(simulator.system, values, state, log, simulator.work, t_stop, left))
+        if status in (Status.CAPACITY, Status.NEW_WAY):
+            state = simulator.make_room(values, state, status)
         elif status == Status.PAUSED:
             return None
         elif status != Status.SECTION:
             break
     n = int(log.n[1])
-    names = list(simulator.numeric.model.segments)
+    names = list(simulator.tables.segments)
     failure = None
     if status not in (Status.REACHED, Status.LOG_FULL):
         failure = simulator.diagnose(state, status, values.p)
     segments = tuple(names[k] for k in log.event_segment[:n])
-    return MotionRecord(log.event_time[:n], segments, state.y[: system.n].copy(), failure)
+    return MotionRecord(log.event_time[:n], segments, state.y[: simulator.system.n].copy(), failure)

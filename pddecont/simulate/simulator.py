@@ -33,11 +33,12 @@ from pddecont.simulate.integrator import (
     initialise,
     make_log,
     make_state,
-    make_workspace,
     run,
 )
 from pddecont.simulate.method import Method
-from pddecont.simulate.model_numbers import make_system, make_values
+from pddecont.simulate.model_numbers import make_values
+from pddecont.simulate.part_tables import PartTables
+from pddecont.simulate.reached_system import ReachedSystem
 from pddecont.simulate.returns import ReturnSection
 from pddecont.simulate.start_modes import read_mode, read_start_modes
 
@@ -85,26 +86,36 @@ class Simulator:
     @cached_property
     def functions(self) -> ModelFunctions:
         """The model's functions as machine code."""
-        return self.numeric.compile(self.section.expr, self.history)
+        return self.numeric.compile(self.history)
 
     @cached_property
+    def reached(self) -> ReachedSystem:
+        """The model in the integrator's numbers, as far as motions have come."""
+        return ReachedSystem(self.numeric, self.functions, self.delay, self.method, self.section, tangent=self.tangent)
+
+    @property
+    def tables(self) -> PartTables:
+        """The modes, events and segments that motions have come to, by number."""
+        return self.reached.tables
+
+    @property
     def system(self) -> System:
         """The model in numbers."""
-        return make_system(self.numeric, self.functions, self.delay, self.method, self.section, tangent=self.tangent)
+        return self.reached.system
 
     @property
     def past_columns(self) -> NDArray[np.int64]:
         """The states whose past delayed values are read from."""
         return self.system.kept
 
-    @cached_property
+    @property
     def work(self) -> Workspace:
         """The arrays for intermediate results."""
-        return make_workspace(self.system)
+        return self.reached.work
 
     def values(self, p: Array, longest: float = 0.0) -> ParameterValues:
         """Return the model's numbers at parameters ``p``; the past is kept for ``longest``, or the longest delay."""
-        return make_values(self.numeric, self.delay, self.method, self.section, p, longest)
+        return make_values(self.numeric, self.tables, self.delay, self.method, p, longest)
 
     def start(
         self,
@@ -132,12 +143,14 @@ class Simulator:
         if self.tangent:
             state.y[system.n_full :] = np.random.default_rng(TANGENT_SEED).standard_normal(system.n_full)
         began = mode or self.find_start_modes(values, state.y[None, : system.n], constant=constant, t=t)[0]
-        initialise(system, values, state, self.work, t, self.number_mode(began))
+        number = self.number_mode(began)
+        values, state = self.reached.fit(values, state)
+        initialise(self.system, values, state, self.work, t, number)
         return state
 
     def number_mode(self, mode: str | None) -> int:
         """Return the number of a mode; -1 for none."""
-        return -1 if mode is None else list(self.numeric.model.modes).index(mode)
+        return -1 if mode is None else self.tables.add_mode(mode)
 
     def find_start_modes(
         self, values: ParameterValues, states: Array, *, constant: bool = False, t: float = 0.0
@@ -163,15 +176,18 @@ class Simulator:
         """
         after = self.values(p, longest)
         # Every jump in the past may come back once more.
+        after, state = self.reached.fit(after, state)
         while len(state.breaking_time) <= (state.count[USED] + 2) * len(after.tau) * 2 + LEVELS:
             state = enlarge(state)
-        change_parameters(self.system, after, state, self.work, values)
+        before, _ = self.reached.fit(values, state)
+        change_parameters(self.system, after, state, self.work, before)
         model = self.numeric.model
         if model.derived is not None and state.count[MODE] >= 0:
             states, delayed = state.y[: self.system.n], self.work.xd[: len(model.delayed)]
-            before = list(model.modes)[state.count[MODE]]
-            mode = read_mode(self.numeric, after.p, float(state.clock[T]), states, delayed, before)
+            was = list(self.tables.modes)[state.count[MODE]]
+            mode = read_mode(self.numeric, after.p, float(state.clock[T]), states, delayed, was)
             state.count[MODE] = self.number_mode(mode)
+            after, state = self.reached.fit(after, state)
         return state, after
 
     def evaluate_history(self, p: Array, t: float) -> list[Array]:
@@ -216,6 +232,7 @@ class Simulator:
         """
         nothing = log if log is not None else make_log(self.system.n, 0, 0)
         while True:
+            values, state = self.reached.fit(values, state)
             status = run(self.system, values, state, nothing, self.work, t_stop, STEPS_AT_ONCE)
             if on_progress:
                 on_progress(float(state.clock[T]))
@@ -223,13 +240,20 @@ class Simulator:
                 return state, Status(status)
             if status == Status.LOG_FULL and on_log_full is not None:
                 on_log_full(nothing)
-            elif status == Status.CAPACITY:
-                state = enlarge(state)
+            elif status in (Status.CAPACITY, Status.NEW_WAY):
+                state = self.make_room(values, state, Status(status))
             elif status != Status.PAUSED:
                 raise ConvergenceError(describe_failure(self.diagnose(state, Status(status), values.p)))
+
+    def make_room(self, values: ParameterValues, state: IntegratorState, status: Status) -> IntegratorState:
+        """Return the state of an integration that came back for want of capacity, or of a mode, to be called again."""
+        if status == Status.CAPACITY:
+            return enlarge(state)
+        self.reached.add_way(values)
+        return self.reached.fit(values, state)[1]
 
     def diagnose(self, state: IntegratorState, status: Status, p: Array) -> MotionFailure:
         """Return why an integration at parameters ``p`` came to a halt."""
         read_last = np.array(self.work.xd[: len(self.numeric.model.delayed)])
-        failure = diagnose_halt(self.numeric, state, status, p, read_last)
+        failure = diagnose_halt(self.numeric, self.tables, state, status, p, read_last)
         return replace(failure, is_stiff=self.method.stiff)

@@ -11,10 +11,11 @@ from pddecont.simulate.attractors import Attractor, find_attractor, group_attrac
 from pddecont.simulate.initial_state import InitialState
 from pddecont.simulate.integrator import ParameterValues
 from pddecont.simulate.lyapunov import LyapunovExponent, find_lyapunov_exponent
+from pddecont.simulate.motion_row import unpack_motion
 from pddecont.simulate.motion_task import MotionTask
 from pddecont.simulate.returns import ReturnSettings
 from pddecont.simulate.simulator import Simulator
-from pddecont.simulate.snapshot import find_restart_time, read_time, shift_time, unpack
+from pddecont.simulate.snapshot import find_restart_time, read_time, shift_time
 
 Array = NDArray[np.float64]
 
@@ -88,7 +89,7 @@ def _follow_motion(
         state = simulator.start(values, start.states, start.mode, constant=start.constant)
     else:
         old = simulator.values(previous.p, values.longest)
-        state = unpack(simulator.system, old, previous.packed_state)
+        state = unpack_motion(simulator.reached, old, previous.packed_state)
         state = shift_time(state, find_restart_time(simulator.numeric, previous.p, point.p, read_time(state)))
         state, _ = simulator.change_parameters(state, old, point.p, values.longest)
     return find_attractor(simulator, values, state, point.settings)

@@ -12,7 +12,9 @@ import sympy
 
 from pddecont.codegen import ModelFunctions, NumericModel, machine_code
 from pddecont.codegen.machine_code import load_machine_code, write_machine_source
+from pddecont.delay import Direct
 from pddecont.model import load_model
+from pddecont.simulate import Simulator
 from tests.conftest import MODELS, ROOT, all_derivatives, numeric_from
 
 POINTER = ctypes.POINTER(ctypes.c_double)
@@ -23,7 +25,7 @@ FUNCTION = ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_double, *[POINTER] * 
 
 def called(address, which, t, x, xd, p, n_out):
     arrays = [np.array(a, dtype=float) for a in (x, xd, p)] + [np.zeros(max(n_out, 1))]
-    FUNCTION(address)(which, t, *(a.ctypes.data_as(POINTER) for a in arrays))
+    FUNCTION(int(address))(int(which), t, *(a.ctypes.data_as(POINTER) for a in arrays))
     return arrays[-1][:n_out]
 
 
@@ -31,26 +33,23 @@ def called(address, which, t, x, xd, p, n_out):
 def test_every_models_functions_and_derivatives(path):
     """Against the functions over arrays that continuation uses, whose derivatives are checked against differences."""
     numeric = NumericModel(load_model(str(path))[0])
-    model, functions = numeric.model, ModelFunctions(numeric.model)
+    simulator = Simulator(numeric, Direct(), tangent=True)
+    model, tables, system = numeric.model, simulator.tables, simulator.system
     rng = np.random.default_rng(0)
     n, m = numeric.n_states, len(model.delayed)
     x, xd, t, p = rng.uniform(0.2, 0.9, n), rng.uniform(0.2, 0.9, m), 0.37, numeric.parameter_values
     arguments = np.array([t]), x[:, None], xd[:, None], p
+    events = [None if model.events[e].function is None else numeric.event(e) for e in tables.events]
     cases = [
-        (functions.field, functions.field_jacobian, [numeric.mode(name) for name in model.modes], False),
-        (functions.reset, functions.reset_jacobian, [numeric.reset(name) for name in model.resets], True),
-        (
-            functions.event,
-            functions.event_jacobian,
-            [None if e.function is None else numeric.event(e.name) for e in model.events.values()],
-            True,
-        ),
+        ("field", [numeric.mode(name) for name in tables.modes], False),
+        ("reset", [numeric.reset(name) for name in tables.resets], True),
+        ("event", events, True),
     ]
-    for value, jacobian, known, with_time in cases if model.events else cases[:2]:
-        for place, function in enumerate(known):
+    for kind, known, with_time in cases:
+        values, slopes, numbers = (getattr(system, name) for name in (kind, f"{kind}_jacobian", f"{kind}_case"))
+        for function, value, jacobian, which in zip(known, values, slopes, numbers, strict=True):
             if function is None:
                 continue
-            which = functions.cases.of_mode[place] if value == functions.field else place
             d, dx, dxd, _, dt = all_derivatives(function, arguments)
             k = function.n_out
             assert called(value, which, t, x, xd, p, k) == pytest.approx(d.value[:, 0], rel=1e-14, abs=1e-15)
@@ -118,7 +117,8 @@ def test_code_is_shared_while_it_is_in_use_and_let_go_after():
 def test_a_model_lets_its_functions_go_with_it():
     numeric = numeric_from("name: m\nstates: [x]\nparameters: {a: 1}\nmodes: {m: {x': -0.987654*a*x}}\n")
     functions = numeric.compile()
-    assert functions.field
+    functions.fields.add(numeric.model.modes.values())
+    assert functions.fields.list_addresses("value")
     kept = [text for text in machine_code._in_use if "0.987654" in text]
     assert kept
     del functions, numeric
@@ -148,7 +148,9 @@ SECOND = """
 import numpy as np
 from pddecont.delay import Direct
 from pddecont.codegen import NumericModel
+from pddecont.delay import Direct
 from pddecont.model import load_model
+from pddecont.simulate import Simulator
 from pddecont.simulate import simulate
 from pddecont.simulate.integrator.advance import run
 numeric = NumericModel(load_model("models/impact_oscillator.yaml")[0])

@@ -58,20 +58,17 @@ def test_a_model_travels_without_its_functions():
     name = next(iter(numeric.model.modes))
     arguments = np.zeros(3), np.ones((2, 3)), np.ones((len(numeric.model.delayed), 3)), numeric.parameter_values
     expected = numeric.mode(name).value(*arguments)
-    assert numeric.compile().field
+    assert numeric.compile().history
     arrived = pickle.loads(pickle.dumps(numeric))
     assert arrived.model == numeric.model
     assert np.array_equal(arrived.mode(name).value(*arguments), expected)
 
 
-def test_machine_code_is_that_of_section_and_history():
+def test_machine_code_is_that_of_a_history():
     numeric = shipped("wright")
     x = numeric.model.state_symbols[0]
     assert numeric.compile() is numeric.compile()
-    assert numeric.compile(section=x) is numeric.compile(section=x)
-    assert numeric.compile(section=x) is not numeric.compile()
     assert numeric.compile(history=(x * 0,)) is not numeric.compile()
-    assert len(numeric.compile(section=x).events) == len(numeric.compile().events) + 1
 
 
 def test_parameters_by_name():

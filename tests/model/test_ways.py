@@ -29,7 +29,7 @@ MODELS = {
 def test_of_what_may_follow_just_one_holds(name):
     """At random states, and at states on the surfaces, where guards are equal to zero."""
     model, draw = model_from(MODELS[name]), random.Random(8)
-    first = {s.written or s.name: s for s in reversed(model.segments.values())}
+    first = {s.written or s.name: s for s in reversed(list(model.segments.values()))}
     asked = 0
     for segment in first.values():
         ways = list_alternatives(model, segment)

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from pddecont.delay import Chain, Direct
-from pddecont.simulate import Method, ReturnSection, Simulator
-from pddecont.simulate.model_numbers import make_system, make_values
+from pddecont.simulate import Method, Simulator
 from tests.conftest import numeric_from, shipped
 from tests.simulate.motions import BALL
 
@@ -18,7 +17,7 @@ FORCED = (
 
 
 def values_of(text, p, delay=None, method=None, longest=0.0):
-    return make_values(numeric_from(text), delay or Direct(), method or Method(), ReturnSection(), np.array(p), longest)
+    return Simulator(numeric_from(text), delay or Direct(), method or Method()).values(np.array(p), longest)
 
 
 @pytest.mark.parametrize(
@@ -61,9 +60,8 @@ def test_derivatives_are_compiled_for_those_who_use_them():
     numeric = shipped("impact_oscillator")
 
     def addresses(method, tangent):
-        functions = numeric.compile()
-        system = make_system(numeric, functions, Direct(), method, ReturnSection(), tangent=tangent)
-        return bool(system.field_jacobian), bool(system.reset_jacobian)
+        system = Simulator(numeric, Direct(), method, tangent=tangent).system
+        return bool(np.all(system.field_jacobian)), bool(np.all(system.reset_jacobian))
 
     assert addresses(Method(), False) == (False, False)
     assert addresses(Method(stiff=True), False) == (True, False)

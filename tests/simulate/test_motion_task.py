@@ -27,14 +27,14 @@ def test_functions_are_generated_once_for_all_chunks(monkeypatch):
     monkeypatch.setattr(machine_code, "write_machine_source", lambda *a: written.append(a) or write(*a))
     task = task_of()
     for _ in range(3):
-        assert task.make_simulator().system.field
+        assert task.make_simulator().system.field.all()
     assert len(written) == 5
 
 
 def test_a_task_travels_and_gives_the_same_motion():
     task = task_of()
     simulator = task.make_simulator()
-    assert simulator.system.field
+    assert simulator.system.field.all()
     arrived = pickle.loads(pickle.dumps(task))
     assert arrived.method == task.method
     ends = []

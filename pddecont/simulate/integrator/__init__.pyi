@@ -4,11 +4,15 @@ from .advance import run as run
 from .breaking import LEVELS as LEVELS
 from .buffers import N_COEFFICIENTS as N_COEFFICIENTS
 from .buffers import Log as Log
+from .buffers import ReturnBuffer as ReturnBuffer
 from .buffers import Workspace as Workspace
 from .buffers import make_log as make_log
 from .buffers import make_return_buffer as make_return_buffer
 from .buffers import make_workspace as make_workspace
 from .classification import classify_cells as classify_cells
+from .growth import fit_returns as fit_returns
+from .growth import fit_state as fit_state
+from .growth import fit_workspace as fit_workspace
 from .machine_code_folder import find_machine_code as find_machine_code
 from .poincare import follow_to_period as follow_to_period
 from .restart import begin_inside_arc as begin_inside_arc

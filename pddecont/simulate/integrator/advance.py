@@ -13,7 +13,7 @@ from pddecont.simulate.integrator.breaking import (
 from pddecont.simulate.integrator.buffers import N_COEFFICIENTS, make_log
 from pddecont.simulate.integrator.calls import entry, inlined, internal, offset
 from pddecont.simulate.integrator.core import make_core
-from pddecont.simulate.integrator.event_handling import find_start_crossing, handle_events
+from pddecont.simulate.integrator.event_handling import find_start_crossing, handle_events, resume_events
 from pddecont.simulate.integrator.event_location import find_first_crossing
 from pddecont.simulate.integrator.event_sides import update_side
 from pddecont.simulate.integrator.history import (
@@ -126,8 +126,15 @@ def advance(c, t_stop, most_steps):
             return Status.LOG_FULL
         if c.log_steps > 0 and c.log_n[0] + 1 > c.log_steps:
             return Status.LOG_FULL
+        if c.resume[0] == 1:
+            status = resume_events(c)
+            if status != Status.REACHED:
+                return status
+            continue
         if c.count[ARC] == 0 and c.count[FRESH] == 1 and t == c.clock[T_START]:
             hit, direction = find_start_crossing(c)
+            if hit == -2:
+                return Status.NEW_WAY
             if hit >= 0:
                 status = handle_events(c, hit, direction)
                 if status != Status.REACHED:

@@ -111,6 +111,9 @@ class Workspace(NamedTuple):
     ``stages`` has 16 rows, ``extension`` N_COEFFICIENTS, ``trial`` and ``slope`` 3; ``xd`` and ``xd_slope`` hold the
     delayed values and their slopes (n_pairs + 1,), ``jacobian`` the derivatives of a field or a reset
     (n, n + n_pairs + 1), ``gradient`` those of an event function. ``bernstein`` and ``stack`` have 64 rows of 10 and 4.
+    ``digits`` are those that an event leads to (n_keys,). ``asked`` holds the segment whose way on is not in the tables
+    and 1 if no rule says which it is; then a segment (-1: none) and the way that it has to go (4,). ``landing`` holds
+    the time and the states after the reset of that segment (n + 1,).
     """
 
     stages: Array
@@ -128,6 +131,9 @@ class Workspace(NamedTuple):
     found_side: Integers
     bernstein: Array
     stack: Array
+    digits: Integers
+    asked: Integers
+    landing: Array
 
 
 def make_workspace(system: System) -> Workspace:
@@ -150,4 +156,7 @@ def make_workspace(system: System) -> Workspace:
         np.zeros(len(system.segment_mode) + 1, np.int64),
         np.zeros(640),
         np.zeros(256),
+        np.zeros(system.n_keys, np.int64),
+        np.full(4, -1, np.int64),
+        np.zeros(n + 1),
     )

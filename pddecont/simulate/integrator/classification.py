@@ -40,6 +40,8 @@ def classify_cells(
 ):
     """Write which known attractor each of ``initial`` (n_cells, n) leads to, and when that was seen.
 
+    Return how many cells are done; the next one comes to where the tables of ``system`` have nothing yet.
+
     A motion is on an attractor when its returns are near those of the attractor, in their order, for longer than these
     take and than the longest delay.
 
@@ -73,6 +75,8 @@ def classify_cells(
             if status == Status.CAPACITY:
                 state = enlarge(state)
                 continue
+            if status == Status.NEW_WAY:
+                return np.int64(cell)
             if status != Status.SECTION:
                 break
             if expected >= 0 and _is_near(points, expected, state.y, size, values.atol):
@@ -85,6 +89,7 @@ def classify_cells(
                 labels[cell] = owner[found]
                 break
         times[cell] = state.clock[T]
+    return np.int64(len(initial))
 
 
 @internal

@@ -16,17 +16,21 @@ from pddecont.simulate.integrator.calls import internal, pointer
 Core = namedtuple(
     "Core",
     """
-    field field_case event reset guard repulsion history field_jacobian event_jacobian reset_jacobian n n_full dimension
-    tangent n_pairs n_delays n_kept n_segments n_events pair_state pair_delay kept place segment_mode segment_event
-    segment_direction segment_reset segment_to alternatives resting segment_guard segment_repulsion segment_opposite
+    field field_jacobian field_case event event_jacobian event_case reset reset_jacobian reset_case
+    history n n_full dimension tangent
+    n_pairs n_delays n_kept n_segments n_events pair_state pair_delay kept place segment_mode segment_event
+    segment_direction segment_reset segment_to segment_next_way resting segment_repulsion
+    segment_repulsion_case segment_opposite segment_decision_first segment_decision_end
+    n_digits n_keys leader_digits way_digits option_first option_end is_open number_first decision_size decided
+    rule rule_case digit_first decided_digit
     crossing_first crossing_segment ending_first ending_segment
-    held_first held_event clock_first clock_event after reads chain_order chain_n section section_direction
+    held_first held_event     clock_first clock_event after reads chain_order chain_n section section_direction
     stop_event stiff p tau event_delay max_step rtol atol longest clock count y constant mask past_time
     past_length past_end past_arc past_shift past_value past_coefficients cursor reading pending_time
-    pending_event pending_shift breaking_time breaking_level accumulation segment_counts side residue next_step
+    pending_event pending_shift breaking_time breaking_level accumulation segment_counts side residue next_step resume
     log_steps log_events log_n log_time log_length log_end log_mode log_arc log_value log_coefficients event_time
     event_segment event_arc event_before event_after stages extension trial slope xd xd_slope jacobian gradient
-    after_reset past_trial crossing passed found_side bernstein stack
+    after_reset past_trial crossing passed found_side bernstein stack digits asked landing
 """,
 )
 
@@ -35,16 +39,16 @@ Core = namedtuple(
 def make_core(system, values, state, log, work):
     """Return an integration in plain numbers and pointers; the arrays that it points to have to outlive it."""
     return Core(
-        system.field,
+        pointer(system.field),
+        pointer(system.field_jacobian),
         pointer(system.field_case),
-        system.event,
-        system.reset,
-        system.guard,
-        system.repulsion,
+        pointer(system.event),
+        pointer(system.event_jacobian),
+        pointer(system.event_case),
+        pointer(system.reset),
+        pointer(system.reset_jacobian),
+        pointer(system.reset_case),
         system.history,
-        system.field_jacobian,
-        system.event_jacobian,
-        system.reset_jacobian,
         system.n,
         system.n_full,
         len(state.y),
@@ -63,11 +67,27 @@ def make_core(system, values, state, log, work):
         pointer(system.segment_direction),
         pointer(system.segment_reset),
         pointer(system.segment_to),
-        pointer(system.alternatives),
+        pointer(system.segment_next_way),
         pointer(system.resting),
-        pointer(system.segment_guard),
         pointer(system.segment_repulsion),
+        pointer(system.segment_repulsion_case),
         pointer(system.segment_opposite),
+        pointer(system.segment_decision_first),
+        pointer(system.segment_decision_end),
+        system.n_digits,
+        system.n_keys,
+        pointer(system.leader_digits),
+        pointer(system.way_digits),
+        pointer(system.option_first),
+        pointer(system.option_end),
+        pointer(system.is_open),
+        pointer(system.number_first),
+        pointer(system.decision_size),
+        pointer(system.decided),
+        pointer(system.rule),
+        pointer(system.rule_case),
+        pointer(system.digit_first),
+        pointer(system.decided_digit),
         pointer(system.crossing_first),
         pointer(system.crossing_segment),
         pointer(system.ending_first),
@@ -115,6 +135,7 @@ def make_core(system, values, state, log, work):
         pointer(state.side),
         pointer(state.residue),
         pointer(state.next_step),
+        pointer(state.resume),
         len(log.time),
         len(log.event_time),
         pointer(log.n),
@@ -145,4 +166,7 @@ def make_core(system, values, state, log, work):
         pointer(work.found_side),
         pointer(work.bernstein),
         pointer(work.stack),
+        pointer(work.digits),
+        pointer(work.asked),
+        pointer(work.landing),
     )

@@ -17,7 +17,7 @@ def evaluate_event(c, event, t, y):
     if c.reads[event] == 1:
         read_delayed(c, t, y, c.xd, 0)
     c.gradient[0] = 0.0
-    call(c.event, event, t, y, c.xd, c.p, c.gradient)
+    call(c.event[event], c.event_case[event], t, y, c.xd, c.p, c.gradient)
     return c.gradient[0]
 
 
@@ -33,7 +33,7 @@ def evaluate_event_slope(c, event, mode, t, y):
     for i in range(n + m + 1):
         gradient[i] = 0.0
     read_delayed(c, t, y, c.xd, 0)
-    call(c.event_jacobian, event, t, y, c.xd, c.p, gradient)
+    call(c.event_jacobian[event], c.event_case[event], t, y, c.xd, c.p, gradient)
     slope, moving = gradient[n + m], abs(gradient[n + m])
     size = moving * abs(t)
     for i in range(n):

@@ -11,6 +11,7 @@ from pddecont.simulate.integrator.history import read_delayed, time_tolerance
 from pddecont.simulate.integrator.state import ARC, FRESH, LAST_EVENT, MODE, N_PENDING, READY, SHIFT, ZENO_TIME, T
 from pddecont.simulate.integrator.status import Status
 from pddecont.simulate.integrator.variational import find_event_shift, map_tangent, set_tangent
+from pddecont.simulate.integrator.ways import choose_way
 
 
 @internal
@@ -18,20 +19,32 @@ def handle_events(c, hit, direction):
     """Let everything happen that is due at the present time; segment ``hit`` (-1: none) crosses in ``direction``.
 
     Returns a status: REACHED to go on, SECTION after the event that returns are counted at, ZENO, SLIDING or REPELLED;
-    CAPACITY or LOG_FULL after more events at one moment than there is capacity for.
+    CAPACITY or LOG_FULL after more events at one moment than there is capacity for; NEW_WAY to go on by
+    :func:`resume_events`.
     """
-    t = c.clock[T]
-    _mark_crossings(c, t, hit, direction)
-    forced = c.segment_event[hit] if hit >= 0 else -1
-    result, repelling = Status.REACHED, -1
+    _mark_crossings(c, c.clock[T], hit, direction)
+    c.resume[1], c.resume[2] = c.segment_event[hit] if hit >= 0 else -1, Status.REACHED
+    c.resume[3] = -1
+    return resume_events(c)
+
+
+@internal
+def resume_events(c):
+    """Let everything happen that is due at the present time, from where :func:`handle_events` had to stop."""
+    t, forced, result, repelling = c.clock[T], c.resume[1], c.resume[2], c.resume[3]
+    c.resume[0] = 0
     while True:
         segment, pending = _find_next_segment(c, t, forced)
         if segment < 0:
             break
         event = c.segment_event[segment]
-        if _leaves_to_both_sides(c, segment):
-            result = Status.REPELLED
+        both = _leaves_to_both_sides(c, segment)
         status, segment = _apply_event(c, segment, pending)
+        if status == Status.NEW_WAY:
+            c.resume[0], c.resume[1], c.resume[2], c.resume[3] = 1, forced, result, repelling
+            return status
+        if both:
+            result = Status.REPELLED
         if _is_repelled(c, segment, t):
             repelling = segment
         forced = -1
@@ -55,6 +68,8 @@ def handle_events(c, hit, direction):
 def find_start_crossing(c):
     """Return the segment that ends at the very start and the direction of its crossing; -1 and 0 if none does.
 
+    The segment is -2 where the tables do not hold what one leads to.
+
     A motion that starts on a surface has not crossed it, unless it moves into it and the reset turns it round: that is
     an impact. From rest on the surface it moves where its acceleration points.
     """
@@ -72,8 +87,11 @@ def find_start_crossing(c):
             c.trial[i] = c.y[i]
         for i in range(c.n):
             c.trial[i] = 0.0
-        call(c.reset, c.segment_reset[segment], t, c.y, c.xd, c.p, c.trial)
-        target = c.segment_to[_choose_alternative(c, segment, t, c.trial)]
+        _call_reset(c, segment, t, c.trial)
+        way = choose_way(c, segment, t, c.trial)
+        if way < 0:
+            return -2, 0
+        target = c.segment_to[way]
         after, _ = evaluate_event_slope(c, event, target, t, c.trial)
         if after * direction <= 0.0 and target == mode:
             return segment, direction
@@ -144,10 +162,14 @@ def _apply_event(c, segment, pending):
     """End a segment: reset, new mode, breaking points and delayed events to come; return a status.
 
     The segment that it turned out to be is returned too. ``pending`` is the place of the delayed event in the queue, -1
-    for an event function.
+    for an event function. Nothing has changed where the status is NEW_WAY.
     """
     t, n, mode = c.clock[T], c.n, c.count[MODE]
     event = c.segment_event[segment]
+    _apply_reset(c, segment, t)
+    way = choose_way(c, segment, t, c.after_reset)
+    if way < 0:
+        return Status.NEW_WAY, segment
     shift = 0.0
     if pending >= 0:
         shift = c.pending_shift[pending]
@@ -158,7 +180,7 @@ def _apply_event(c, segment, pending):
     if crossing != 0:
         _, resolution = evaluate_event_slope(c, event, mode, t, c.y)
     _apply_reset(c, segment, t)
-    segment = _choose_alternative(c, segment, t, c.after_reset)
+    segment = way
     status = _find_way_on(c, event, crossing, mode, c.segment_to[segment], t, resolution)
     if status != Status.REACHED and c.resting[segment] >= 0:
         segment, status = c.resting[segment], Status.REACHED
@@ -193,7 +215,14 @@ def _apply_reset(c, segment, t):
     read_delayed(c, t, c.y, c.xd, 0)
     for i in range(c.n):
         c.after_reset[i] = 0.0
-    call(c.reset, c.segment_reset[segment], t, c.y, c.xd, c.p, c.after_reset)
+    _call_reset(c, segment, t, c.after_reset)
+
+
+@internal
+def _call_reset(c, segment, t, after):
+    """Write the states after a segment's reset to ``after``; ``c.xd`` holds the delayed values."""
+    reset = c.segment_reset[segment]
+    call(c.reset[reset], c.reset_case[reset], t, c.y, c.xd, c.p, after)
 
 
 @internal
@@ -238,27 +267,11 @@ def _leaves_to_both_sides(c, segment):
 
 
 @internal
-def _choose_alternative(c, segment, t, y):
-    """Return the first alternative of a segment whose guard holds in the states ``y``; the last one if none does.
-
-    ``c.xd`` holds the delayed values.
-    """
-    last = segment + c.alternatives[segment] - 1
-    while segment < last:
-        c.gradient[0] = 0.0
-        call(c.guard, c.segment_guard[segment], t, y, c.xd, c.p, c.gradient)
-        if c.gradient[0] > 0.0:
-            break
-        segment += 1
-    return segment
-
-
-@internal
 def _is_repelled(c, segment, t):
     """Return whether the motion is on a surface after ``segment`` from which both fields point away."""
-    if c.segment_repulsion[segment] < 0:
+    if c.segment_repulsion[segment] == 0:
         return False
     read_delayed(c, t, c.y, c.xd, 0)
     c.gradient[0] = 0.0
-    call(c.repulsion, c.segment_repulsion[segment], t, c.y, c.xd, c.p, c.gradient)
+    call(c.segment_repulsion[segment], c.segment_repulsion_case[segment], t, c.y, c.xd, c.p, c.gradient)
     return c.gradient[0] > 0.0

@@ -48,7 +48,7 @@ def advance_to_return(system, values, state, work, log, period, phase, t_end, st
     t_stop = stop[0]
     state.count[READY] = 0
     status = advance(make_core(system, values, state, log, work), min(t_stop, t_end), STEPS)
-    if status == Status.CAPACITY:
+    if status == Status.CAPACITY or status == Status.NEW_WAY:
         return status
     stop[0] = math.nan
     return Status.SECTION if status == Status.REACHED and period > 0.0 and t_stop <= t_end else status

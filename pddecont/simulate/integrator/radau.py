@@ -149,7 +149,7 @@ def _evaluate_jacobian(c, mode, t):
     read_delayed(c, t, y, c.xd, 0)
     for i in range(n * (n + m)):
         c.jacobian[i] = 0.0
-    call(c.field_jacobian, c.field_case[mode], t, y, c.xd, c.p, c.jacobian)
+    call(c.field_jacobian[mode], c.field_case[mode], t, y, c.xd, c.p, c.jacobian)
     for i in range(n):
         for j in range(n):
             result[i, j] = c.jacobian[i * n + j]

@@ -17,14 +17,14 @@ def evaluate_rhs(c, mode, t, y, dy):
     read_delayed(c, t, y, c.xd, 0)
     for i in range(n):
         dy[i] = 0.0
-    call(c.field, c.field_case[mode], t, y, c.xd, c.p, dy)
+    call(c.field[mode], c.field_case[mode], t, y, c.xd, c.p, dy)
     if c.chain_n > 0:
         _evaluate_chain(c, y, dy, 0)
     if c.tangent == 1:
         read_delayed(c, t, y, c.xd_slope, 1)
         for i in range(n * (n + m)):
             c.jacobian[i] = 0.0
-        call(c.field_jacobian, c.field_case[mode], t, y, c.xd, c.p, c.jacobian)
+        call(c.field_jacobian[mode], c.field_case[mode], t, y, c.xd, c.p, c.jacobian)
         for i in range(n):
             slope = 0.0
             for j in range(n):

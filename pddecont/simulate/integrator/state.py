@@ -49,6 +49,10 @@ class IntegratorState(NamedTuple):
         How far from zero its last event left each of these functions: so far they count as zero (n_segments + 1,).
     next_step
         The length that the next step may have in each mode (n_modes,); 0: none was made there.
+    resume
+        1 if the events of the present moment are not all handled, the event that has to come next (-1: any), and the
+        status to come back with when they are, and the segment
+        after which a surface may repel the motion (-1: none) (4,).
     """
 
     clock: Array
@@ -74,6 +78,7 @@ class IntegratorState(NamedTuple):
     side: Integers
     residue: Array
     next_step: Array
+    resume: Integers
 
 
 # Places in IntegratorState.clock: the present time, the start, where events accumulate, how much later the present arc
@@ -140,6 +145,7 @@ def make_state(system: System, values: ParameterValues, n_steps: int = 0) -> Int
         np.zeros(len(system.segment_mode) + 1, np.int64),
         np.zeros(len(system.segment_mode) + 1),
         np.zeros(system.n_modes),
+        np.zeros(4, np.int64),
     )
 
 
@@ -188,4 +194,5 @@ def enlarge(state: IntegratorState) -> IntegratorState:
         state.side,
         state.residue,
         state.next_step,
+        state.resume,
     )

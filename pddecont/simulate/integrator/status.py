@@ -18,3 +18,4 @@ class Status(IntEnum):
     STEP_TOO_SMALL = 7  # no step that time can resolve meets the tolerances
     NOT_FINITE = 8  # the solution or its slope is infinite or NaN
     REPELLED = 9  # both vector fields point away from a surface that the motion is on
+    NEW_WAY = 10  # an event leads to where the tables have nothing yet: call again with larger ones

@@ -16,10 +16,15 @@ class System(NamedTuple):
 
     Attributes
     ----------
-    field, event, reset, guard, repulsion, history, field_jacobian, event_jacobian, reset_jacobian
-        Addresses of the model's compiled functions; 0 for one that is not needed.
-    field_case
-        What the vector field and its Jacobian know each mode by (n_modes,).
+    field, field_jacobian, field_case
+        The addresses of each mode's vector field and of its Jacobian, 0 for one that is not needed, and what these
+        functions know the mode by (n_modes,).
+    event, event_jacobian, event_case
+        The same of event functions (n_events,).
+    reset, reset_jacobian, reset_case
+        The same of resets (n_resets,).
+    history
+        The address of the history.
     n, n_full
         States, and states with the variables of a chain.
     tangent
@@ -29,19 +34,35 @@ class System(NamedTuple):
     kept, place
         States whose past is kept (n_kept,), and where each state is among them (n,): -1 for one that is not kept.
     segment_mode, segment_event, segment_direction, segment_reset, segment_to
-        The segments in declared order (n_segments,); a direction is 1 rising, -1 falling, 0 any.
-    alternatives
-        How many segments, from this one on, it may turn out to be when it ends: the first whose guard holds
-        (n_segments,).
-    segment_repulsion
-        The condition under which both fields point away from a surface after each segment (n_segments,); -1: none.
+        The segments (n_segments,); a direction is 1 rising, -1 falling, 0 any. Of one whose mode is not in the tables
+        yet ``segment_to`` is -1.
+    segment_next_way
+        The next segment that it may turn out to be when it ends (n_segments,); -1: no other is in the tables.
+    segment_repulsion, segment_repulsion_case
+        The address of the condition under which both fields point away from a surface after each segment, 0 for none,
+        and what it is known by there (n_segments,).
     segment_opposite
         Of a segment that leaves a surface the first one that leaves it to the other side (n_segments,); -1: others.
     resting
         What each segment is where its event accumulates and the motion rests (n_segments,); -1: nothing is said of it.
+    segment_decision_first, segment_decision_end
+        Of the first of them: the decisions that say which it is, in order.
+    n_digits, n_keys
+        Switches whose digits conditions read, and numbers that tell the ways of one segment apart: the digits, or of a
+        model by hand one number.
+    leader_digits, way_digits
+        These numbers where nothing has been decided, and after each segment (n_segments, n_keys).
+    option_first, option_end, is_open
+        The options of each decision, and 1 where it may be that none of them holds (n_decisions,).
+    number_first, decision_size, decided
+        Decision d chooses the numbers decided[number_first[d]:number_first[d] + decision_size[d]].
+    rule, rule_case
+        The address of each option's condition, and what it is known by there (n_options,).
+    digit_first, decided_digit
+        What each option gives these numbers, likewise.
     crossing_first, crossing_segment
         The segments of mode m that end at event functions: crossing_segment[crossing_first[m]:crossing_first[m + 1]].
-        Of alternatives the first stands for all.
+        Of those that one may turn out to be the first stands for all.
     ending_first, ending_segment
         All segments of a mode, likewise.
     held_first, held_event
@@ -49,7 +70,7 @@ class System(NamedTuple):
     clock_first, clock_event
         The delayed events that an event starts, likewise.
     after
-        The event that a delayed event follows (n_events,); -1 for one with an event function.
+        0 for a delayed event, -1 for one with an event function (n_events,).
     reads
         1 for an event function that reads delayed values (n_events,).
     chain_order, chain_n
@@ -64,16 +85,16 @@ class System(NamedTuple):
         Modes of the model.
     """
 
-    field: int
+    field: Integers
+    field_jacobian: Integers
     field_case: Integers
-    event: int
-    reset: int
-    guard: int
-    repulsion: int
+    event: Integers
+    event_jacobian: Integers
+    event_case: Integers
+    reset: Integers
+    reset_jacobian: Integers
+    reset_case: Integers
     history: int
-    field_jacobian: int
-    event_jacobian: int
-    reset_jacobian: int
     n: int
     n_full: int
     tangent: int
@@ -86,11 +107,27 @@ class System(NamedTuple):
     segment_direction: Integers
     segment_reset: Integers
     segment_to: Integers
-    alternatives: Integers
+    segment_next_way: Integers
     resting: Integers
-    segment_guard: Integers
     segment_repulsion: Integers
+    segment_repulsion_case: Integers
     segment_opposite: Integers
+    segment_decision_first: Integers
+    segment_decision_end: Integers
+    n_digits: int
+    n_keys: int
+    leader_digits: Integers
+    way_digits: Integers
+    option_first: Integers
+    option_end: Integers
+    is_open: Integers
+    number_first: Integers
+    decision_size: Integers
+    decided: Integers
+    rule: Integers
+    rule_case: Integers
+    digit_first: Integers
+    decided_digit: Integers
     crossing_first: Integers
     crossing_segment: Integers
     ending_first: Integers

@@ -43,7 +43,7 @@ def map_tangent(c, reset, mode, t, shift):
     read_delayed(c, t, y, c.xd, 0)
     for i in range(n * (n + m + 1)):
         c.jacobian[i] = 0.0
-    call(c.reset_jacobian, reset, t, y, c.xd, c.p, c.jacobian)
+    call(c.reset_jacobian[reset], c.reset_case[reset], t, y, c.xd, c.p, c.jacobian)
     for i in range(full):
         moved[i] = result[i] = y[full + i] + flow[i] * shift
     read_delayed(c, t, y, c.xd_slope, 1)

@@ -19,7 +19,7 @@ from pddecont.simulate import (
     read_time,
     record_trajectory,
     shift_time,
-    unpack,
+    unpack_motion,
 )
 from pddecont.steps.context import Context
 from pddecont.steps.execution.attractor_rows import attractor_from_row
@@ -62,7 +62,7 @@ def continue_attractor(context: Context, recorded: Step, source: Source) -> tupl
     simulator = _read_task(plan, recorded).make_simulator()
     values = simulator.values(attractor.p)
     try:
-        state = unpack(simulator.system, values, attractor.packed_state)
+        state = unpack_motion(simulator.reached, values, attractor.packed_state)
     except ValueError as exc:
         raise ResultsError(f"step '{source.step}': {exc}; the file is damaged or was made by a changed model") from exc
     state = shift_time(state, find_restart_time(plan.numeric, attractor.p, attractor.p, read_time(state)))

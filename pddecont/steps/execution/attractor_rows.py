@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -19,15 +20,18 @@ KIND = "A"
 
 
 def attractor_to_row(
-    attractor: Attractor, p: NDArray[np.float64], exponent: LyapunovExponent
+    attractor: Attractor, p: NDArray[np.float64], exponent: LyapunovExponent, segments: Sequence[str]
 ) -> tuple[dict[str, Any], dict[str, NDArray[Any]], Reason]:
-    """Return what a results file keeps of an attractor; a motion that failed has no label, but a reason."""
+    """Return what a results file keeps of an attractor; a motion that failed has no label, but a reason.
+
+    ``segments`` are those that the file counts.
+    """
     points = {
         "kind": b"" if attractor.failure else KIND.encode(),
         "parameters": p,
         "period": attractor.period,
         "turn": attractor.turn,
-        "n_segments": attractor.segment_counts,
+        "n_segments": np.array([attractor.segment_counts.get(name, 0) for name in segments], dtype=int),
         "lyapunov": exponent.value,
         "lyapunov_error": exponent.uncertainty,
     }
@@ -49,14 +53,20 @@ def _find_reason(attractor: Attractor, exponent: LyapunovExponent) -> Reason:
     return Reason(NO_EXPONENT, {"cause": cause.code, **cause.values})
 
 
-def make_empty_row(plan: Plan) -> dict[str, Any]:
+def list_known_segments(plan: Plan, recorded: Step | None) -> list[str]:
+    """Return the segments that a file counts from the start: those of the step so far, and those of the model."""
+    before = [] if recorded is None else recorded.meta["segments"]
+    return list(dict.fromkeys([*before, *plan.model.segments]))
+
+
+def make_empty_row(plan: Plan, segments: Sequence[str]) -> dict[str, Any]:
     """Return a row that holds no attractor."""
     return {
         "kind": b"",
         "parameters": np.full(len(plan.model.parameters), np.nan),
         "period": -1,
         "turn": np.nan,
-        "n_segments": np.zeros(len(plan.model.segments), int),
+        "n_segments": np.zeros(len(segments), int),
         "lyapunov": np.nan,
         "lyapunov_error": np.nan,
     }
@@ -81,7 +91,7 @@ def attractor_from_row(step: Step, row: int) -> Attractor:
         arrays["returns"],
         arrays["return_slopes"],
         arrays["return_time"],
-        points["n_segments"][row],
+        {name: int(n) for name, n in zip(step.meta["segments"], points["n_segments"][row], strict=True) if n},
         arrays["memory"],
         points["parameters"][row],
         failure,

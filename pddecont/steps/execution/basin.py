@@ -24,7 +24,12 @@ from pddecont.simulate import (
 )
 from pddecont.steps.basin import BasinSettings
 from pddecont.steps.context import Context
-from pddecont.steps.execution.attractor_rows import attractor_from_row, attractor_to_row, make_empty_row
+from pddecont.steps.execution.attractor_rows import (
+    attractor_from_row,
+    attractor_to_row,
+    list_known_segments,
+    make_empty_row,
+)
 from pddecont.steps.execution.ending import report_done
 from pddecont.steps.execution.units import find_units
 
@@ -41,7 +46,7 @@ def run_basin(context: Context, step: PlannedStep[BasinSettings], recorded: Step
     plan, settings = context.plan, step.settings
     xs, ys, p, settling = settings.x, settings.y, settings.parameters, settings.settling
     meta: dict[str, Any] = {
-        "segments": list(plan.model.segments),
+        "segments": list_known_segments(plan, recorded),
         "over": list(settings.names),
         "x": xs.tolist(),
         "y": ys.tolist(),
@@ -76,7 +81,10 @@ def run_basin(context: Context, step: PlannedStep[BasinSettings], recorded: Step
                 )
                 if len(known) > before:
                     add(writer, attractor)
-            writer.append({**make_empty_row(plan), "line": number}, {"label": labels, "settling": line.times})
+            writer.append(
+                {**make_empty_row(plan, writer.list_more("segments", ())), "line": number},
+                {"label": labels, "settling": line.times},
+            )
             context.reporter.advance(number + 1, len(ys), "lines of the grid")
         writer.terminate(make_reason("mapped"))
     report_done(context, step)
@@ -96,5 +104,6 @@ def _write_attractor(
     if with_exponents and not attractor.failure:
         simulator = task.make_simulator()
         exponent = find_lyapunov_exponent(simulator, simulator.values(p), attractor, duration)
-    points, rows, reason = attractor_to_row(attractor, p, exponent)
+    segments = writer.list_more("segments", attractor.segment_counts)
+    points, rows, reason = attractor_to_row(attractor, p, exponent, segments)
     writer.append({**points, "line": -1}, rows, reason)

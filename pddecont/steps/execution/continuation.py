@@ -92,6 +92,7 @@ class _Branch:
         points, rows = orbit_to_row(
             at.orbit,
             list(self.context.plan.monitors.values()),
+            self.writer.meta["events"],
             kind=point.kind,
             arclength=state.arclength,
             n_iterations=point.n_iterations,
@@ -184,7 +185,7 @@ def run_continue(context: Context, step: PlannedStep[ContinueSettings], recorded
             states[way] = _restore(step, settings, recorded, row, start, reason)
             n_unexplained[way] = _count_unexplained(recorded, way, kept)
     meta: dict[str, Any] = {
-        **make_orbit_meta(plan, step),
+        **make_orbit_meta(plan, step, recorded),
         "free": list(body.free),
         "directions": len(ways),
         "curve": start.kind,

@@ -81,15 +81,17 @@ def run_orbit(context: Context, step: PlannedStep[OrbitSettings], recorded: Step
     multipliers = None if cache is None else cache.find(orbit)
     monitors = list(plan.monitors.values())
     referee = make_referee(plan, step)
+    meta = make_orbit_meta(plan, step)
     points, rows = orbit_to_row(
         orbit,
         monitors,
+        meta["events"],
         n_iterations=solution.n_iterations,
         multipliers=multipliers,
         n_shown=step.settings.multipliers.number,
         referee=referee,
     )
-    with context.open_step(step, ORBIT, make_orbit_meta(plan, step), capacity=1) as writer:
+    with context.open_step(step, ORBIT, meta, capacity=1) as writer:
         writer.append(points, rows)
         writer.terminate(_make_ending(orbit, multipliers, referee))
     report_done(context, step)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from pddecont.bifurcation import list_kinds, measure_grazing_gap
 from pddecont.orbit import NOT_DONE, Monitor, Orbit, Verifier, estimate_error, find_violation, orbit_to_rows
+from pddecont.results import Step
 from pddecont.runfile import Plan, PlannedStep
 from pddecont.stability import MultiplierCache, Multipliers
 from pddecont.steps.execution.units import find_units
@@ -21,11 +22,12 @@ Array = NDArray[np.float64]
 ROUNDING = 1e-14
 
 
-def make_orbit_meta(plan: Plan, step: PlannedStep[Any]) -> dict[str, Any]:
-    """Return what a step that records orbits says of itself."""
+def make_orbit_meta(plan: Plan, step: PlannedStep[Any], recorded: Step | None = None) -> dict[str, Any]:
+    """Return what a step that records orbits says of itself; ``recorded`` is what the file holds of it."""
+    before = [] if recorded is None else recorded.meta.get("events", [])
     return {
         "monitors": list(plan.monitors),
-        "events": list(plan.model.events),
+        "events": list(dict.fromkeys([*before, *plan.model.events])),
         "delayed": [s.name for s in plan.model.delayed_symbols],
         "kinds": {kind.label: kind.name for kind in list_kinds()},
         "mesh_settings": step.mesh_settings,
@@ -69,6 +71,7 @@ def make_referee(plan: Plan, step: PlannedStep[Any]) -> Verifier | None:
 def orbit_to_row(
     orbit: Orbit,
     monitors: Sequence[Monitor],
+    events: Sequence[str],
     *,
     kind: str = "",
     arclength: float = 0.0,
@@ -84,9 +87,9 @@ def orbit_to_row(
 ) -> tuple[dict[str, Any], dict[str, Array]]:
     """Return the row of points and the rows of arrays that record an orbit.
 
-    ``n_shown`` is the number of multipliers that were asked for, ``ranges`` are the widths of the free parameters'
-    ranges; ``error`` is that of the orbit, where it is known already. An orbit that is no motion of the model is not
-    stable.
+    ``events`` are those whose surfaces the step keeps, ``n_shown`` is the number of multipliers that were asked for,
+    ``ranges`` are the widths of the free parameters' ranges; ``error`` is that of the orbit, where it is known already.
+    An orbit that is no motion of the model is not stable.
     """
     unknown = multipliers is None or not multipliers.says_stability
     verification = NOT_DONE if referee is None else referee.verify(orbit)
@@ -111,7 +114,7 @@ def orbit_to_row(
         "n_periods": orbit.problem.n_periods,
         "phase": orbit.problem.phase,
         "n_unknowns": len(orbit.x),
-        "surfaces": find_surfaces(orbit),
+        "surfaces": find_surfaces(orbit, events),
     }
     shown = None if multipliers is None else multipliers.leading(n_shown)
     values, residuals = (np.zeros(0, dtype=complex), np.zeros(0)) if shown is None else (shown.values, shown.residuals)
@@ -123,15 +126,15 @@ def orbit_to_row(
     return dict(points), {**orbit_to_rows(orbit, tangent), **rows}
 
 
-def find_surfaces(orbit: Orbit) -> Array:
-    """Return each event surface a . z = b as the row (a, b), shape (n_events, n_states + 1).
+def find_surfaces(orbit: Orbit, events: Sequence[str]) -> Array:
+    """Return the surface a . z = b of each of some events as the row (a, b), shape (n_events, n_states + 1).
 
     It is NaN where the surface is not a plane.
     """
     model, n = orbit.numeric.model, orbit.numeric.n_states
-    result = np.full((len(model.events), n + 1), np.nan)
+    result = np.full((len(events), n + 1), np.nan)
     p = orbit.parameters
-    for i, event in enumerate(model.events.values()):
+    for i, event in enumerate(map(model.events.__getitem__, events)):
         if event.function is None or not event.function.free_symbols <= {
             *model.state_symbols,
             *model.parameter_symbols,

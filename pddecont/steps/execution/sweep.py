@@ -14,7 +14,7 @@ from pddecont.results import SWEEP, Step
 from pddecont.runfile import Plan, PlannedStep
 from pddecont.simulate import InitialState, MotionTask, ParameterPoint, SweepChunk, map_in_order, sweep_chunk
 from pddecont.steps.context import Context
-from pddecont.steps.execution.attractor_rows import attractor_to_row
+from pddecont.steps.execution.attractor_rows import attractor_to_row, list_known_segments
 from pddecont.steps.execution.ending import report_done
 from pddecont.steps.execution.units import find_units
 from pddecont.steps.sweep import SweepSettings
@@ -28,7 +28,7 @@ def run_sweep(context: Context, step: PlannedStep[SweepSettings], recorded: Step
     """Find the attractors at every parameter point; those of an unfinished step are kept."""
     plan, settings = context.plan, step.settings
     meta: dict[str, Any] = {
-        "segments": list(plan.model.segments),
+        "segments": list_known_segments(plan, recorded),
         "free": list(settings.grids),
         "section": dict(settings.settling.shown_section),
         "units": find_units(plan),
@@ -49,7 +49,8 @@ def run_sweep(context: Context, step: PlannedStep[SweepSettings], recorded: Step
         for number, attractors in enumerate(results, first):
             direction, chunk = chunks[number]
             for found in attractors:
-                points, rows, reason = attractor_to_row(found.attractor, found.point.p, found.exponent)
+                segments = writer.list_more("segments", found.attractor.segment_counts)
+                points, rows, reason = attractor_to_row(found.attractor, found.point.p, found.exponent, segments)
                 place = {"chunk": number, "cell": found.point.index, "direction": direction, "share": found.share}
                 writer.append({**points, **place}, rows, reason)
             done += len(chunk.points)

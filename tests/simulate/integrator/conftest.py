@@ -16,7 +16,8 @@ import pddecont.simulate.integrator
 from pddecont.codegen import ModelFunctions, machine_code
 from pddecont.delay import Direct
 from pddecont.simulate.method import Method
-from pddecont.simulate.model_numbers import make_system, make_values
+from pddecont.simulate.model_numbers import make_values
+from pddecont.simulate.reached_system import ReachedSystem
 from pddecont.simulate.returns import ReturnSection
 from tests.conftest import numeric_from
 
@@ -27,12 +28,16 @@ def plain(function):
     return function
 
 
+# What machine code is called by its address; no address is 0.
+FUNCTIONS = [None]
+
+
 def fake_calls():
     calls = types.ModuleType(f"{NAME}.calls")
     calls.entry = calls.internal = calls.inlined = calls.either = plain
     calls.pointer = lambda array: array.reshape(-1)
     calls.offset = lambda pointer, count: pointer[count:]
-    calls.call = lambda function, *arguments: function(*arguments)
+    calls.call = lambda address, *arguments: FUNCTIONS[address](*arguments)
     return calls
 
 
@@ -64,11 +69,13 @@ class Interpreted:
         """Return an integration of a model's text that has not begun, in its records and as a core."""
         numeric, method, section = numeric_from(text), method or Method(), section or ReturnSection()
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(machine_code, "load_machine_code", lambda source: SimpleNamespace(address=python_of(source)))
-            functions = ModelFunctions(numeric.model, section.expr)
-            system = make_system(numeric, functions, delay or Direct(), method, section, tangent=tangent)
+            patch.setattr(machine_code, "load_machine_code", lambda source: SimpleNamespace(address=number_of(source)))
+            reached = ReachedSystem(
+                numeric, ModelFunctions(numeric.model), delay or Direct(), method, section, tangent=tangent
+            )
+            system = reached.system
         p = numeric.parameter_values if p is None else p
-        values = make_values(numeric, delay or Direct(), method, section, p, longest)
+        values = make_values(numeric, reached.tables, delay or Direct(), method, p, longest)
         state, work = self.state.make_state(system, values), self.buffers.make_workspace(system)
         log = self.buffers.make_log(system.n, steps, events)
         core = self.core.make_core(system, values, state, log, work)
@@ -84,10 +91,12 @@ class Interpreted:
         return run
 
 
-def python_of(source):
+def number_of(source):
+    """Return the address of a generated source: its place among the functions made so far."""
     namespace = {}
     exec(source, namespace)
-    return namespace["generated"]
+    FUNCTIONS.append(namespace["generated"])
+    return len(FUNCTIONS) - 1
 
 
 @pytest.fixture(scope="session")

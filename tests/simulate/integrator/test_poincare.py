@@ -28,7 +28,7 @@ def test_periods_of_the_logistic_map(r, period):
         assert found.turn == pytest.approx(period)
         y = found.states[:, 0]
         assert r * y * (1 - y) == pytest.approx(np.roll(y, -1), abs=1e-6)
-        assert list(found.segment_counts) == [period]
+        assert list(found.segment_counts.values()) == [period]
 
 
 def buffer_of(interpreted, run, states, gaps, max_period=8):
