@@ -190,6 +190,8 @@ class DerivedModes:
 
     def add_rests(self, sticks: Sequence[tuple[str, str]], delayed: Collection[sympy.Symbol]) -> DerivedModes:
         """Return the same where impacts that accumulate at events come to rest in modes: pairs (event, mode)."""
+        if set(sticks) <= set(self._sticks):
+            return self
         return make_modes_of(self.surfaces, (*self._sticks, *sticks), frozenset(delayed))
 
     def find_ends(self, digits: Digits) -> ModeEndings:
@@ -345,7 +347,8 @@ class DerivedModes:
 
     def keep_states(self, kept: Sequence[int]) -> DerivedModes:
         """Return the same with these states alone; nothing that is left reads the others."""
-        return make_modes_of(replace(self.surfaces, equations=self.equations.keep_states(kept)))
+        surfaces = replace(self.surfaces, equations=self.equations.keep_states(kept))
+        return make_modes_of(surfaces, self._sticks, self._delayed)
 
     def name_briefly(self, ending: Ending) -> str:
         """Return the name of an ending's segment without the digits of other switches."""
@@ -421,6 +424,9 @@ class DerivedModes:
             digits = self.find_digits(name.removeprefix(RETURN))
             if ON in digits:
                 self._resets[name] = self._make_return(digits)
+        elif name not in self._resets and ALTERNATIVE in name:
+            # Those of motions that come to rest are called as their segments.
+            self._find_segment(name)
         return self._resets.get(name)
 
     def _find_segment(self, name: str) -> Segment | None:
@@ -460,10 +466,11 @@ def make_modes(equations: Equations) -> DerivedModes:
     TooManySwitchesError
         If there are more switches than can be handled.
     """
-    n = len(equations.switches)
+    pushed = add_contacts(equations)
+    n = len(pushed.switches)
     if n > MAX_SWITCHES:
         raise TooManySwitchesError(f"these equations have {n} switches; at most {MAX_SWITCHES} can be handled")
-    return make_modes_of(find_surfaces(add_contacts(equations)))
+    return make_modes_of(find_surfaces(pushed))
 
 
 def make_modes_of(

@@ -14,10 +14,8 @@ def add_rests(model: Model, sticks: Iterable[tuple[str, str]]) -> Model:
     """Return a model in which impacts that accumulate at events come to rest in modes: pairs (event, mode)."""
     named = [(event, mode) for event, mode in sticks if mode in model.modes]
     if model.derived is not None:
-        if not named:
-            return model
         derived = model.derived.add_rests(named, model.delayed_symbols)
-        return replace(model, derived=derived, **derived.parts)
+        return model if derived is model.derived else replace(model, derived=derived, **derived.parts)
     segments = dict(model.segments)
     for event, mode in named:
         for segment in list_leaders(s for s in model.segments.values() if s.event == event):

@@ -148,7 +148,6 @@ class PartTables:
         self._crossing, self._ending, self._held, self._clock = Lists(), Lists(), Lists(), Lists()
         self._decisions = _Decisions()
         self._last_way: dict[int, int] = {}
-        self._needed: list[str] = []
         self._n_shared = 0
         # What was added, in order: a mode (-1, its digits), or a way of a segment (its number, the digits after it).
         self.steps: list[tuple[int, Digits]] = []
@@ -176,7 +175,7 @@ class PartTables:
         """Add a mode, unless it is there, and what ends it; return its number."""
         if mode not in self.modes:
             derived = self.model.derived
-            self.steps.append((MISSING, (None if derived is None else derived.find_digits(mode)) or ()))
+            self.steps.append((MISSING, () if derived is None else derived.find_digits(mode)))
             self._fill_mode(mode)
         return self.modes[mode]
 
@@ -193,7 +192,7 @@ class PartTables:
         if len(digits) != len(derived.equations.switches) or not set(digits) <= {0, 1, 2}:
             raise KeyError(digits)
         mode = derived.equations.name_mode(digits)
-        if derived.find_digits(mode) is None or (leader != MISSING and leader not in self.endings):
+        if derived.look_up(mode) is None or (leader != MISSING and leader not in self.endings):
             raise KeyError(mode)
         if leader == MISSING:
             self.add_mode(mode)
@@ -222,12 +221,6 @@ class PartTables:
         self._crossing.append(k for k, event in zip(leaders, events, strict=True) if event.function is not None)
         for segment in self._waiting.pop(mode, ()):
             self._segment["to"][segment] = number
-        self._add_needed()
-
-    def _add_needed(self) -> None:
-        """Add the modes of rest that segments may lead to: nothing asks for them on the way."""
-        while self._needed:
-            self.add_mode(self._needed.pop())
 
     def add_way(self, leader: int, digits: Digits) -> int:
         """Add the segment of an ending after which some digits hold, and the mode that it leads to."""
@@ -239,8 +232,15 @@ class PartTables:
             self._segment["next_way"][self._last_way[leader]] = number
             self._last_way[leader] = number
         self.add_mode(segment.to)
-        self._add_needed()
         return number
+
+    def add_rest(self, leader: int) -> int:
+        """Add the mode in which motions rest after a segment; return the number of what the segment is then."""
+        ending = self.endings[leader].segment
+        resting = find_rest(self.model, ending, self.stick.get(ending.event))
+        assert resting is not None, "only a segment with a rest is asked for it"
+        self.add_mode(resting.to)
+        return self.segments[resting.name]
 
     def add_event(self, event: str) -> int:
         """Add an event, unless it is there; return its number."""
@@ -314,7 +314,6 @@ class PartTables:
         if resting is not None and self._resting[number] == MISSING:
             known = self.segments.get(resting.name)
             self._resting[number] = self._number_segment(resting) if known is None else known
-            self._needed.append(resting.to)
 
     def _find_repulsion(self, segment: Segment) -> tuple[tuple[sympy.Expr, ...], int] | None:
         """Return the condition that a surface repels the motion after a segment, and the digits there as bits."""

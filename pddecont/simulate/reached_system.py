@@ -8,6 +8,8 @@ from pddecont.codegen import ModelFunctions, NumericModel
 from pddecont.delay import DelayMethod
 from pddecont.model import TIME
 from pddecont.simulate.integrator import (
+    REST,
+    WAY,
     IntegratorState,
     ParameterValues,
     System,
@@ -77,10 +79,14 @@ class ReachedSystem:
     def add_way(self, values: ParameterValues) -> None:
         """Add what the integrator asked for: where the segment leads that it came to the end of."""
         work = self.work
-        leader, undecided = int(work.asked[0]), bool(work.asked[1])
+        leader, missing = int(work.asked[0]), int(work.asked[1])
+        if missing == REST:
+            rest = self.tables.add_rest(leader)
+            self.work.asked[2:] = leader, rest
+            return
         model, n, digits = self.numeric.model, self.numeric.n_states, tuple(work.digits.tolist())
         # Rounding may let two conditions hold that exclude each other.
-        if not undecided and (model.derived is None or model.derived.surfaces.may_be(digits)):
+        if missing == WAY and (model.derived is None or model.derived.surfaces.may_be(digits)):
             self.tables.add_way(leader, digits)
             return
         assert model.derived is not None, "conditions of a model by hand always decide"

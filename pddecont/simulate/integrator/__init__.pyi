@@ -38,3 +38,5 @@ from .status import Status as Status
 from .system import ParameterValues as ParameterValues
 from .system import System as System
 from .tangent_growth import measure_growth as measure_growth
+from .ways import REST as REST
+from .ways import WAY as WAY

@@ -112,7 +112,7 @@ class Workspace(NamedTuple):
     delayed values and their slopes (n_pairs + 1,), ``jacobian`` the derivatives of a field or a reset
     (n, n + n_pairs + 1), ``gradient`` those of an event function. ``bernstein`` and ``stack`` have 64 rows of 10 and 4.
     ``digits`` are those that an event leads to (n_keys,). ``asked`` holds the segment whose way on is not in the tables
-    and 1 if no rule says which it is; then a segment (-1: none) and the way that it has to go (4,). ``landing`` holds
+    and what is missing; then a segment (-1: none) and the way that it has to go (4,). ``landing`` holds
     the time and the states after the reset of that segment (n + 1,).
     """
 

@@ -11,7 +11,7 @@ from pddecont.simulate.integrator.history import read_delayed, time_tolerance
 from pddecont.simulate.integrator.state import ARC, FRESH, LAST_EVENT, MODE, N_PENDING, READY, SHIFT, ZENO_TIME, T
 from pddecont.simulate.integrator.status import Status
 from pddecont.simulate.integrator.variational import find_event_shift, map_tangent, set_tangent
-from pddecont.simulate.integrator.ways import choose_way
+from pddecont.simulate.integrator.ways import ask_for_rest, choose_way
 
 
 @internal
@@ -38,13 +38,12 @@ def resume_events(c):
         if segment < 0:
             break
         event = c.segment_event[segment]
-        both = _leaves_to_both_sides(c, segment)
+        if _leaves_to_both_sides(c, segment):
+            result = Status.REPELLED
         status, segment = _apply_event(c, segment, pending)
         if status == Status.NEW_WAY:
             c.resume[0], c.resume[1], c.resume[2], c.resume[3] = 1, forced, result, repelling
             return status
-        if both:
-            result = Status.REPELLED
         if _is_repelled(c, segment, t):
             repelling = segment
         forced = -1
@@ -82,12 +81,9 @@ def find_start_crossing(c):
         direction = 1 if into > 0.0 else -1
         if into == 0.0 or direction * c.segment_direction[segment] < 0 or abs(evaluate_event(c, event, t, c.y)) > size:
             continue
-        read_delayed(c, t, c.y, c.xd, 0)
         for i in range(c.dimension):
             c.trial[i] = c.y[i]
-        for i in range(c.n):
-            c.trial[i] = 0.0
-        _call_reset(c, segment, t, c.trial)
+        _apply_reset(c, segment, t, c.trial)
         way = choose_way(c, segment, t, c.trial)
         if way < 0:
             return -2, 0
@@ -162,12 +158,14 @@ def _apply_event(c, segment, pending):
     """End a segment: reset, new mode, breaking points and delayed events to come; return a status.
 
     The segment that it turned out to be is returned too. ``pending`` is the place of the delayed event in the queue, -1
-    for an event function. Nothing has changed where the status is NEW_WAY.
+    for an event function. Nothing has happened yet where the status is NEW_WAY.
     """
     t, n, mode = c.clock[T], c.n, c.count[MODE]
     event = c.segment_event[segment]
-    _apply_reset(c, segment, t)
-    way = choose_way(c, segment, t, c.after_reset)
+    crossing, resolution = (c.crossing[event] if pending < 0 else 0), 0.0
+    if crossing != 0:
+        _, resolution = evaluate_event_slope(c, event, mode, t, c.y)
+    status, way = _find_way_on(c, segment, crossing, resolution)
     if way < 0:
         return Status.NEW_WAY, segment
     shift = 0.0
@@ -176,21 +174,10 @@ def _apply_event(c, segment, pending):
         remove_pending(c, pending)
     elif c.tangent == 1:
         shift = find_event_shift(c, event, mode, t)
-    crossing, resolution = (c.crossing[event] if pending < 0 else 0), 0.0
-    if crossing != 0:
-        _, resolution = evaluate_event_slope(c, event, mode, t, c.y)
-    _apply_reset(c, segment, t)
-    segment = way
-    status = _find_way_on(c, event, crossing, mode, c.segment_to[segment], t, resolution)
-    if status != Status.REACHED and c.resting[segment] >= 0:
-        segment, status = c.resting[segment], Status.REACHED
-        _apply_reset(c, segment, t)
-        for i in range(1, 4):
-            c.accumulation[4 * event + i] = 0.0
     if c.tangent == 1:
-        map_tangent(c, c.segment_reset[segment], mode, t, shift)
-    target = c.segment_to[segment]
-    _log_event(c, segment, t)
+        map_tangent(c, c.segment_reset[way], mode, t, shift)
+    target = c.segment_to[way]
+    _log_event(c, way, t)
     for i in range(n):
         c.y[i] = c.after_reset[i]
     if c.tangent == 1:
@@ -200,29 +187,34 @@ def _apply_event(c, segment, pending):
     c.count[FRESH], c.count[READY] = 1, 0
     c.count[LAST_EVENT] = event
     c.clock[SHIFT] = shift
-    c.segment_counts[segment] += 1
+    c.segment_counts[way] += 1
     add_breaking_points(c, t, 0)
     for place in range(c.clock_first[event], c.clock_first[event + 1]):
         other = c.clock_event[place]
         add_pending(c, t + c.event_delay[other], other, shift)
     carry_sides(c, event if crossing != 0 else -1, resolution, mode, t)
-    return status, segment
+    return status, way
 
 
 @internal
-def _apply_reset(c, segment, t):
-    """Write the states after a segment's reset to ``c.after_reset``; ``c.xd`` holds the delayed values then."""
-    read_delayed(c, t, c.y, c.xd, 0)
-    for i in range(c.n):
-        c.after_reset[i] = 0.0
-    _call_reset(c, segment, t, c.after_reset)
+def _find_way_on(c, segment, crossing, resolution):
+    """Return whether the motion goes on after a segment, and the segment that it is; ``c.after_reset`` is what follows.
 
-
-@internal
-def _call_reset(c, segment, t, after):
-    """Write the states after a segment's reset to ``after``; ``c.xd`` holds the delayed values."""
-    reset = c.segment_reset[segment]
-    call(c.reset[reset], c.reset_case[reset], t, c.y, c.xd, c.p, after)
+    The status is SLIDING or ZENO where nothing is said of the motion there, else REACHED. The segment is -1 where the
+    tables do not hold it, or the mode that it leads to.
+    """
+    t, event, mode, resting = c.clock[T], c.segment_event[segment], c.count[MODE], c.resting[segment]
+    _apply_reset(c, segment, t, c.after_reset)
+    way, status = choose_way(c, segment, t, c.after_reset), Status.REACHED
+    if way >= 0 and way != resting:
+        status = _find_halt(c, event, crossing, mode, c.segment_to[way], t, resolution)
+        if status != Status.REACHED and resting >= 0:
+            way, status = ask_for_rest(c, segment), Status.REACHED
+    if way >= 0 and way == resting:
+        _apply_reset(c, way, t, c.after_reset)
+        for i in range(1, 4):
+            c.accumulation[4 * event + i] = 0.0
+    return status, way
 
 
 @internal
@@ -238,7 +230,7 @@ def _log_event(c, segment, t):
 
 
 @internal
-def _find_way_on(c, event, crossing, mode, target, t, resolution):
+def _find_halt(c, event, crossing, mode, target, t, resolution):
     """Return whether the motion goes on from ``c.after_reset``: SLIDING or ZENO where it does not, else REACHED."""
     _swap_states(c)
     status = Status.REACHED
@@ -264,6 +256,16 @@ def _leaves_to_both_sides(c, segment):
     """Return whether a motion that leaves a surface by ``segment`` is let go to the other side at the same moment."""
     other = c.segment_opposite[segment]
     return other >= 0 and c.crossing[c.segment_event[other]] * c.segment_direction[other] > 0
+
+
+@internal
+def _apply_reset(c, segment, t, after):
+    """Write the states after the reset of a segment to ``after``; ``c.xd`` holds the delayed values then."""
+    read_delayed(c, t, c.y, c.xd, 0)
+    for i in range(c.n):
+        after[i] = 0.0
+    reset = c.segment_reset[segment]
+    call(c.reset[reset], c.reset_case[reset], t, c.y, c.xd, c.p, after)
 
 
 @internal

@@ -7,6 +7,9 @@ from pddecont.simulate.integrator.calls import call, internal
 # The digit of a switch above its surface; conditions know digits as bits.
 ABOVE = 1
 
+# What may be missing of a segment: a way whose digits are known, a way that no rule decides, and the rest.
+WAY, UNDECIDED, REST = 0, 1, 2
+
 
 @internal
 def choose_way(c, segment, t, y):
@@ -20,21 +23,42 @@ def choose_way(c, segment, t, y):
         return c.asked[3]
     for k in range(c.n_keys):
         c.digits[k] = c.leader_digits[segment * c.n_keys + k]
-    c.asked[0], c.asked[1] = segment, 0
+    c.asked[0], c.asked[1] = segment, WAY
     for decision in range(c.segment_decision_first[segment], c.segment_decision_end[segment]):
         option = _choose_option(c, decision, t, y)
         if option < 0:
-            c.asked[1] = 1
-            c.landing[0] = t
-            for i in range(c.n):
-                c.landing[i + 1] = y[i]
+            c.asked[1] = UNDECIDED
+            _record_landing(c, t, y)
             return -1
         for i in range(c.decision_size[decision]):
             c.digits[c.decided[c.number_first[decision] + i]] = c.decided_digit[c.digit_first[option] + i]
     way = segment
     while way >= 0 and not _leads_there(c, way):
         way = c.segment_next_way[way]
-    return way if way >= 0 and c.segment_to[way] >= 0 else -1
+    if way >= 0 and c.segment_to[way] >= 0:
+        return way
+    _record_landing(c, t, y)
+    return -1
+
+
+@internal
+def _record_landing(c, t, y):
+    c.landing[0] = t
+    for i in range(c.n):
+        c.landing[i + 1] = y[i]
+
+
+@internal
+def ask_for_rest(c, segment):
+    """Return what a segment is where the motion rests; -1 where the tables do not hold its mode yet.
+
+    ``c.asked`` then says what is missing.
+    """
+    resting = c.resting[segment]
+    if c.segment_to[resting] >= 0:
+        return resting
+    c.asked[0], c.asked[1] = segment, REST
+    return -1
 
 
 @internal
