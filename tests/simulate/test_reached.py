@@ -84,7 +84,10 @@ def test_a_whole_run_gives_the_same(monkeypatch, tmp_path, model, steps):
 
 
 def test_a_rest_is_reached_where_the_impacts_accumulate(monkeypatch):
-    """A ball that falls from 1 lies after (1 + 2 r/(1 - r)) sqrt(2), in a mode that nothing has led to before."""
+    """A ball that falls from 1 lies after (1 + 2 r/(1 - r)) sqrt(2), in a mode that nothing has led to before.
+
+    Then 0.7 sin t is below -0.5: what slides beside it slips down.
+    """
     build_as_reached(monkeypatch)
     numeric = numeric_from({**RESTING, "parameters": {"G": 0, "r": 0.5}})
     simulator = Simulator(numeric, Direct())
@@ -94,7 +97,7 @@ def test_a_rest_is_reached_where_the_impacts_accumulate(monkeypatch):
     state, _ = simulator.advance(values, state, 3.0 * 2.0**0.5 - 1e-3)
     assert not any("stop_rest" in mode for mode in simulator.tables.modes)
     state, _ = simulator.advance(values, state, 3.0 * 2.0**0.5 + 1e-3)
-    assert list(simulator.tables.modes)[state.count[0]] == "slip_on_stop_rest"
+    assert list(simulator.tables.modes)[state.count[0]] == "slip_below_stop_rest"
     assert np.max(np.abs(state.y[:2])) < 1e-12
 
 
