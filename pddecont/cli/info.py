@@ -137,23 +137,24 @@ def _describe_many(model: Model) -> dict[str, Any]:
 
 def _describe_ending(derived: DerivedModes, ending: Ending) -> Iterator[str]:
     """Yield what an ending changes: the digits that it sets, and those that conditions decide."""
-    from pddecont.model import WORDS, write_condition
+    from pddecont.model import write_condition
 
     switches = derived.equations.switches
-    before = derived.find_digits(ending.segment.mode) or ()
+    before = derived.find_digits(ending.segment.mode)
     decided = {k for decision in ending.decisions for k in decision.numbers}
     for k, (old, new) in enumerate(zip(before, ending.after, strict=True)):
         if old != new and k not in decided:
-            yield f"{switches[k].name}_{WORDS[new]}"
+            yield switches[k].word(new)
     for decision in ending.decisions:
         ways = []
         for number, option in enumerate(decision.options):
             digits = zip(decision.numbers, option, strict=True)
-            words = "_".join(f"{switches[k].name}_{WORDS[digit]}" for k, digit in digits)
+            words = "_".join(switches[k].word(digit) or "free" for k, digit in digits)
             last = number == len(decision.options) - 1 and not decision.is_open
             rules = decision.rules[number : number + (not last)]
             ways.append(" when ".join([words, *map(write_condition, rules)]))
         yield ", else ".join(ways)
+    yield from (f"{resting.to} after impacts that accumulate" for resting, _ in ending.rests)
 
 
 def _describe_switches(derived: DerivedModes) -> list[str]:

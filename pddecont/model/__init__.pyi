@@ -44,13 +44,13 @@ from .switches import BELOW as BELOW
 from .switches import ON as ON
 from .switches import WORDS as WORDS
 from .switches import Digits as Digits
+from .switches import find_bits as find_bits
 from .syntax import ExpressionError as ExpressionError
 from .system import DelayedValue as DelayedValue
 from .system import Model as Model
 from .system import check_signature as check_signature
 from .transitions import WAYS as WAYS
 from .transitions import Transitions as Transitions
-from .transitions import choose_rest as choose_rest
 from .transitions import find_event_form as find_event_form
 from .transitions import find_field_form as find_field_form
 from .transitions import find_reset_form as find_reset_form
@@ -65,6 +65,7 @@ from .transitions import list_held as list_held
 from .transitions import list_leaders as list_leaders
 from .transitions import list_shared_forms as list_shared_forms
 from .transitions import list_transitions as list_transitions
+from .transitions import list_way_digits as list_way_digits
 from .transitions import may_slide as may_slide
 from .validation import UNION_TAG as UNION_TAG
 from .validation import Formula as Formula

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import threading
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from itertools import product
@@ -19,8 +19,9 @@ import sympy
 from pddecont.errors import PddecontError
 from pddecont.model.contacts import add_contacts
 from pddecont.model.ending_names import list_event_digits, list_written_digits
-from pddecont.model.endings import NO_STICKS, Crossing, Ending, EndingFinder, ModeEndings, Sticks
+from pddecont.model.endings import Crossing, Ending, EndingFinder, ModeEndings
 from pddecont.model.parts import IDENTITY, Event, Form, Segment
+from pddecont.model.rest import find_rate_along, find_resting, make_resting
 from pddecont.model.sliding import Surfaces, find_surfaces, put_in
 from pddecont.model.switches import ABOVE, BELOW, ON, Digits, Equations, find_bits, name_digits
 from pddecont.model.validation import ALTERNATIVE
@@ -68,9 +69,15 @@ class Parts(Mapping[str, T]):
 class DerivedModes:
     """What is made of a model's equations: fields, events, resets and segments by name."""
 
-    def __init__(self, surfaces: Surfaces, sticks: Sticks = NO_STICKS) -> None:
-        self.surfaces, self.equations, self.sticks = surfaces, surfaces.equations, sticks
-        self._finder = EndingFinder(surfaces, sticks)
+    def __init__(
+        self,
+        surfaces: Surfaces,
+        sticks: tuple[tuple[str, str], ...] = (),
+        delayed: frozenset[sympy.Symbol] = frozenset(),
+    ) -> None:
+        self._sticks, self._delayed = sticks, delayed
+        self.surfaces, self.equations = surfaces, surfaces.equations
+        self._finder = EndingFinder(surfaces)
         self._modes: dict[str, Digits] = {}
         self._endings: dict[Digits, ModeEndings] = {}
         self._fields: dict[str, Exprs] = {}
@@ -87,9 +94,7 @@ class DerivedModes:
 
     def __eq__(self, other: object) -> bool:
         """Return whether the same is made of both, whatever was reached."""
-        if not isinstance(other, DerivedModes):
-            return False
-        return self.surfaces == other.surfaces and self.sticks == other.sticks
+        return isinstance(other, DerivedModes) and (self.surfaces, self._sticks) == (other.surfaces, other._sticks)
 
     __hash__ = None  # type: ignore[assignment]
 
@@ -120,7 +125,7 @@ class DerivedModes:
     @cached_property
     def n_modes(self) -> int:
         """How many modes there may be."""
-        return math.prod(len(self.surfaces.list_digits(k)) for k in range(len(self.equations.switches)))
+        return math.prod(len(self.surfaces.list_digits(k)) for k in range(len(self.surfaces.slides)))
 
     @property
     def builds_all(self) -> bool:
@@ -133,7 +138,7 @@ class DerivedModes:
             self.build(digits)
 
     def _list_every(self) -> Iterator[Digits]:
-        options = (sorted(self.surfaces.list_digits(k)) for k in range(len(self.equations.switches)))
+        options = (sorted(self.surfaces.list_digits(k)) for k in range(len(self.surfaces.slides)))
         return (digits for digits in product(*options) if self.surfaces.may_be(digits))
 
     def build_every(self, most: int) -> bool:
@@ -142,8 +147,9 @@ class DerivedModes:
             return False
         for digits in self._list_every():
             for ending in self.list_endings(self.build(digits)):
-                for after in ending.list_digits():
+                for after in self.list_way_digits(ending):
                     self.make_segment(ending, after)
+                self.list_rests(ending)
         return True
 
     def build(self, digits: Digits) -> str:
@@ -156,9 +162,8 @@ class DerivedModes:
                 for event in ends.events.values():
                     self._events.setdefault(event.name, event)
                 for reset, form in ends.resets.items():
-                    values = self.surfaces.find_values(digits)
                     self._forms.setdefault(reset, form)
-                    self._resets.setdefault(reset, tuple(put_in(g, values) for g in form.exprs))
+                    self._resets.setdefault(reset, self._put_in(form, digits))
                 if self.builds_all:
                     self.list_segments(name)
         return name
@@ -169,7 +174,11 @@ class DerivedModes:
             tuple(ABOVE if d == ON and not s else d for d, s in zip(digits, self.surfaces.slides, strict=True))
         )
 
-    def find_digits(self, mode: str) -> Digits | None:
+    def find_digits(self, mode: str) -> Digits:
+        """Return the digits of a mode."""
+        return self.look_up(mode) or ()
+
+    def look_up(self, mode: str) -> Digits | None:
         """Return the digits of a mode by its name; None if there is no such mode."""
         known = self._modes.get(mode)
         if known is not None:
@@ -179,63 +188,103 @@ class DerivedModes:
             return None
         return digits if self.surfaces.may_be(digits) else None
 
+    def add_rests(self, sticks: Sequence[tuple[str, str]], delayed: Collection[sympy.Symbol]) -> DerivedModes:
+        """Return the same where impacts that accumulate at events come to rest in modes: pairs (event, mode)."""
+        if set(sticks) <= set(self._sticks):
+            return self
+        return make_modes_of(self.surfaces, (*self._sticks, *sticks), frozenset(delayed))
+
     def find_ends(self, digits: Digits) -> ModeEndings:
         """Return what ends the mode with some digits, which is not listed for that."""
         with self._lock:
             if digits not in self._endings:
-                self._endings[digits] = self._finder.find(digits)
+                ends = self._finder.find(digits)
+                ends.endings = [self._let_rest(ending, ends) for ending in ends.endings]
+                self._endings[digits] = ends
             return self._endings[digits]
+
+    def _let_rest(self, ending: Ending, ends: ModeEndings) -> Ending:
+        """Return an ending with the modes in which its motions rest that are named apart from the equations."""
+        own, rests = ending.segment, list(ending.rests)
+        for event, mode in self._sticks:
+            held = self.look_up(mode) if event == own.event else None
+            resting = make_resting(own, own.name, mode)
+            if held is not None and all(resting.name != known.name for known, _ in rests):
+                rests.append((resting, held))
+                reset, function = ends.resets.get(own.reset), ends.events[own.event].function
+                rate = find_rate_along(function or sympy.S.Zero, self.equations.states, self.modes[own.mode])
+                before = self.equations.states if reset is None else self._put_in(reset, self.find_digits(own.mode))
+                read = rate.free_symbols | (function or sympy.S.Zero).free_symbols
+                known = function is not None and not read & self._delayed
+                after = find_resting(self.equations.states, rate, before) if known else before
+                ends.resets[resting.reset] = Form(after)
+        return replace(ending, rests=tuple(rests))
 
     def list_endings(self, mode: str) -> list[Ending]:
         """Return what ends a mode, which is built if it was not."""
-        digits = self.find_digits(mode)
+        digits = self.look_up(mode)
         if digits is None:
             return []
         self.build(digits)
         return self.find_ends(digits).endings
 
     def list_segments(self, mode: str) -> list[Segment]:
-        """Return the segments that run in a mode; of an ending that may lead to many modes the first one, and rests."""
+        """Return the segments that run in a mode; of an ending that may lead to many modes the first one."""
         found = []
         for ending in self.list_endings(mode):
-            every = ending.list_digits()
+            every = self.list_way_digits(ending)
             few = every if ending.n_ways <= FEW_WAYS else [next(every)]
             found += [self.make_segment(ending, digits) for digits in few]
-            found += [self.make_rest(rest) for rest in ending.rests]
+            found += self.list_rests(ending)
         return found
+
+    def list_way_digits(self, ending: Ending) -> Iterator[Digits]:
+        """Yield the digits of the modes that an ending may lead to."""
+        return (digits for digits in ending.list_digits() if self.surfaces.may_be(digits))
+
+    def list_rests(self, ending: Ending) -> list[Segment]:
+        """Return what the segment of an ending is where the motion comes to rest."""
+        with self._lock:
+            return [self._segments.setdefault(resting.name, resting) for resting, _ in ending.rests]
 
     def make_segment(self, ending: Ending, digits: Digits) -> Segment:
         """Return the segment of an ending that leads to the mode with some digits."""
-        to, own = self.equations.name_mode(digits), ending.segment
-        name = own.name if ending.n_ways == 1 else f"{own.name}{ALTERNATIVE}{to}"
+        name = self._name_way(ending, digits)
         with self._lock:
             if name not in self._segments:
-                made = replace(own, name=name, to=to)
-                if ending.n_ways > 1:
-                    guard = self._finder.finder.find_guard(ending.decisions, digits)
-                    made = replace(made, written=own.name, guard=guard)
-                self._segments[name] = made
+                self._segments[name] = self.make_unlisted(ending, digits)
             return self._segments[name]
 
-    def make_rest(self, rest: Segment) -> Segment:
-        """Return the segment that ends with the last of impacts that accumulate."""
-        with self._lock:
-            return self._segments.setdefault(rest.name, rest)
+    def make_unlisted(self, ending: Ending, digits: Digits) -> Segment:
+        """Return the same, which is not listed for that."""
+        made = replace(ending.segment, name=self._name_way(ending, digits), to=self.equations.name_mode(digits))
+        if ending.n_ways == 1:
+            return made
+        guard = self._finder.finder.find_guard(ending.decisions, digits)
+        return replace(made, written=ending.segment.name, guard=guard)
+
+    def _name_way(self, ending: Ending, digits: Digits) -> str:
+        if ending.n_ways == 1:
+            return ending.segment.name
+        return f"{ending.segment.name}{ALTERNATIVE}{self.equations.name_mode(digits)}"
 
     def choose(self, ending: Ending, numbers: Mapping[sympy.Symbol, float]) -> Digits:
         """Return the digits that follow an ending where symbols have these ``numbers``."""
         return choose_digits(self.surfaces, ending.after, ending.undecided, numbers)
 
-    def list_ways(self, segment: Segment) -> tuple[Segment, ...]:
-        """Return the segments that an ending may be; of one with many ways those asked for so far, and rests."""
+    def find_ending(self, segment: Segment) -> Ending:
+        """Return the ending that a segment is of."""
         written = segment.written or segment.name
-        for ending in self.list_endings(segment.mode):
-            if ending.segment.name != written:
-                continue
-            rests = tuple(self.make_rest(rest) for rest in ending.rests)
-            if ending.n_ways <= FEW_WAYS:
-                return *(self.make_segment(ending, digits) for digits in ending.list_digits()), *rests
-        return tuple(s for s in list(self._segments.values()) if written in (s.written, s.name))
+        return next(e for e in self.list_endings(segment.mode) if e.segment.name == written)
+
+    def list_ways(self, segment: Segment) -> tuple[Segment, ...]:
+        """Return the segments that one may be; of one with many ways those asked for so far."""
+        written, ending = segment.written or segment.name, self.find_ending(segment)
+        if ending.n_ways <= FEW_WAYS:
+            ways = [self.make_segment(ending, digits) for digits in self.list_way_digits(ending)]
+        else:
+            ways = [s for s in list(self._segments.values()) if s.written == written and not s.rests]
+        return (*ways, *self.list_rests(ending))
 
     def find_form(self, reset: str) -> Form:
         """Return a reset in the digits of the switches."""
@@ -243,7 +292,7 @@ class DerivedModes:
 
     def find_field_form(self, mode: str) -> Form:
         """Return the vector field of a mode in the digits of the switches along which it does not slide."""
-        digits = self.find_digits(mode) or ()
+        digits = self.find_digits(mode)
         on = tuple(k for k, d in enumerate(digits) if d == ON)
         if on not in self._slid:
             values = self.surfaces.solve(on)
@@ -266,8 +315,7 @@ class DerivedModes:
                     rate = rates[k]
                     if self.surfaces.slides[k] and rate is not None and switch.digit in expr.free_symbols - seen:
                         seen.add(switch.digit)
-                        # The last impact before a rest takes the speed away.
-                        exprs += [rate] if switch.contact is None else [rate, switch.argument]
+                        exprs.append(rate)
             found.append(exprs)
         return found
 
@@ -289,25 +337,22 @@ class DerivedModes:
 
         Between them they have the conditions and functions that such modes have.
         """
-        own = self.find_digits(mode) or ()
-        switches = self.equations.switches
-        digits = dict.fromkeys(
-            tuple(d if d == ON or s.contact is not None else side for s, d in zip(switches, own, strict=True))
-            for side in (BELOW, ABOVE)
-        )
-        return [self.find_ends(d) for d in digits if self.surfaces.may_slide(d)]
+        own, switches = self.find_digits(mode), self.equations.switches
+        digits = dict.fromkeys(tuple(d if d == ON else side for d in own) for side in (BELOW, ABOVE))
+        free = [
+            tuple(d if s.contact is None or d == ON else s.free for d, s in zip(alike, switches, strict=True))
+            for alike in digits
+        ]
+        return [self.find_ends(d) for d in dict.fromkeys(free) if self.surfaces.may_be(d)]
 
     def keep_states(self, kept: Sequence[int]) -> DerivedModes:
         """Return the same with these states alone; nothing that is left reads the others."""
-        return make_modes_of(replace(self.surfaces, equations=self.equations.keep_states(kept)), self.sticks)
-
-    def add_sticks(self, sticks: Iterable[tuple[str, str]], delayed: Collection[sympy.Symbol]) -> DerivedModes:
-        """Return the same in which impacts that accumulate at events come to rest in modes: pairs (event, mode)."""
-        return make_modes_of(self.surfaces, Sticks((*self.sticks.modes, *sticks), frozenset(delayed)))
+        surfaces = replace(self.surfaces, equations=self.equations.keep_states(kept))
+        return make_modes_of(surfaces, self._sticks, self._delayed)
 
     def name_briefly(self, ending: Ending) -> str:
         """Return the name of an ending's segment without the digits of other switches."""
-        digits = self.find_digits(ending.segment.mode) or ()
+        digits = self.find_digits(ending.segment.mode)
         number = -1 if ending.crossing is None else ending.crossing.switch
         return ending.segment.name.removeprefix(name_digits(self.equations.switches, digits, number)).removeprefix("_")
 
@@ -318,17 +363,16 @@ class DerivedModes:
 
     def find_crossing(self, segment: Segment) -> Crossing | None:
         """Return what a segment does with a switch; None for jumps."""
-        name = segment.written or segment.name
-        return next((e.crossing for e in self.list_endings(segment.mode) if e.segment.name == name), None)
+        return self.find_ending(segment).crossing if segment.event else None
 
     def find_jump_of_rate(self, switch: int, mode: str) -> sympy.Expr:
         """Return by how much du/dt of a switch grows across its surface: motions slide where it is negative."""
-        low, high = self.surfaces.find_bounds(switch, self.find_digits(mode) or ())
+        low, high = self.surfaces.find_bounds(switch, self.find_digits(mode))
         return high - low
 
     def find_digit(self, mode: str, switch: int) -> int:
         """Return the digit of a switch in a mode."""
-        return (self.find_digits(mode) or ())[switch]
+        return self.find_digits(mode)[switch]
 
     def list_exits(self, mode: str) -> list[tuple[str, Crossing]]:
         """Return the events at which motions cease to slide in a mode, and what they do."""
@@ -337,23 +381,29 @@ class DerivedModes:
 
     def find_surface(self, mode: str, event: str) -> int | None:
         """Return the switch whose surface an event is in a mode beside it; None for other events."""
-        digits, switches = self.find_digits(mode) or (), self.equations.switches
-        plain = (k for k, s in enumerate(switches) if not s.remembers and s.contact is None)
-        beside = (k for k in plain if digits and digits[k] != ON)
+        digits = self.find_digits(mode)
+        switches = self.equations.switches
+        beside = (
+            k for k, d in enumerate(digits) if d != ON and not switches[k].remembers and switches[k].contact is None
+        )
         return next((k for k in beside if self._finder.name_surface(k, digits).name == event), None)
 
     def list_surfaces(self, mode: str) -> tuple[str, ...]:
         """Return the events whose functions are the surfaces that a motion slides along in a mode."""
         digits = self.find_digits(mode)
-        return () if digits is None else tuple(event.name for event in self._finder.list_held(digits))
+        return tuple(event.name for event in self._finder.list_held(digits))
 
     def find_return(self, mode: str) -> str:
         """Return the reset that puts states on the surfaces that a motion slides along in a mode."""
-        return RETURN + mode if ON in (self.find_digits(mode) or ()) else IDENTITY
+        return RETURN + mode if ON in self.find_digits(mode) else IDENTITY
+
+    def _put_in(self, form: Form, digits: Digits) -> Exprs:
+        values = self.surfaces.find_values(digits)
+        return tuple(put_in(e, values) for e in form.exprs)
 
     def _find_field(self, mode: str) -> Exprs | None:
         if mode not in self._fields:
-            digits = self.find_digits(mode)
+            digits = self.look_up(mode)
             if digits is None:
                 return None
             values = self.surfaces.find_values(digits)
@@ -371,7 +421,7 @@ class DerivedModes:
 
     def _find_reset(self, name: str) -> Exprs | None:
         if name not in self._resets and name.startswith(RETURN):
-            digits = self.find_digits(name.removeprefix(RETURN)) or ()
+            digits = self.find_digits(name.removeprefix(RETURN))
             if ON in digits:
                 self._resets[name] = self._make_return(digits)
         elif name not in self._resets and ALTERNATIVE in name:
@@ -384,22 +434,22 @@ class DerivedModes:
         if name not in self._segments:
             for digits in list_written_digits(self.equations, written):
                 endings = self.list_endings(self.equations.name_mode(digits))
-                after = self.find_digits(to) if to else None
+                after = self.look_up(to) if to else None
                 for ending in endings:
-                    if rest := next((rest for rest in ending.rests if rest.name == name), None):
-                        return self.make_rest(rest)
+                    if ending.segment.name == written and any(s.name == name for s in self.list_rests(ending)):
+                        break
                     if ending.segment.name != written or (ending.n_ways > 1) != bool(to):
                         continue
                     if after is None and not to:
-                        return self.make_segment(ending, next(ending.list_digits()))
+                        return self.make_segment(ending, next(self.list_way_digits(ending)))
                     if after is not None and ending.may_lead_to(after):
                         return self.make_segment(ending, after)
         return self._segments.get(name)
 
     def _make_return(self, digits: Digits) -> Exprs:
         """Return the reset to the nearest states at which the functions of the surfaces of a mode are zero."""
-        surfaces = (event.function for event in self._finder.list_held(digits))
-        x, u = sympy.Matrix(self.equations.states), sympy.Matrix([h for h in surfaces if h is not None])
+        held = (event.function for event in self._finder.list_held(digits))
+        x, u = sympy.Matrix(self.equations.states), sympy.Matrix([h for h in held if h is not None])
         slopes = u.jacobian(x)
         square = slopes * slopes.T
         change = slopes.T * (square.adjugate() * u) / square.det(method="berkowitz")
@@ -423,8 +473,10 @@ def make_modes(equations: Equations) -> DerivedModes:
     return make_modes_of(find_surfaces(pushed))
 
 
-def make_modes_of(surfaces: Surfaces, sticks: Sticks = NO_STICKS) -> DerivedModes:
-    """Return what is made of equations whose surfaces are known."""
-    made = DerivedModes(surfaces, sticks)
+def make_modes_of(
+    surfaces: Surfaces, sticks: tuple[tuple[str, str], ...] = (), delayed: frozenset[sympy.Symbol] = frozenset()
+) -> DerivedModes:
+    """Return what is made of equations whose surfaces are known; motions rest in the modes that ``sticks`` name."""
+    made = DerivedModes(surfaces, sticks, delayed)
     made.build_all()
     return made

@@ -7,11 +7,9 @@ from collections.abc import Iterator
 from pddecont.model.switches import ABOVE, BELOW, ON, OPEN, Digits, Equations
 
 # What follows a switch's name in that of a segment, and the digit before it.
-PASSED = {"up": BELOW, "down": ABOVE, "off_up": ON, "off_down": ON}
+PASSED = {"up": BELOW, "down": ABOVE, "off_up": ON, "off_down": ON, "off": ON}
 # What follows it in that of an event, and the digit beside or on its surface.
-MET = {"": BELOW, "high": BELOW, "low": ABOVE, "off_up": ON, "off_down": ON}
-# The same of contacts; where they are met is named by their jumps.
-PASSED_AT_REST, MET_AT_REST = {"off": ON}, {"off": ON, "speed": ON}
+MET = {"": BELOW, "high": BELOW, "low": ABOVE, "off_up": ON, "off_down": ON, "off": ON, "speed": ON}
 
 
 def list_written_digits(equations: Equations, name: str) -> Iterator[Digits]:
@@ -25,7 +23,7 @@ def list_written_digits(equations: Equations, name: str) -> Iterator[Digits]:
         if rest is not None:
             yield from (digits for digits in _read(equations, rest, -1) if OPEN not in digits)
     for k, switch in enumerate(equations.switches):
-        for word, digit in (PASSED if switch.contact is None else PASSED_AT_REST).items():
+        for word, digit in PASSED.items():
             rest = _strip_end(name, f"{switch.name}_{word}")
             for digits in () if rest is None else _read(equations, rest, k):
                 if all(digits[i] != OPEN for i in range(n) if i != k):
@@ -40,19 +38,13 @@ def list_event_digits(equations: Equations, name: str) -> Iterator[Digits]:
     for jump in equations.jumps:
         rest = _strip_begin(name, jump.name)
         for digits in () if rest is None else _read(equations, rest, -1):
-            yield from (_close(equations, digits, side) for side in (BELOW, ABOVE))
+            yield from (tuple(side if d == OPEN else d for d in digits) for side in (BELOW, ABOVE))
     for k, switch in enumerate(equations.switches):
-        for word, own in (MET if switch.contact is None else MET_AT_REST).items():
+        for word, own in MET.items():
             rest = _strip_begin(name, f"{switch.name}_{word}" if word else switch.name)
             for digits in () if rest is None else _read(equations, rest, -1):
                 first = own if digits[k] == OPEN or switch.contact is not None else digits[k]
-                yield _close(equations, (*digits[:k], first, *digits[k + 1 :]), BELOW)
-
-
-def _close(equations: Equations, digits: Digits, side: int) -> Digits:
-    """Return digits with those that are open on one side; contacts are free."""
-    sides = (side if s.contact is None else s.free for s in equations.switches)
-    return tuple(own if d == OPEN else d for d, own in zip(digits, sides, strict=True))
+                yield tuple(first if i == k else BELOW if d == OPEN else d for i, d in enumerate(digits))
 
 
 def _strip_end(name: str, end: str) -> str | None:
@@ -65,20 +57,18 @@ def _strip_begin(name: str, begin: str) -> str | None:
 
 
 def _read(equations: Equations, text: str, but: int, first: int = 0) -> Iterator[Digits]:
-    """Yield the digits that words may stand for, switch by switch in order; a switch without one is OPEN.
-
-    A contact that holds no motion has no word.
-    """
+    """Yield the digits that words may stand for, switch by switch in order; a switch without one is OPEN."""
     switches = equations.switches
     if first == len(switches):
         if not text:
             yield ()
         return
-    switch = switches[first]
-    for digit in (BELOW, ABOVE, ON) if first != but else ():
-        word = switch.word(digit)
+    own = switches[first]
+    for digit in (ON, BELOW, ABOVE) if first != but else ():
+        word = own.word(digit)
         rest = _strip_begin(text, word) if word else None
         for others in () if rest is None else _read(equations, rest, but, first + 1):
             yield (digit, *others)
     for others in _read(equations, text, but, first + 1):
-        yield (OPEN if switch.contact is None else switch.free, *others)
+        # A contact is named where it holds.
+        yield (OPEN if own.contact is None else own.free, *others)

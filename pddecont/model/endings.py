@@ -7,7 +7,7 @@ bound, and at the jumps of the model.
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
@@ -17,25 +17,14 @@ import sympy
 from pddecont.model.contacts import is_held
 from pddecont.model.expression import TIME
 from pddecont.model.parts import IDENTITY, Event, Form, Segment
-from pddecont.model.rest import find_reset_to_rest, find_resting, make_resting
-from pddecont.model.sliding import Surfaces, put_in
+from pddecont.model.rest import find_resting, make_resting
+from pddecont.model.sliding import FIXED, Surfaces, put_in
 from pddecont.model.switches import ABOVE, BELOW, ON, Digits, Jump, find_bits, name_digits
 from pddecont.model.vanishing import vanishes, vanishes_where
 from pddecont.model.ways import Decision, Undecided, WayFinder, list_options
 
 # The words for leaving a surface to a side.
-OFF = {ABOVE: "off_up", BELOW: "off_down"}
-
-
-@dataclass(frozen=True)
-class Sticks:
-    """The modes in which motions rest that a run names, by events; ``delayed`` are the delayed values of the model."""
-
-    modes: tuple[tuple[str, str], ...] = ()
-    delayed: frozenset[sympy.Symbol] = frozenset()
-
-
-NO_STICKS = Sticks()
+OFF, OFF_CONTACT = {ABOVE: "off_up", BELOW: "off_down"}, "off"
 
 
 @dataclass(frozen=True)
@@ -51,8 +40,7 @@ class Crossing:
 class Ending:
     """How a mode ends: its segment, whatever it leads to, and what decides the digits that follow.
 
-    ``after`` are the digits behind the event, of which ``undecided`` are those that the ``decisions`` choose. ``rests``
-    are what it may be where it is the last of impacts that accumulate.
+    ``after`` are the digits behind the event, of which ``undecided`` are those that the ``decisions`` choose.
     """
 
     segment: Segment
@@ -60,15 +48,16 @@ class Ending:
     decisions: tuple[Decision, ...] = ()
     undecided: Mapping[int, Undecided] = field(default_factory=dict)
     crossing: Crossing | None = None
-    rests: tuple[Segment, ...] = ()
+    # What the segment is where its event accumulates and the motion rests, with the digits that hold it.
+    rests: tuple[tuple[Segment, Digits], ...] = ()
 
     @property
     def n_ways(self) -> int:
-        """How many sets of digits may follow."""
+        """How many sets of digits may follow, or more."""
         return math.prod(len(decision.options) for decision in self.decisions)
 
     def list_digits(self) -> Iterator[Digits]:
-        """Yield the digits that may follow."""
+        """Yield the digits that may follow, some of which may exclude each other."""
         for chosen in product(*(decision.options for decision in self.decisions)):
             digits = list(self.after)
             for decision, option in zip(self.decisions, chosen, strict=True):
@@ -77,9 +66,9 @@ class Ending:
             yield tuple(digits)
 
     def may_lead_to(self, digits: Digits) -> bool:
-        """Return whether some digits may follow."""
+        """Return whether some digits of a mode may follow."""
         fixed = set(range(len(digits))).difference(*(d.numbers for d in self.decisions))
-        chosen = (tuple(digits[k] for k in d.numbers) in d.options for d in self.decisions)
+        chosen = (d.is_open or tuple(digits[k] for k in d.numbers) in d.options for d in self.decisions)
         return all(digits[k] == self.after[k] for k in fixed) and all(chosen)
 
 
@@ -97,7 +86,6 @@ class EndingFinder:
     """Finds what ends a mode; what all modes share is worked out once."""
 
     surfaces: Surfaces
-    sticks: Sticks = NO_STICKS
 
     def __post_init__(self) -> None:
         self.equations = self.surfaces.equations
@@ -122,30 +110,26 @@ class EndingFinder:
         switch = self.equations.switches[number]
         return self._make_event(switch.name, switch.argument, number, digits, switch.name)
 
-    def list_held(self, digits: Digits) -> Iterator[Event]:
-        """Yield the events whose functions are zero along a motion: those of surfaces; places and speeds of rest."""
-        for k, (switch, digit) in enumerate(zip(self.equations.switches, digits, strict=True)):
-            if digit == ON and switch.contact is not None:
-                yield self._make_event(switch.name, switch.contact, -1, digits, switch.name)
-                yield self._make_event(f"{switch.name}_speed", switch.argument, -1, digits, "")
-            elif digit == ON:
-                yield self.name_surface(k, digits)
-
     def name_exit(self, number: int, digits: Digits, side: int) -> Event:
         """Return the event at which a motion leaves a surface to a side."""
         switch, rate = self.equations.switches[number], self.surfaces.rates[number]
         assert rate is not None, "no motion slides along a surface whose rate is not known"
-        event = self._make_event(self._name_leaving(number, side), rate, number, digits, "")
-        bound = {switch.digit: switch.bounds[side == ABOVE]}
+        word = OFF[side] if switch.contact is None else OFF_CONTACT
+        event = self._make_event(f"{switch.name}_{word}", rate, number, digits, "")
+        bound = FIXED[switch.free] if switch.contact is not None else switch.bounds[side == ABOVE]
         assert event.form is not None
-        own = self.surfaces.find_rate(number, digits, bound[switch.digit])
-        form = Form(tuple(put_in(e, bound) for e in event.form.exprs), event.form.bits)
-        return Event(event.name, own, form=form)
+        form = Form(tuple(put_in(e, {switch.digit: bound}) for e in event.form.exprs), event.form.bits)
+        return Event(event.name, self.surfaces.find_rate(number, digits, bound), form=form)
 
-    def _name_leaving(self, number: int, side: int) -> str:
-        """Return the words for leaving a surface to a side, or a rest."""
-        switch = self.equations.switches[number]
-        return f"{switch.name}_{OFF[side] if switch.contact is None else 'off'}"
+    def list_held(self, digits: Digits) -> Iterator[Event]:
+        """Yield the events whose functions are zero along a motion: those of surfaces; places and speeds at rest."""
+        for k, digit in enumerate(digits):
+            switch = self.equations.switches[k]
+            if digit == ON and switch.contact is not None:
+                yield self._make_event(switch.name, switch.contact, -1, digits, "")
+                yield self._make_event(f"{switch.name}_speed", switch.argument, -1, digits, "")
+            elif digit == ON:
+                yield self.name_surface(k, digits)
 
     def _find_tied(self, jump: Jump, digits: Digits) -> int | None:
         """Return the switch of time alone that a jump passes as it comes, such as the edge of a wave at each dose."""
@@ -181,19 +165,20 @@ class EndingFinder:
     def _leave(self, number: int, digits: Digits, found: ModeEndings) -> None:
         """Add what follows where a motion ceases to slide along a surface."""
         switch = self.equations.switches[number]
-        for held in self.list_held(digits):
-            found.events.setdefault(held.name, held)
+        for event in self.list_held(digits):
+            found.events.setdefault(event.name, event)
         for digit, direction in ((ABOVE, "rising"), (BELOW, "falling")):
             if digit not in self.surfaces.list_digits(number):
                 continue
             event = self.name_exit(number, digits, digit)
             found.events.setdefault(event.name, event)
             after = (*digits[:number], digit, *digits[number + 1 :])
-            written = self._name_segment(self._name_leaving(number, digit), number, digits)
-            segment = Segment(written, "", event.name, direction, IDENTITY, "")
-            crossing = Crossing(number, digit == ABOVE, leaves=True) if switch.contact is None else None
+            is_contact = switch.contact is not None
+            written = self._name_segment(f"{switch.name}_{OFF_CONTACT if is_contact else OFF[digit]}", number, digits)
+            crossing = None if is_contact else Crossing(number, digit == ABOVE, leaves=True)
             # The digit goes on where it comes to 0 or 1; torn off from farther apart it jumps.
             undecided = {} if switch.grip == 1 else self._find_disturbed(number, after)
+            segment = Segment(written, "", event.name, direction, IDENTITY, "")
             self._end(found, segment, digits, after, undecided, crossing)
 
     def _jump(self, jump: Jump, digits: Digits, found: ModeEndings) -> None:
@@ -224,49 +209,21 @@ class EndingFinder:
             after = (*digits[:tied], ABOVE if digits[tied] == BELOW else BELOW, *digits[tied + 1 :])
             undecided = self._find_disturbed(tied, after) | undecided
         written = self._name_segment(jump.name, -1, digits)
-        segment = Segment(written, "", event.name, jump.direction, reset, "")
-        rests = self._rest(segment, jump, digits, found)
-        self._end(found, segment, digits, after, undecided, rests=rests)
+        self._end(found, Segment(written, "", event.name, jump.direction, reset, ""), digits, after, undecided)
+        self._rest(jump, digits, form, found)
 
-    def _rest(self, segment: Segment, jump: Jump, digits: Digits, found: ModeEndings) -> tuple[Segment, ...]:
-        """Return what a jump is where it is the last of those that accumulate, and add its reset: the motion rests."""
+    def _rest(self, jump: Jump, digits: Digits, reset: Form, found: ModeEndings) -> None:
+        """Add what a jump is where it is the last of those that accumulate: the motion rests."""
         for k, switch in enumerate(self.equations.switches):
             held = (*digits[:k], ON, *digits[k + 1 :])
             if switch.contact is not None and switch.name == jump.name and self.surfaces.may_slide(held):
-                mode, to = self.equations.name_mode(digits), self.equations.name_mode(held)
-                resting = make_resting(replace(segment, mode=mode), segment.name, to)
-                impact = found.resets[segment.reset]
-                found.resets[resting.reset] = Form(self._find_resting(k, impact.exprs), impact.bits)
-                return (resting,)
-        return ()
-
-    def _find_resting(self, number: int, reset: tuple[sympy.Expr, ...]) -> tuple[sympy.Expr, ...]:
-        """Return the states at rest after the last impact at a contact, in digits: many modes share them."""
-        key = number, reset
-        if key not in self._resting:
-            switch = self.equations.switches[number]
-            self._resting[key] = find_resting(self.equations.states, switch.argument, reset)
-        return self._resting[key]
-
-    @cached_property
-    def _resting(self) -> dict[Hashable, tuple[sympy.Expr, ...]]:
-        return {}
-
-    def _stick(self, segment: Segment, digits: Digits, found: ModeEndings) -> tuple[Segment, ...]:
-        """Return what a segment is where a run says in which mode the motion rests, and add its reset."""
-        modes = [mode for name, mode in self.sticks.modes if name == segment.event]
-        if not modes:
-            return ()
-        event = found.events[segment.event]
-        values = self.surfaces.find_values(digits)
-        flow = tuple(put_in(f, values) for f in self.equations.field)
-        impact = found.resets.get(segment.reset, Form(self.equations.states))
-        reset = tuple(put_in(g, values) for g in impact.exprs)
-        rests = tuple(make_resting(segment, segment.name, mode) for mode in modes)
-        for resting in rests:
-            body = find_reset_to_rest(self.equations.states, self.sticks.delayed, flow, event.function, reset)
-            found.resets.setdefault(resting.reset, Form(body))
-        return rests
+                ending = found.endings[-1]
+                resting = make_resting(ending.segment, ending.segment.name, self.equations.name_mode(held))
+                found.endings[-1] = replace(ending, rests=((resting, held),))
+                key = switch.argument, reset.exprs
+                if key not in self._resting:
+                    self._resting[key] = find_resting(self.equations.states, *key)
+                found.resets[resting.reset] = Form(self._resting[key], reset.bits)
 
     def _find_disturbed(self, number: int, digits: Digits) -> dict[int, Undecided]:
         """Return the other switches whose digits have to be read anew when one has changed."""
@@ -279,6 +236,10 @@ class EndingFinder:
         if expr not in self._zero:
             self._zero[expr] = vanishes(sympy.expand(expr))
         return self._zero[expr]
+
+    @cached_property
+    def _resting(self) -> dict[tuple[sympy.Expr, tuple[sympy.Expr, ...]], tuple[sympy.Expr, ...]]:
+        return {}
 
     @cached_property
     def _zero(self) -> dict[sympy.Expr, bool]:
@@ -310,7 +271,6 @@ class EndingFinder:
         after: Digits,
         undecided: Mapping[int, Undecided],
         crossing: Crossing | None = None,
-        rests: tuple[Segment, ...] = (),
     ) -> None:
         """Add an ending with what decides where it leads."""
         if not self.surfaces.may_slide(after):
@@ -318,11 +278,11 @@ class EndingFinder:
             held = {k: list_options(self.surfaces, k, on_surface=True) for k, d in enumerate(after) if d == ON}
             undecided = held | dict(undecided)
         mode = self.equations.name_mode(digits)
-        anew = (k for k, u in undecided.items() if self.surfaces.slides[k] and {ABOVE, BELOW} <= set(u.options))
-        own = replace(segment, mode=mode, anew=tuple(anew))
+        slides = self.surfaces.slides
+        anew = tuple(k for k, u in undecided.items() if slides[k] and {ABOVE, BELOW} <= set(u.options))
+        own = replace(segment, mode=mode, anew=anew)
         decisions = self.finder.list_decisions(after, undecided)
-        rests = tuple({rest.name: rest for rest in (*rests, *self._stick(own, digits, found))}.values())
-        found.endings.append(Ending(own, after, decisions, undecided, crossing, rests))
+        found.endings.append(Ending(own, after, decisions, undecided, crossing))
 
     def _name_segment(self, word: str, number: int, digits: Digits) -> str:
         """Return the name of a segment: the digits of the other switches, then what happens."""
@@ -348,10 +308,10 @@ class EndingFinder:
         if number >= 0 and digits[number] != ON and any(switches[number].digit in e.free_symbols for e in own):
             # What holds the motion on another surface depends on the side of this one.
             read.add(number)
-        words = [switches[k].word(digits[k]) for k in sorted(read)]
+        words = filter(None, (switches[k].word(digits[k]) for k in sorted(read)))
         held = set().union(*(e.free_symbols for e in own))
         bits = find_bits(tuple(d if s.digit in held else BELOW for s, d in zip(switches, digits, strict=True)))
-        return "_".join(filter(None, [word, *words])), Form(own, bits)
+        return "_".join([word, *words]), Form(own, bits)
 
     def _put_in(self, expr: sympy.Expr, number: int, digits: Digits) -> sympy.Expr:
         """Return an expression with the digits of a mode, but for that of a switch along which a motion slides."""

@@ -77,17 +77,21 @@ def write_repulsion(model: Model, segment: Segment) -> Boolean:
 
     It is the same for all modes that slide along the same surfaces: the digits of the other switches stand.
     """
-    digits = None if model.derived is None or not segment.anew else model.derived.find_digits(segment.to)
-    if model.derived is None or digits is None:
+    if model.derived is None or not segment.anew:
         return sympy.false
-    surfaces, kept = model.derived.surfaces, tuple(d if d == ON else OPEN for d in digits)
-    numbers = tuple(k for k in segment.anew if digits[k] != ON)
-    if (numbers, kept) not in surfaces.repulsions:
-        surfaces.repulsions[numbers, kept] = sympy.Or(*(_write_repulsion(surfaces, k, kept) for k in numbers))
-    return surfaces.repulsions[numbers, kept]
+    surfaces, digits = model.derived.surfaces, model.derived.find_digits(segment.to) or ()
+    kept = tuple(d if d == ON else OPEN for d in digits)
+    return sympy.Or(*(_write_repulsion(surfaces, k, kept) for k in segment.anew if digits[k] != ON))
 
 
 def _write_repulsion(surfaces: Surfaces, number: int, digits: Digits) -> Boolean:
+    key = number, digits
+    if key not in surfaces.repulsions:
+        surfaces.repulsions[key] = _find_repulsion(surfaces, number, digits)
+    return surfaces.repulsions[key]
+
+
+def _find_repulsion(surfaces: Surfaces, number: int, digits: Digits) -> Boolean:
     u, rates = surfaces.find_function(number, digits), surfaces.find_bounds(number, digits)
     if any(rate.has(sympy.nan, sympy.zoo) for rate in rates):
         # On the other side no law holds the motion on another surface that it slides along.

@@ -45,9 +45,9 @@ class Surfaces:
     compatible: Compatible
     _solved: dict[Digits, Values] = field(default_factory=dict, repr=False, compare=False)
     _possible: dict[Digits, bool] = field(default_factory=dict, repr=False, compare=False)
-    # The conditions under which surfaces repel, by their numbers and the digits of the others.
-    repulsions: dict[tuple[tuple[int, ...], Digits], Boolean] = field(default_factory=dict, repr=False, compare=False)
     _meeting: dict[tuple[int, ...], bool] = field(default_factory=dict, repr=False, compare=False)
+    # What :mod:`pddecont.model.repulsion` has worked out.
+    repulsions: dict[tuple[int, Digits], Boolean] = field(default_factory=dict, repr=False, compare=False)
 
     def find_values(self, digits: Digits, free: int = -1) -> Values:
         """Return what each digit's symbol stands for: 0, 1, or what keeps the motion on its surface.
@@ -68,7 +68,7 @@ class Surfaces:
     def agree(self, digits: Digits) -> bool:
         """Return whether no digits exclude each other, as x > 1 and x < 0; those that are open exclude none."""
         return all(
-            (digits[i], digits[j]) in pairs or OPEN in (digits[i], digits[j])
+            OPEN in (digits[i], digits[j]) or (digits[i], digits[j]) in pairs
             for (i, j), pairs in self.compatible.items()
         )
 

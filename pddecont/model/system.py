@@ -82,10 +82,14 @@ class Model:
         return name in self._ways if self.derived is None else self.derived.has_ending(name)
 
     def list_ways(self, segment: Segment) -> tuple[Segment, ...]:
-        """Return the segments that one may be, at rest too: those of one name in the file."""
-        if self.derived is None:
-            return self._ways[segment.written or segment.name]
-        return self.derived.list_ways(segment)
+        """Return the segments that one may be, those where the motion rests too: those of one name in the file."""
+        return self._ways[segment.written or segment.name] if self.derived is None else self.derived.list_ways(segment)
+
+    def list_rests(self, segment: Segment) -> tuple[Segment, ...]:
+        """Return what a segment is where its event accumulates and the motion rests."""
+        if self.derived is not None:
+            return tuple(self.derived.list_rests(self.derived.find_ending(segment)))
+        return tuple(way for way in self.list_ways(segment) if way.rests)
 
     @cached_property
     def _segments_by_mode(self) -> Mapping[str, tuple[Segment, ...]]:

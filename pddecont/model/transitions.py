@@ -9,7 +9,7 @@ not a signature lists it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -18,6 +18,7 @@ from sympy.logic.boolalg import Boolean
 
 from pddecont.model.endings import Ending
 from pddecont.model.parts import IDENTITY, Form, Segment
+from pddecont.model.repulsion import write_repulsion
 from pddecont.model.switches import Digits
 from pddecont.model.system import Model
 from pddecont.model.ways import Decision
@@ -78,9 +79,13 @@ def list_endings(model: Model, mode: str) -> list[Ending]:
         ways = list_alternatives(model, leader)
         options = tuple((number,) for number in range(len(ways)))
         decision = Decision((0,), options, tuple(way.guard for way in ways))
-        rests = tuple(way for way in model.list_ways(leader) if way.rests)
-        found.append(Ending(leader, (0,), (decision,) if len(ways) > 1 else (), rests=rests))
+        found.append(Ending(leader, (0,), (decision,) if len(ways) > 1 else ()))
     return found
+
+
+def list_way_digits(model: Model, ending: Ending) -> Iterator[Digits]:
+    """Yield what tells the segments of an ending apart: the digits after each; of a model by hand a number."""
+    return ending.list_digits() if model.derived is None else model.derived.list_way_digits(ending)
 
 
 def find_way(model: Model, ending: Ending, digits: Digits) -> Segment:
@@ -109,12 +114,17 @@ def find_reset_form(model: Model, reset: str) -> Form:
 
 
 def list_shared_forms(model: Model, mode: str) -> tuple[list[Form], list[Form], list[Boolean]]:
-    """Return the functions of events, the resets, and the rules of decisions that modes like one have too."""
-    alike = [] if model.derived is None else model.derived.list_alike(mode)
+    """Return the functions of events, the resets, and the conditions that modes like one have too."""
+    derived = model.derived
+    if derived is None:
+        return [], [], []
+    alike = derived.list_alike(mode)
     events = [event.form for ends in alike for event in ends.events.values() if event.form is not None]
     resets = [form for ends in alike for form in ends.resets.values()]
-    decisions = (d for ends in alike for ending in ends.endings for d in ending.decisions)
-    return events, resets, [rule for decision in decisions for rule in decision.rules]
+    endings = [ending for ends in alike for ending in ends.endings]
+    rules = [rule for ending in endings for decision in ending.decisions for rule in decision.rules]
+    first = (derived.make_unlisted(ending, next(derived.list_way_digits(ending))) for ending in endings)
+    return events, resets, [*rules, *(write_repulsion(model, segment) for segment in first)]
 
 
 def list_held(model: Model, mode: str) -> tuple[str, ...]:
@@ -147,12 +157,8 @@ def find_rest(model: Model, segment: Segment, mode: str | None = None) -> Segmen
 
     ``mode`` is preferred to others in which the motion may rest.
     """
-    return choose_rest([way for way in model.list_ways(segment) if way.rests], mode)
-
-
-def choose_rest(rests: Sequence[Segment], mode: str | None) -> Segment | None:
-    """Return the one of several segments that come to rest that leads to a mode, or else the first one."""
-    return next((rest for rest in rests if rest.to == mode), next(iter(rests), None))
+    ways = [way for way in model.list_rests(segment) if way.mode == segment.mode]
+    return next((way for way in ways if way.to == mode), next(iter(ways), None))
 
 
 def list_clocks(model: Model, event: str) -> tuple[str, ...]:

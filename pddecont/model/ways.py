@@ -6,9 +6,9 @@ one hangs on the other, such as two surfaces along which a motion may slide at o
 
 from __future__ import annotations
 
-from collections.abc import Collection, Hashable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import islice, product
+from itertools import product
 
 import sympy
 from sympy.logic.boolalg import Boolean
@@ -21,7 +21,9 @@ from pddecont.model.switches import ABOVE, BELOW, ON, OPEN, Digits
 
 # Digits that hang together have at most so many combinations with a condition each; of more only the signs of their
 # functions are looked at, and what signs leave open is asked of the numbers at that moment.
-MAX_TOGETHER = 9
+MAX_TOGETHER = 16
+# So many combinations are listed at most: more than modes that a file by hand may have.
+MOST_LISTED = 512
 
 
 @dataclass(frozen=True)
@@ -59,37 +61,43 @@ class WayFinder:
         found: list[Decision] = []
         for group in _group(self.surfaces, after, undecided):
             own = {k: undecided[k] for k in group}
-            if len(own) == 1 or _are_few(self.surfaces, after, undecided, own):
-                found.append(self._decide(after, undecided, own))
+            options = self._list_options(after, undecided, own)
+            if len(options) <= MAX_TOGETHER:
+                found.append(self._decide(after, undecided, own, options))
                 continue
-            signs = [k for k in group if not undecided[k].on_surface]
+            contacts = {k for k in group if self.surfaces.equations.switches[k].contact is not None}
+            signs = [k for k in group if not undecided[k].on_surface and k not in contacts]
             found += (self._read_sign(after, undecided, k) for k in signs)
             rest = {k: undecided[k] for k in group if k not in signs}
             if rest:
-                found.append(Decision(tuple(rest), self._list_possible(after, undecided, rest), (), is_open=True))
+                found.append(Decision(tuple(rest), self._list_options(after, undecided, rest), (), is_open=True))
         return tuple(found)
 
     def find_guard(self, decisions: Sequence[Decision], digits: Digits) -> Boolean:
         """Return the condition under which decisions lead to some digits."""
         return sympy.And(*(self._find_own_guard(decision, digits) for decision in decisions))
 
-    def _decide(self, after: Digits, undecided: Mapping[int, Undecided], own: Mapping[int, Undecided]) -> Decision:
+    def _decide(
+        self,
+        after: Digits,
+        undecided: Mapping[int, Undecided],
+        own: Mapping[int, Undecided],
+        options: tuple[Digits, ...],
+    ) -> Decision:
         """Return the decision on digits that hang together; options that the other digits rule out are left out."""
-        options = self._list_possible(after, undecided, own)
+        beside = _replace(after, dict.fromkeys(undecided, BELOW))
+        options = tuple(o for o in options if self.surfaces.may_slide(_replace(beside, dict(zip(own, o, strict=True)))))
         kept = _open_all(after, undecided)
         key = kept, tuple(own.items()), tuple(after[k] for k in own), options
         if key not in self._rules:
             changed = [_replace(kept, dict(zip(own, chosen, strict=True))) for chosen in options]
             self._rules[key] = _list_rules(self.surfaces, changed, after, own)
         rules, known = self._rules[key], _replace(after, dict.fromkeys(undecided, OPEN))
-        left = []
-        for option, rule in zip(options, rules, strict=True):
-            guard = self._put_in(rule, known)
-            if guard != sympy.false:
-                left.append((option, rule))
-            if guard == sympy.true:
-                break
-        return Decision(tuple(own), tuple(o for o, _ in left), tuple(r for _, r in left))
+        guards = [self._put_in(rule, known) for rule in rules]
+        # What comes after a condition that always holds never happens.
+        end = next((i + 1 for i, guard in enumerate(guards) if guard == sympy.true), len(guards))
+        left = [i for i in range(end) if guards[i] != sympy.false]
+        return Decision(tuple(own), tuple(options[i] for i in left), tuple(rules[i] for i in left))
 
     def _read_sign(self, after: Digits, undecided: Mapping[int, Undecided], number: int) -> Decision:
         """Return the decision by the sign of a switch's function; it is open where the function is zero."""
@@ -98,12 +106,17 @@ class WayFinder:
         options = tuple((d,) for d in undecided[number].options if d != ON)
         return Decision((number,), options, tuple(u > 0 if d == (ABOVE,) else u < 0 for d in options), is_open=True)
 
-    def _list_possible(
+    def _list_options(
         self, after: Digits, undecided: Mapping[int, Undecided], own: Mapping[int, Undecided]
     ) -> tuple[Digits, ...]:
-        base = _replace(after, dict.fromkeys(undecided, BELOW))
-        every = _list_agreeing(self.surfaces, after, undecided, own)
-        return tuple(o for o in every if self.surfaces.may_slide(_replace(base, dict(zip(own, o, strict=True)))))
+        """Return the digits that do not exclude each other; of very many some."""
+        known = _replace(after, dict.fromkeys(undecided, OPEN))
+        found: list[Digits] = [()]
+        for n, k in enumerate(own):
+            longer = [(*option, digit) for option in found[:MOST_LISTED] for digit in own[k].options]
+            numbers = tuple(own)[: n + 1]
+            found = [o for o in longer if self.surfaces.agree(_replace(known, dict(zip(numbers, o, strict=True))))]
+        return tuple(found)
 
     def _find_own_guard(self, decision: Decision, digits: Digits) -> Boolean:
         chosen = tuple(digits[k] for k in decision.numbers)
@@ -136,8 +149,9 @@ def _group(surfaces: Surfaces, after: Digits, undecided: Mapping[int, Undecided]
     states = set(surfaces.equations.states)
     reads = {k: surfaces.equations.switches[k].argument.free_symbols & states for k in loose}
     edges |= {(k, j) for k in loose for j in loose if k != j and reads[k] & reads[j]}
-    # Digits of parallel surfaces exclude each other.
-    edges |= {pair for i, j in surfaces.compatible if i in undecided and j in undecided for pair in ((i, j), (j, i))}
+    for i, j in surfaces.compatible:
+        # Of parallel surfaces the digits exclude each other.
+        edges |= {(i, j), (j, i)} if i in undecided and j in undecided else set()
     for k in loose:
         # Whether a law acts at all on a surface may depend on digits too.
         acting = [j for j in _list_acting(surfaces, k, loose) if j in undecided]
@@ -145,27 +159,6 @@ def _group(surfaces: Surfaces, after: Digits, undecided: Mapping[int, Undecided]
     components = strongly_connected_components((nodes, sorted(edges)))
     groups = (tuple(sorted(k for k in component if k in undecided)) for component in components)
     return [group for group in groups if group]
-
-
-def _list_agreeing(
-    surfaces: Surfaces, after: Digits, undecided: Collection[int], own: Mapping[int, Undecided]
-) -> Iterator[Digits]:
-    """Yield the digits that switches may have at once where those of the other undecided ones are not known."""
-    found = iter([_replace(after, dict.fromkeys(undecided, OPEN))])
-    for k, switch in own.items():
-        found = _branch(surfaces, found, k, switch.options)
-    return (tuple(digits[k] for k in own) for digits in found)
-
-
-def _branch(surfaces: Surfaces, before: Iterator[Digits], number: int, options: Sequence[int]) -> Iterator[Digits]:
-    changed = (_replace(digits, {number: option}) for digits in before for option in options)
-    return (digits for digits in changed if surfaces.agree(digits))
-
-
-def _are_few(surfaces: Surfaces, after: Digits, undecided: Collection[int], own: Mapping[int, Undecided]) -> bool:
-    """Return whether switches may have no more digits at once than there may be conditions."""
-    found = _list_agreeing(surfaces, after, undecided, own)
-    return sum(1 for _ in islice(found, MAX_TOGETHER + 1)) <= MAX_TOGETHER
 
 
 def _list_read(surfaces: Surfaces, number: int) -> list[int]:
@@ -239,9 +232,10 @@ def choose_digits(
     options: dict[int, tuple[int, ...]] = {}
     symbols = {s.digit for s in surfaces.equations.switches}
     for k, own in undecided.items():
-        switch, u = surfaces.equations.switches[k], surfaces.equations.switches[k].argument
-        bound = switch.remembers or switch.contact is not None
-        clear = not (own.on_surface or u.free_symbols & symbols or bound)
+        u = surfaces.equations.switches[k].argument
+        switch = surfaces.equations.switches[k]
+        signed = not switch.remembers and switch.contact is None
+        clear = signed and not own.on_surface and not u.free_symbols & symbols
         value = evaluate(u, numbers) if clear else 0.0
         options[k] = own.options if value == 0.0 else (ABOVE,) if value > 0.0 else (BELOW,)
     digits = after

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.collocation import MeshPoints
+from pddecont.model import list_alternatives
 from pddecont.orbit.orbit import Orbit
 from pddecont.orbit.problem import INSTANT
 from pddecont.orbit.signature import Signature
@@ -49,7 +50,7 @@ def measure_left_out(orbit: Orbit, s: int) -> float:
     signature = orbit.signature
     if not signature.segments[s].rests:
         return 0.0
-    followed = next(way for way in orbit.numeric.model.list_ways(signature.segments[s]) if not way.rests)
+    followed = list_alternatives(orbit.numeric.model, signature.segments[s])[0]
     first = signature.trailing.get(s, s)
     last = _measure_changes(orbit, followed.reset, s) - _measure_changes(orbit, signature.segments[s].reset, s)
     sizes = np.abs(_measure_changes(orbit, followed.reset, first))

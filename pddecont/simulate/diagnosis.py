@@ -23,9 +23,9 @@ def diagnose_halt(
 ) -> MotionFailure:
     """Return why an integration at parameters ``p`` came to a halt; ``delayed_values`` are those read last."""
     t = float(state.clock[T])
-    mode = None if state.count[MODE] < 0 else list(tables.modes)[state.count[MODE]]
-    if status == Status.REPELLED or mode is None:
-        return _diagnose_repulsion(numeric, mode, state, p, delayed_values)
+    if status == Status.REPELLED:
+        return _diagnose_repulsion(numeric, tables, state, p, delayed_values)
+    mode = list(tables.modes)[state.count[MODE]]
     if status in (Status.ZENO, Status.SLIDING):
         event = list(tables.events)[state.count[LAST_EVENT]]
         reason = FailureReason.ACCUMULATION if status == Status.ZENO else FailureReason.SLIDING
@@ -39,16 +39,15 @@ def diagnose_halt(
 
 
 def _diagnose_repulsion(
-    numeric: NumericModel, mode: str | None, state: IntegratorState, p: Array, delayed_values: Array
+    numeric: NumericModel, tables: PartTables, state: IntegratorState, p: Array, delayed_values: Array
 ) -> MotionFailure:
     """Return which surface a motion is on that both fields point away from."""
     model, t = numeric.model, float(state.clock[T])
     assert model.derived is not None, "only equations have surfaces that repel"
     derived, states = model.derived, state.y[: numeric.n_states]
     numbers = name_numbers(numeric, p, t, states, delayed_values)
-    digits = None if mode is None else derived.find_digits(mode)
-    if digits is None:
-        digits = find_start_digits(derived, numbers)
+    mode = None if state.count[MODE] < 0 else list(tables.modes)[state.count[MODE]]
+    digits = find_start_digits(derived, numbers) if mode is None else derived.find_digits(mode)
     # Where both fields only begin to point away their rates are zero.
     found = max(list_surfaces_met(derived.surfaces, digits, numbers), key=lambda s: min(-s.below, s.above))
     named = dict(zip(model.states, states.tolist(), strict=True))

@@ -93,5 +93,4 @@ def _list_event_delays(numeric: NumericModel, tables: PartTables, p: Array) -> A
     """Return the delays of events, 0 where they have none."""
     events = [numeric.model.events[name] for name in tables.events]
     delays = [0.0 if e.delay is None else float(numeric.event_delay(e.name).value(p)[0]) for e in events]
-    delays += [0.0] * (tables.section is not None)
-    return np.array(delays)
+    return np.array(delays + [0.0] * (tables.section is not None))

@@ -21,15 +21,17 @@ from pddecont.model import (
     Form,
     Model,
     Segment,
-    choose_rest,
+    find_bits,
     find_event_form,
     find_field_form,
     find_reset_form,
+    find_rest,
     find_way,
     list_clocks,
     list_endings,
     list_held,
     list_shared_forms,
+    list_way_digits,
     write_repulsion,
 )
 
@@ -104,8 +106,8 @@ class _Shared:
 class PartTables:
     """A model's parts by number, and their tables for the integrator, named as in :class:`System`.
 
-    ``section`` is one more event function, numbered after the model's own. ``stick`` says in which modes motions rest
-    rather than in others, by events.
+    ``section`` is one more event function, numbered after the model's own; ``stick`` names modes in which motions rest,
+    by the events that accumulate.
     """
 
     def __init__(
@@ -126,21 +128,28 @@ class PartTables:
         self._forms: dict[str, list[Form]] = {"fields": [], "events": [], "resets": []}
         self._segment: dict[str, list[int]] = {
             name: []
-            for name in ("mode", "event", "direction", "reset", "to", "decision_first", "decision_end", "next_way")
+            for name in (
+                "mode",
+                "event",
+                "direction",
+                "reset",
+                "to",
+                "decision_first",
+                "decision_end",
+                "next_way",
+                "opposite",
+            )
         }
-        self._repulsions: list[tuple[sympy.Expr, ...] | None] = []
-        self._repulsion_bits: list[int] = []
-        self._opposite: list[int] = []
-        self._resting: list[int] = []
         self._leader_digits: list[int] = []
         self._way_digits: list[int] = []
+        self._resting: list[int] = []
+        self._repulsions: list[tuple[tuple[sympy.Expr, ...], int] | None] = []
         self._waiting: dict[str, list[int]] = {}
         self._crossing, self._ending, self._held, self._clock = Lists(), Lists(), Lists(), Lists()
         self._decisions = _Decisions()
         self._last_way: dict[int, int] = {}
         self._n_shared = 0
-        # What was added, in order: a mode (-1, its digits), or a way of a segment (its number, the digits after it). A
-        # rest is there with its segment, and only its mode is added.
+        # What was added, in order: a mode (-1, its digits), or a way of a segment (its number, the digits after it).
         self.steps: list[tuple[int, Digits]] = []
         for event in model.events.values():
             if self.builds_all or event.after is not None:
@@ -166,7 +175,7 @@ class PartTables:
         """Add a mode, unless it is there, and what ends it; return its number."""
         if mode not in self.modes:
             derived = self.model.derived
-            self.steps.append((MISSING, (None if derived is None else derived.find_digits(mode)) or ()))
+            self.steps.append((MISSING, () if derived is None else derived.find_digits(mode)))
             self._fill_mode(mode)
         return self.modes[mode]
 
@@ -183,7 +192,7 @@ class PartTables:
         if len(digits) != len(derived.equations.switches) or not set(digits) <= {0, 1, 2}:
             raise KeyError(digits)
         mode = derived.equations.name_mode(digits)
-        if derived.find_digits(mode) is None or (leader != MISSING and leader not in self.endings):
+        if derived.look_up(mode) is None or (leader != MISSING and leader not in self.endings):
             raise KeyError(mode)
         if leader == MISSING:
             self.add_mode(mode)
@@ -207,7 +216,7 @@ class PartTables:
         self._held.append([self.add_event(event) for event in list_held(self.model, mode)])
         leaders = [self._add_ending(ending) for ending in list_endings(self.model, mode)]
         self._ending.append(leaders)
-        self._oppose(leaders)
+        self._note_opposite(leaders)
         events = [self.model.events[self.endings[leader].segment.event] for leader in leaders]
         self._crossing.append(k for k, event in zip(leaders, events, strict=True) if event.function is not None)
         for segment in self._waiting.pop(mode, ()):
@@ -227,9 +236,11 @@ class PartTables:
 
     def add_rest(self, leader: int) -> int:
         """Add the mode in which motions rest after a segment; return the number of what the segment is then."""
-        names, resting = list(self.segments), self._resting[leader]
-        self.add_mode(self.model.segments[names[resting]].to)
-        return resting
+        ending = self.endings[leader].segment
+        resting = find_rest(self.model, ending, self.stick.get(ending.event))
+        assert resting is not None, "only a segment with a rest is asked for it"
+        self.add_mode(resting.to)
+        return self.segments[resting.name]
 
     def add_event(self, event: str) -> int:
         """Add an event, unless it is there; return its number."""
@@ -246,7 +257,8 @@ class PartTables:
 
     def _add_ending(self, ending: Ending) -> int:
         """Add an ending with its first way, or with all where all are built; return its number."""
-        every = list(ending.list_digits()) if self.builds_all else [next(ending.list_digits())]
+        ways = list_way_digits(self.model, ending)
+        every = list(ways) if self.builds_all else [next(ways)]
         numbers = [self._add_segment(find_way(self.model, ending, digits), digits) for digits in every]
         leader = numbers[0]
         for this, following in pairwise(numbers):
@@ -256,28 +268,14 @@ class PartTables:
         first, end = self._decisions.add(ending)
         self._segment["decision_first"][leader], self._segment["decision_end"][leader] = first, end
         self._leader_digits[leader * self.n_keys : (leader + 1) * self.n_keys] = self._pad(ending.after)
-        rest = choose_rest(ending.rests, self.stick.get(ending.segment.event))
-        if rest is not None:
-            self._resting[leader] = (
-                self.segments[rest.name] if rest.name in self.segments else self._number_segment(rest)
-            )
         return leader
-
-    def _oppose(self, leaders: list[int]) -> None:
-        """Say of segments that leave surfaces which ones leave them to the other sides."""
-        sides = {}
-        for leader in leaders:
-            crossing = self.endings[leader].crossing
-            if crossing is not None and crossing.leaves:
-                sides[crossing.switch, crossing.up] = leader
-        for (switch, up), leader in sides.items():
-            self._opposite[leader] = sides.get((switch, not up), MISSING)
 
     def _add_segment(self, segment: Segment, digits: Digits) -> int:
         """Add a segment, unless it is there, after which some digits hold; return its number."""
         number = self.segments.get(segment.name)
         number = self._number_segment(segment) if number is None else number
         self._way_digits[number * self.n_keys : (number + 1) * self.n_keys] = self._pad(digits)
+        self._note_rest(number, segment)
         return number
 
     def _number_segment(self, segment: Segment) -> int:
@@ -291,19 +289,39 @@ class PartTables:
             "decision_first": 0,
             "decision_end": 0,
             "next_way": MISSING,
+            "opposite": MISSING,
         }
+        self._resting.append(MISSING)
+        self._repulsions.append(self._find_repulsion(segment))
         for name, value in row.items():
             self._segment[name].append(value)
         if segment.to not in self.modes:
             self._waiting.setdefault(segment.to, []).append(number)
         self._way_digits += self._pad(())
         self._leader_digits += self._pad(())
-        repulsion = write_repulsion(self.model, segment)
-        self._repulsions.append(None if repulsion == sympy.false else write_rule(repulsion))
-        self._repulsion_bits.append(0 if repulsion == sympy.false else find_field_form(self.model, segment.to).bits)
-        self._opposite.append(MISSING)
-        self._resting.append(MISSING)
         return number
+
+    def _note_opposite(self, leaders: Sequence[int]) -> None:
+        """Note of segments that leave a surface which one leaves it to the other side."""
+        crossings = {leader: self.endings[leader].crossing for leader in leaders}
+        leaving = {(c.switch, c.up): leader for leader, c in crossings.items() if c is not None and c.leaves}
+        for (switch, up), leader in leaving.items():
+            self._segment["opposite"][leader] = leaving.get((switch, not up), MISSING)
+
+    def _note_rest(self, number: int, segment: Segment) -> None:
+        """Note what a segment is where its event accumulates and the motion rests."""
+        resting = find_rest(self.model, segment, self.stick.get(segment.event))
+        if resting is not None and self._resting[number] == MISSING:
+            known = self.segments.get(resting.name)
+            self._resting[number] = self._number_segment(resting) if known is None else known
+
+    def _find_repulsion(self, segment: Segment) -> tuple[tuple[sympy.Expr, ...], int] | None:
+        """Return the condition that a surface repels the motion after a segment, and the digits there as bits."""
+        rule = write_repulsion(self.model, segment)
+        derived = self.model.derived
+        if rule == sympy.false or derived is None:
+            return None
+        return write_rule(rule), find_bits(derived.find_digits(segment.to))
 
     def _pad(self, digits: Digits) -> Digits:
         return digits or (0,) * self.n_keys
@@ -317,7 +335,8 @@ class PartTables:
         for kind, needed in kinds.items():
             tables |= self._find_addresses(kind, jacobian=needed)
         decisions = self._decisions
-        rules, repulsions = self._find_rules(self._decisions.rules), self._find_rules(self._repulsions)
+        rules = self._find_rules([None if rule is None else (rule, 0) for rule in decisions.rules])
+        repulsions = self._find_rules(self._repulsions)
         clocks = self._list_clocks()
         delayed = set(self.model.delayed_symbols)
         names = list(self.events)
@@ -348,8 +367,7 @@ class PartTables:
             "rule": rules[0],
             "rule_case": rules[1],
             "segment_repulsion": repulsions[0],
-            "segment_repulsion_case": repulsions[1] | integers(self._repulsion_bits),
-            "segment_opposite": integers(self._opposite),
+            "segment_repulsion_case": repulsions[1],
             "resting": integers(self._resting),
             "after": integers([*after, *([] if self.section is None else [-1])]),
             "reads": integers(reads),
@@ -367,8 +385,9 @@ class PartTables:
         functions.fields.add(form.exprs for form in self._forms["fields"])
         functions.events.add(form.exprs for form in [*self._list_event_forms(), *shared.events])
         functions.resets.add(form.exprs for form in [*self._forms["resets"], *shared.resets])
-        own = (rule for rule in (*self._decisions.rules, *self._repulsions) if rule is not None)
-        functions.rules.add([*own, *shared.rules])
+        repulsions = [rule[0] for rule in self._repulsions if rule is not None]
+        rules = [rule for rule in self._decisions.rules if rule is not None]
+        functions.rules.add([*rules, *repulsions, *shared.rules])
 
     def _find_addresses(self, kind: str, *, jacobian: bool) -> dict[str, Integers]:
         pages = getattr(self.functions, f"{kind}s")
@@ -385,13 +404,13 @@ class PartTables:
             ),
         }
 
-    def _find_rules(self, rules: Sequence[tuple[sympy.Expr, ...] | None]) -> tuple[Integers, Integers]:
-        """Return the address of each rule, 0 of none, and what it is known by there."""
+    def _find_rules(self, rules: Sequence[tuple[tuple[sympy.Expr, ...], int] | None]) -> tuple[Integers, Integers]:
+        """Return the address of each condition, 0 for none, and what it is known by there with its digits as bits."""
         pages, shift = self.functions.rules, len(self.functions.digits)
         addresses = pages.list_addresses("value")
-        places = [None if rule is None else pages.find_place(rule) for rule in rules]
-        return integers(0 if place is None else addresses[place[0]] for place in places), integers(
-            0 if place is None else place[1] << shift for place in places
+        places = [(MISSING, 0, 0) if rule is None else (*pages.find_place(rule[0]), rule[1]) for rule in rules]
+        return integers(0 if page == MISSING else addresses[page] for page, _, _ in places), integers(
+            which << shift | bits for _, which, bits in places
         )
 
     def _list_clocks(self) -> Lists:

@@ -80,14 +80,15 @@ class ReachedSystem:
         """Add what the integrator asked for: where the segment leads that it came to the end of."""
         work = self.work
         leader, missing = int(work.asked[0]), int(work.asked[1])
-        if missing == WAY:
-            self.tables.add_way(leader, tuple(work.digits.tolist()))
-            return
         if missing == REST:
             rest = self.tables.add_rest(leader)
             self.work.asked[2:] = leader, rest
             return
-        model, n = self.numeric.model, self.numeric.n_states
+        model, n, digits = self.numeric.model, self.numeric.n_states, tuple(work.digits.tolist())
+        # Rounding may let two conditions hold that exclude each other.
+        if missing == WAY and (model.derived is None or model.derived.surfaces.may_be(digits)):
+            self.tables.add_way(leader, digits)
+            return
         assert model.derived is not None, "conditions of a model by hand always decide"
         numbers: dict[sympy.Symbol, float] = {TIME: float(work.landing[0])}
         numbers |= dict(zip(model.parameter_symbols, values.p.tolist(), strict=True))

@@ -149,7 +149,7 @@ class Simulator:
         return state
 
     def number_mode(self, mode: str | None) -> int:
-        """Return the number of a mode, which is added to what is reached; -1 for none."""
+        """Return the number of a mode; -1 for none."""
         return -1 if mode is None else self.tables.add_mode(mode)
 
     def find_start_modes(

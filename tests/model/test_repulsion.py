@@ -15,7 +15,7 @@ def model(law, other="1", **more):
 
 def find_rules(m):
     """Return the conditions of the segments that have one, by name."""
-    rules = [(segment, write_repulsion(m, segment)) for segment in m.segments.values()]
+    rules = zip(m.segments.values(), [write_repulsion(m, s) for s in m.segments.values()], strict=True)
     return {segment.name: rule for segment, rule in rules if rule != sympy.false}
 
 
@@ -42,7 +42,7 @@ def test_a_side_on_which_nothing_holds_the_motion_elsewhere_is_not_asked():
     jumps = {"j": {"at": "y - 3", "reset": {"y": 0, "x": "0.4*cos(t)"}}}
     m = model("1 - where(x > 0.2 or x > 0.4*cos(t), 2, 0)", forcing={"period": "2*pi"}, jumps=jumps)
     assert "x_on_x2_below" in m.modes and "x_on_x2_above" not in m.modes
-    rules = [write_repulsion(m, segment) for segment in m.segments.values()]
+    rules = [write_repulsion(m, s) for s in m.segments.values()]
     assert not any(rule.has(sympy.nan, sympy.zoo) for rule in rules)
     leads_on = [rule for s, rule in zip(m.segments.values(), rules, strict=True) if s.to == "x_on_x2_below" and s.anew]
     assert leads_on and set(leads_on) == {sympy.false}

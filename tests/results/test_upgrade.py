@@ -28,7 +28,8 @@ def reasons_of(kind, labels, notes, meta=None):
     return [reason_from_json(packed[a:b]) for a, b in itertools.pairwise(ends)]
 
 
-@pytest.mark.parametrize("reason", FailureReason)
+# That of a motion that both fields push off a surface came with format 4.
+@pytest.mark.parametrize("reason", [r for r in FailureReason if r != FailureReason.REPELLED])
 def test_failures_of_motions_keep_their_reason_event_and_sentence(reason):
     cut = SENTENCES[reason][:200]
     [found] = reasons_of("sweep", [""], [cut])

@@ -43,17 +43,17 @@ def test_the_past_is_kept_for_the_longest_delay_or_longer():
 def test_events_stick_to_the_modes_that_the_method_names():
     simulator = Simulator(numeric_from(BALL), Direct(), Method(stick={"hit": "lie"}))
     assert list(simulator.numeric.model.segments) == ["hop", "hop>lie"]
-    assert list(simulator.system.resting) == [1, 1]
+    assert list(simulator.system.resting) == [1, -1]
     assert list(Simulator(numeric_from(BALL), Direct()).system.resting) == [-1]
 
 
 def test_of_several_modes_of_rest_the_method_chooses():
     still = "lie: {y': 0, v': 0}"
     text = BALL.replace("to: fly}", "to: fly, rest: lie}").replace(still, f"{still}, {still.replace('lie', 'doze')}")
-    assert list(Simulator(numeric_from(text), Direct()).system.resting) == [1, 1]
+    assert list(Simulator(numeric_from(text), Direct()).system.resting) == [1, -1]
     simulator = Simulator(numeric_from(text), Direct(), Method(stick={"hit": "doze"}))
     assert list(simulator.numeric.model.segments) == ["hop", "hop>lie", "hop>doze"]
-    assert list(simulator.system.resting) == [2, 2, 2]
+    assert list(simulator.system.resting) == [2, -1, -1]
 
 
 def test_derivatives_are_compiled_for_those_who_use_them():

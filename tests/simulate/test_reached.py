@@ -27,6 +27,22 @@ MODEL = {
     "jumps": {"kick": {"at": "y + 0.2", "direction": "falling", "reset": {"v": "v + 0.3", "w": "w - 0.1"}}},
     "initial": {"x": 0.5, "v": 0.1},
 }
+# A ball that comes to rest on a table beside a block that sticks.
+RESTING = {
+    "name": "table",
+    "states": ["y", "v", "u"],
+    "parameters": {"G": 1.3, "r": 0.5},
+    "forcing": {"period": "2*pi"},
+    "equations": {"y'": "v", "v'": "G*sin(t) - 1", "u'": "0.7*sin(t) - 0.5*sign(u)"},
+    "switches": {"slip": "u"},
+    "jumps": {"stop": {"at": "y", "direction": "falling", "reset": {"v": "-r*v"}, "rest": True}},
+    "initial": {"y": 1, "u": 0.1},
+}
+RESTING_STEPS = [
+    {"name": "transient", "simulate": {"t_end": 60}},
+    {"name": "orbit", "orbit": {"from": "transient", "stability": True}},
+    {"name": "swept", "sweep": {"over": {"G": [1.2, 1.4, 3]}, "transient": "20*pi"}},
+]
 SETTLED = "200*pi/0.9"
 STEPS = [
     {"name": "transient", "simulate": {"t_end": 300}},
@@ -44,11 +60,12 @@ def build_as_reached(monkeypatch):
     monkeypatch.setattr(derived_modes, "FEW_MODES", 0)
 
 
-def test_a_whole_run_gives_the_same(monkeypatch, tmp_path):
+@pytest.mark.parametrize(("model", "steps"), [(MODEL, STEPS), (RESTING, RESTING_STEPS)], ids=["walls", "rests"])
+def test_a_whole_run_gives_the_same(monkeypatch, tmp_path, model, steps):
     """Rows, events and segments are those of all modes built at once, whatever the order in which they were reached."""
-    whole = run({**MODEL, "run": {"steps": STEPS}}, tmp_path / "whole.h5")
+    whole = run({**model, "run": {"steps": steps}}, tmp_path / "whole.h5")
     build_as_reached(monkeypatch)
-    reached = run({**MODEL, "run": {"steps": STEPS}}, tmp_path / "reached.h5")
+    reached = run({**model, "run": {"steps": steps}}, tmp_path / "reached.h5")
     for name in whole.steps:
         one, other = whole.step(name), reached.step(name)
         assert len(one) == len(other) > 0, name
@@ -64,6 +81,24 @@ def test_a_whole_run_gives_the_same(monkeypatch, tmp_path):
                 if key in one.orbit(i):
                     assert np.array_equal(one.orbit(i)[key], other.orbit(i)[key]), (name, key)
     assert 3 < len(names(reached)) <= len(names(whole))
+
+
+def test_a_rest_is_reached_where_the_impacts_accumulate(monkeypatch):
+    """A ball that falls from 1 lies after (1 + 2 r/(1 - r)) sqrt(2), in a mode that nothing has led to before.
+
+    Then 0.7 sin t is below -0.5: what slides beside it slips down.
+    """
+    build_as_reached(monkeypatch)
+    numeric = numeric_from({**RESTING, "parameters": {"G": 0, "r": 0.5}})
+    simulator = Simulator(numeric, Direct())
+    values = simulator.values(numeric.parameter_values)
+    state = simulator.start(values)
+    assert not any("stop_rest" in mode for mode in simulator.tables.modes)
+    state, _ = simulator.advance(values, state, 3.0 * 2.0**0.5 - 1e-3)
+    assert not any("stop_rest" in mode for mode in simulator.tables.modes)
+    state, _ = simulator.advance(values, state, 3.0 * 2.0**0.5 + 1e-3)
+    assert list(simulator.tables.modes)[state.count[0]] == "slip_below_stop_rest"
+    assert np.max(np.abs(state.y[:2])) < 1e-12
 
 
 def count(step, counts):

@@ -7,6 +7,7 @@ import pytest
 
 from pddecont.delay import Direct
 from pddecont.errors import ConvergenceError
+from pddecont.model import derived_modes
 from pddecont.simulate import simulate
 from tests.conftest import numeric_from
 from tests.runs import to_yaml
@@ -73,9 +74,12 @@ REPELLED = {
 }
 
 
+@pytest.mark.parametrize("few", [0, derived_modes.FEW_MODES], ids=["reached", "all"])
 @pytest.mark.parametrize("method", [TIGHT, STIFF], ids=["explicit", "stiff"])
 @pytest.mark.parametrize("name", REPELLED)
-def test_it_says_when_and_where_and_how_fast(name, method):
+def test_it_says_when_and_where_and_how_fast(monkeypatch, name, method, few):
+    """Modes that are built as motions reach them have the same conditions."""
+    monkeypatch.setattr(derived_modes, "FEW_MODES", few)
     text, when, surface, where, rates = REPELLED[name]
     with pytest.raises(ConvergenceError) as caught:
         trajectory_of(text, 9.0, method)

@@ -19,11 +19,12 @@ Core = namedtuple(
     field field_jacobian field_case event event_jacobian event_case reset reset_jacobian reset_case
     history n n_full dimension tangent
     n_pairs n_delays n_kept n_segments n_events pair_state pair_delay kept place segment_mode segment_event
-    segment_direction segment_reset segment_to segment_next_way segment_decision_first segment_decision_end
+    segment_direction segment_reset segment_to segment_next_way resting segment_repulsion
+    segment_repulsion_case segment_opposite segment_decision_first segment_decision_end
     n_digits n_keys leader_digits way_digits option_first option_end is_open number_first decision_size decided
-    rule rule_case digit_first decided_digit segment_repulsion segment_repulsion_case segment_opposite resting
+    rule rule_case digit_first decided_digit
     crossing_first crossing_segment ending_first ending_segment
-    held_first held_event clock_first clock_event after reads chain_order chain_n section section_direction
+    held_first held_event     clock_first clock_event after reads chain_order chain_n section section_direction
     stop_event stiff p tau event_delay max_step rtol atol longest clock count y constant mask past_time
     past_length past_end past_arc past_shift past_value past_coefficients cursor reading pending_time
     pending_event pending_shift breaking_time breaking_level accumulation segment_counts side residue next_step resume
@@ -67,6 +68,10 @@ def make_core(system, values, state, log, work):
         pointer(system.segment_reset),
         pointer(system.segment_to),
         pointer(system.segment_next_way),
+        pointer(system.resting),
+        pointer(system.segment_repulsion),
+        pointer(system.segment_repulsion_case),
+        pointer(system.segment_opposite),
         pointer(system.segment_decision_first),
         pointer(system.segment_decision_end),
         system.n_digits,
@@ -83,10 +88,6 @@ def make_core(system, values, state, log, work):
         pointer(system.rule_case),
         pointer(system.digit_first),
         pointer(system.decided_digit),
-        pointer(system.segment_repulsion),
-        pointer(system.segment_repulsion_case),
-        pointer(system.segment_opposite),
-        pointer(system.resting),
         pointer(system.crossing_first),
         pointer(system.crossing_segment),
         pointer(system.ending_first),

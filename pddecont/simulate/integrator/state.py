@@ -50,8 +50,9 @@ class IntegratorState(NamedTuple):
     next_step
         The length that the next step may have in each mode (n_modes,); 0: none was made there.
     resume
-        1 if the events of the present moment are not all handled, the event that has to come next (-1: any), the
-        status to come back with when they are, and the segment after which a surface may repel the motion (4,).
+        1 if the events of the present moment are not all handled, the event that has to come next (-1: any), and the
+        status to come back with when they are, and the segment
+        after which a surface may repel the motion (-1: none) (4,).
     """
 
     clock: Array

@@ -38,6 +38,13 @@ class System(NamedTuple):
         yet ``segment_to`` is -1.
     segment_next_way
         The next segment that it may turn out to be when it ends (n_segments,); -1: no other is in the tables.
+    segment_repulsion, segment_repulsion_case
+        The address of the condition under which both fields point away from a surface after each segment, 0 for none,
+        and what it is known by there (n_segments,).
+    segment_opposite
+        Of a segment that leaves a surface the first one that leaves it to the other side (n_segments,); -1: others.
+    resting
+        What each segment is where its event accumulates and the motion rests (n_segments,); -1: nothing is said of it.
     segment_decision_first, segment_decision_end
         Of the first of them: the decisions that say which it is, in order.
     n_digits, n_keys
@@ -53,13 +60,6 @@ class System(NamedTuple):
         The address of each option's condition, and what it is known by there (n_options,).
     digit_first, decided_digit
         What each option gives these numbers, likewise.
-    segment_repulsion, segment_repulsion_case
-        The address of the condition under which both fields point away from a surface after each segment, 0: none, and
-        what it is known by there (n_segments,).
-    segment_opposite
-        Of a segment that leaves a surface the one that leaves it to the other side (n_segments,); -1: others.
-    resting
-        What each segment is where its event accumulates and the motion rests (n_segments,); -1: nothing is said of it.
     crossing_first, crossing_segment
         The segments of mode m that end at event functions: crossing_segment[crossing_first[m]:crossing_first[m + 1]].
         Of those that one may turn out to be the first stands for all.
@@ -108,6 +108,10 @@ class System(NamedTuple):
     segment_reset: Integers
     segment_to: Integers
     segment_next_way: Integers
+    resting: Integers
+    segment_repulsion: Integers
+    segment_repulsion_case: Integers
+    segment_opposite: Integers
     segment_decision_first: Integers
     segment_decision_end: Integers
     n_digits: int
@@ -124,10 +128,6 @@ class System(NamedTuple):
     rule_case: Integers
     digit_first: Integers
     decided_digit: Integers
-    segment_repulsion: Integers
-    segment_repulsion_case: Integers
-    segment_opposite: Integers
-    resting: Integers
     crossing_first: Integers
     crossing_segment: Integers
     ending_first: Integers

@@ -28,16 +28,24 @@ def choose_way(c, segment, t, y):
         option = _choose_option(c, decision, t, y)
         if option < 0:
             c.asked[1] = UNDECIDED
-            c.landing[0] = t
-            for i in range(c.n):
-                c.landing[i + 1] = y[i]
+            _record_landing(c, t, y)
             return -1
         for i in range(c.decision_size[decision]):
             c.digits[c.decided[c.number_first[decision] + i]] = c.decided_digit[c.digit_first[option] + i]
     way = segment
     while way >= 0 and not _leads_there(c, way):
         way = c.segment_next_way[way]
-    return way if way >= 0 and c.segment_to[way] >= 0 else -1
+    if way >= 0 and c.segment_to[way] >= 0:
+        return way
+    _record_landing(c, t, y)
+    return -1
+
+
+@internal
+def _record_landing(c, t, y):
+    c.landing[0] = t
+    for i in range(c.n):
+        c.landing[i + 1] = y[i]
 
 
 @internal
