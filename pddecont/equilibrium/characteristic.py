@@ -71,19 +71,24 @@ class CharacteristicMatrix:
         matrix = roots[:, None, None] * self.unit - self.present
         slope = np.broadcast_to(self.unit, matrix.shape).astype(complex)
         for through, (factor, rate) in zip(self.delayed, self.list_factors(roots), strict=True):
-            matrix = matrix - factor[:, None, None] * through
-            slope = slope - rate[:, None, None] * through
+            with np.errstate(invalid="ignore"):
+                matrix = matrix - factor[:, None, None] * through
+                slope = slope - rate[:, None, None] * through
         return matrix, slope
 
     def list_factors(self, roots: Complex | complex) -> list[tuple[Complex, Complex]]:
-        """Return what each term is multiplied by, and the derivative of that in lambda, of the shape of ``roots``."""
+        """Return what each term is multiplied by, and the derivative of that in lambda, of the shape of ``roots``.
+
+        Where an exponential overflows they are not finite.
+        """
         found = []
         orders = np.zeros(len(self.delays), dtype=np.intp) if self.orders is None else self.orders
         for tau, m in zip(self.delays.tolist(), orders.tolist(), strict=True):
-            factor, rate = find_transfer_factor(self.method, roots * tau)
-            rate = tau * rate
-            if m:
-                factor, rate = roots**m * factor, m * roots ** (m - 1) * factor + roots**m * rate
+            with np.errstate(over="ignore", invalid="ignore"):
+                factor, rate = find_transfer_factor(self.method, roots * tau)
+                rate = tau * rate
+                if m:
+                    factor, rate = roots**m * factor, m * roots ** (m - 1) * factor + roots**m * rate
             found.append((factor, rate))
         return found
 

@@ -39,6 +39,8 @@ STATIONS, OFF_AXIS, ROUGH, OVERLAP, MERGE = 12, 1e-3, 1e-8, 1.6, 1e-6
 # Points along the axis from which roots are looked for, at most.
 MOST_SPREAD = 4000
 MAX_ITERATIONS = 30
+# Roots that decay by more than exp(-DAMPED) in the longest delay are none that anybody asks for.
+DAMPED = 200.0
 # A guess that moves farther than this, relative to its size, is none; one that moves less than CLOSE was next to it.
 NEAR, CLOSE = 0.3, 1e-3
 # Roots nearer than this part of the bound are one unless both were guessed; below SMALL of it they are near zero.
@@ -130,7 +132,8 @@ def _guess(generator: Generator, scale: float, n_roots: int) -> Complex:
         values = np.linalg.eigvals(generator.make_whole()).astype(complex)
     else:
         values = _find_along_axis(generator, scale, n_roots)
-    values = values[values.imag >= 0.0]
+    longest = float(np.max(generator.matrix.delays, initial=0.0))
+    values = values[(values.imag >= 0.0) & (values.real * longest > -DAMPED)]
     values = values[np.argsort(-values.real)]
     return values[: int(np.sum(values.real > 0.0)) + 2 * n_roots]
 

@@ -24,11 +24,19 @@ def column(step, name):
 
 def test_rows_are_those_of_modes_first_and_then_the_virtual(tmp_path):
     step = search(CHUA, tmp_path / "r.h5", BOX).step("all")
-    assert [step.labels[i] for i in step.order] == ["EQ1", "EQ2", "EQ3", "EQ4"]
-    assert np.allclose(step.points["states"], [[-1.5, 0, 1.5], [0, 0, 0], [1.5, 0, -1.5], [0, 0, 0]], atol=1e-13)
-    assert column(step, "admissible") == [1, 1, 1, 0]
-    assert column(step, "n_unstable")[:3] == [2, 1, 2]
-    assert describe_done(step) == ("all 3 equilibria in the box; also 1 virtual one, where its mode does not hold")
+    assert [step.labels[i] for i in step.order] == ["EQ1", "EQ2", "EQ3"]
+    assert np.allclose(step.points["states"], [[-1.5, 0, 1.5], [0, 0, 0], [1.5, 0, -1.5]], atol=1e-13)
+    assert column(step, "admissible") == [1, 1, 1]
+    assert column(step, "n_unstable") == [2, 1, 2]
+    assert describe_done(step) == "all 3 equilibria in the box"
+
+
+def test_virtual_ones_come_last(tmp_path):
+    step = search(RELAY, tmp_path / "r.h5", {"x": [-3, 3], "y": [-3, 3]}).step("all")
+    assert [step.labels[i] for i in step.order] == ["EQ1", "EQ2", "EQ3"]
+    assert np.allclose(step.points["states"], [[0, 1], [-0.5, 1.5], [1.5, -0.5]], atol=1e-13)
+    assert column(step, "admissible") == [1, 0, 0]
+    assert describe_done(step) == "the only equilibrium in the box; also 2 virtual ones, where their modes do not hold"
 
 
 def test_a_mode_alone_is_searched_where_it_is_named(tmp_path):
@@ -48,7 +56,7 @@ def test_a_branch_starts_from_one_by_its_label_and_says_how_it_ended(tmp_path):
 
 def test_which_of_several_has_to_be_said(tmp_path):
     branch = {"from": "all", "free": ["alpha"], "range": {"alpha": [8.5, 9.5]}}
-    with pytest.raises(ResultsError, match=r"holds 4 equilibria \(EQ1, EQ2, EQ3, EQ4\); say which: .*point: EQ1"):
+    with pytest.raises(ResultsError, match=r"holds 3 equilibria \(EQ1, EQ2, EQ3\); say which: .*point: EQ1"):
         search(CHUA, tmp_path / "r.h5", BOX, {"name": "b", "continue": branch})
 
 
