@@ -43,6 +43,9 @@ def start_step(
         start = start_from_hopf(context, step, settings)
         _check_range(context, step, settings, start)
         return start, NO_REASON
+    if step.settings.switches and len(settings.free) == 2:
+        text = "'branch: switch' leads onto another branch of orbits in one free parameter; found two"
+        raise RunError.at(context.plan.source, 0, 0, f"step '{step.name}': {text}")
     recorded, row = find_point(context, step.source)
     guess = find_orbit(context, step, step.source)
     kind, reason, asked = recorded.kind_of(row), recorded.reason(row), step.settings.signature
