@@ -25,9 +25,11 @@ Complex = NDArray[np.complex128]
 FEW, PER_TURN = 33, 6
 # Beyond this many times the bound of roots the argument of Q changes by what closed form says.
 FAR = 2.0
-# Between neighbours the logarithm of Q changes by less than this; else a point is put between them.
+# Between neighbours the logarithm of Q changes by less than this, and by less than twice that at the rates of both: a
+# whole turn between them would pass unnoticed. Else a point is put between them.
 CHANGE = 0.7
-MAX_POINTS = 200_000
+# Points at most, of small matrices and of sparse ones; a step over which rates are taken, as a part of the whole way.
+MAX_POINTS, MAX_SPARSE, STEP = 200_000, 8_000, 1e-8
 # How far to the right of the axis Q is taken, as a part of the whole way: a root on the axis is no zero to divide by.
 ASIDE = 1e-10
 # Neighbours nearer than this part of the whole way: the axis goes through a root that is not in the list.
@@ -55,27 +57,32 @@ def count_missing(matrix: CharacteristicMatrix, listed: Complex) -> Count:
     ``listed`` holds both of each conjugate pair.
     """
     longest = float(np.max(matrix.delays, initial=0.0))
-    end = FAR * max(matrix.find_bound(), float(np.max(np.abs(listed), initial=0.0)), np.finfo(float).tiny)
-    n_points = FEW + int(PER_TURN * end * longest / (2.0 * np.pi))
-    if n_points > MAX_POINTS:
+    end = FAR * max(matrix.bound, float(np.max(np.abs(listed), initial=0.0)), np.finfo(float).tiny)
+    # Above a height delayed terms are too small to turn the determinant.
+    turning = min(end, matrix.height + 2.0 * matrix.reach)
+    if not PER_TURN * turning * longest / (2.0 * np.pi) < MAX_POINTS:
         return Count(None, np.zeros(0, dtype=complex))
-    aside = ASIDE * end
+    n_points = FEW + int(PER_TURN * turning * longest / (2.0 * np.pi))
     # Roots near zero need points near zero: others are spaced evenly.
-    omega = np.union1d(np.linspace(0.0, end, n_points), np.geomspace(LEAST * end, end, FEW))
-    values = _find_log_quotients(matrix, aside, omega, listed)
+    omega = np.union1d(np.linspace(0.0, turning, n_points), np.geomspace(LEAST * turning, end, FEW))
+    most = MAX_SPARSE if matrix.is_sparse else MAX_POINTS
+    values, rates = _find_log_quotients(matrix, end, omega, listed)
     while True:
-        change = np.diff(values)
+        change, gaps = np.diff(values), np.diff(omega)
         turns = np.angle(np.exp(1j * change.imag))
-        rough = np.hypot(change.real, turns) >= CHANGE
+        expected = gaps * np.maximum(rates[1:], rates[:-1])
+        rough = (np.hypot(change.real, turns) >= CHANGE) | (expected >= 2.0 * CHANGE)
         if not np.any(rough):
             break
-        gaps = np.diff(omega)[rough]
-        if np.min(gaps) < NEAREST * end or len(omega) > MAX_POINTS:
+        if np.min(gaps[rough]) < NEAREST * end:
             return Count(None, 1j * omega[:-1][rough])
+        if len(omega) + float(np.sum(expected[rough])) > most:
+            return Count(None, np.zeros(0, dtype=complex))
         where = np.flatnonzero(rough) + 1
         between = (0.5 * (omega[:-1] + omega[1:]))[rough]
+        added = _find_log_quotients(matrix, end, between, listed)
         omega = np.insert(omega, where, between)
-        values = np.insert(values, where, _find_log_quotients(matrix, aside, between, listed))
+        values, rates = (np.insert(old, where, new) for old, new in zip((values, rates), added, strict=True))
     total = float(np.sum(turns)) + _find_rest(matrix, end, listed)
     number = round(0.5 * (matrix.n - len(listed)) - total / np.pi)
     return Count(number, _find_places(omega, turns) if number > 0 else np.zeros(0, dtype=complex))
@@ -90,10 +97,16 @@ def _find_places(omega: Array, turns: Array) -> Complex:
     return np.asarray(-1.0 / rates[lowest] + 1j * middles[lowest])
 
 
-def _find_log_quotients(matrix: CharacteristicMatrix, aside: float, omega: Array, listed: Complex) -> Complex:
-    """Return log Q at ``aside`` + i omega (n,), imaginary parts up to whole turns."""
-    points: Complex = np.asarray(aside + 1j * omega, dtype=np.complex128)
-    return np.asarray(matrix.log_determinants(points) - np.sum(np.log(points[:, None] - listed), axis=1))
+def _find_log_quotients(
+    matrix: CharacteristicMatrix, end: float, omega: Array, listed: Complex
+) -> tuple[Complex, Array]:
+    """Return log Q next to i omega (n,), imaginary parts up to whole turns, and the moduli of its rates of change."""
+    step = STEP * end
+    points: Complex = np.asarray(ASIDE * end + 1j * np.append(omega, omega + step), dtype=np.complex128)
+    values = matrix.log_determinants(points) - np.sum(np.log(points[:, None] - listed), axis=1)
+    here, ahead = values[: len(omega)], values[len(omega) :]
+    turn = np.angle(np.exp(1j * (ahead - here).imag))
+    return here, np.hypot((ahead - here).real, turn) / step
 
 
 def _find_rest(matrix: CharacteristicMatrix, end: float, listed: Complex) -> float:

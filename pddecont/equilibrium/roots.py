@@ -18,7 +18,8 @@ import scipy.sparse as sp
 import scipy.sparse.linalg
 from numpy.typing import NDArray
 
-from pddecont.equilibrium.characteristic import CharacteristicMatrix
+from pddecont.equilibrium.arnoldi import Guesses, find_along_axis, find_around
+from pddecont.equilibrium.characteristic import CharacteristicMatrix, find_norm
 from pddecont.equilibrium.counting import count_missing
 from pddecont.equilibrium.generator import Generator
 from pddecont.equilibrium.history import make_history
@@ -33,9 +34,8 @@ FEW_POINTS, PER_RADIAN, MANY_POINTS = 16, 0.7, 160
 WHOLE = 900
 # How often roots that are lacking are looked for.
 ROUNDS = 4
-# Points on the axis around which eigenvalues of a large matrix are looked for, how far to the right of it they lie, how
-# exact eigenvalues are, how much of the way to the farthest the next point is, and when two are one; of the bound.
-STATIONS, OFF_AXIS, ROUGH, OVERLAP, MERGE = 12, 1e-3, 1e-8, 1.6, 1e-6
+# Places around which more roots of a large matrix are looked for, at most.
+STATIONS = 12
 # Points along the axis from which roots are looked for, at most.
 MOST_SPREAD = 4000
 MAX_ITERATIONS = 30
@@ -75,19 +75,21 @@ class Roots:
 
 def find_roots(matrix: CharacteristicMatrix, n_roots: int = N_ROOTS) -> Roots:
     """Return at least the ``n_roots`` characteristic roots farthest to the right, and all unstable ones."""
-    scale = max(matrix.find_bound(), float(np.finfo(float).tiny))
-    longest = float(np.max(matrix.delays, initial=0.0))
-    turns = scale * longest
+    scale = _find_scale(matrix)
+    turns = min(matrix.height, scale) * float(np.max(matrix.delays, initial=0.0))
     generator, found = _find_resolved(matrix, scale, n_roots)
     for _ in range(ROUNDS):
         values, vectors = _with_conjugates(*found)
         count = count_missing(matrix, values)
         if not len(count.places):
             break
-        heights = np.linspace(0.0, scale, int(min(FEW_POINTS + PER_RADIAN * turns, MOST_SPREAD)))
-        near = [_find_around(generator, z, n_roots) for z in count.places[:STATIONS].tolist()]
-        guesses = np.concatenate([count.places, 1j * heights, 1.0 * heights + 0.0j, *near])
-        found = _gather(matrix, guesses, found, scale)
+        guesses = [_at_points(matrix, count.places)]
+        if generator.size <= WHOLE:
+            heights = np.linspace(0.0, scale, int(min(FEW_POINTS + PER_RADIAN * turns, MOST_SPREAD)))
+            guesses.append(_at_points(matrix, np.concatenate([1j * heights, heights + 0.0j])))
+        else:
+            guesses += [find_around(generator, z)[1] for z in count.places[:STATIONS].tolist()]
+        found = _gather(matrix, _join(guesses), found, scale)
     kept = max(n_roots, int(np.sum(values.real > 0.0)))
     if kept < len(values) and values[kept - 1].imag > 0.0:
         kept += 1
@@ -96,15 +98,20 @@ def find_roots(matrix: CharacteristicMatrix, n_roots: int = N_ROOTS) -> Roots:
     return Roots(values, residuals, vectors, count.number)
 
 
-def _find_resolved(
-    matrix: CharacteristicMatrix, scale: float, n_roots: int
-) -> tuple[Generator, tuple[Complex, Complex]]:
+def _find_scale(matrix: CharacteristicMatrix) -> float:
+    """Return the size of unstable roots: their bound, or where there is none the sizes of all terms."""
+    if np.isfinite(matrix.bound):
+        return max(matrix.bound, float(np.finfo(float).tiny))
+    return sum(find_norm(m) for m in (matrix.unit, matrix.present, *matrix.delayed))
+
+
+def _find_resolved(matrix: CharacteristicMatrix, scale: float, n_roots: int) -> tuple[Generator, Guesses]:
     """Return a discretised equation that resolves the roots that are kept, and the roots to which it leads."""
     longest = float(np.max(matrix.delays, initial=0.0))
-    n_points = int(FEW_POINTS + min(PER_RADIAN * scale * longest, MANY_POINTS))
+    n_points = int(FEW_POINTS + min(PER_RADIAN * min(matrix.height, scale) * longest, MANY_POINTS))
     while True:
         generator = _make_generator(matrix, n_points)
-        found = _gather(matrix, _guess(generator, scale, n_roots), None, scale)
+        found = _gather(matrix, _guess(generator, n_roots), None, scale)
         values, _ = _with_conjugates(*found)
         farthest = float(np.max(np.abs(values[:n_roots]), initial=0.0))
         needed = int(FEW_POINTS + PER_RADIAN * farthest * longest)
@@ -126,53 +133,32 @@ def _make_generator(matrix: CharacteristicMatrix, n_points: int) -> Generator:
     return Generator(matrix, make_history(matrix.delays, matrix.method, min(n_points, max(FEW_POINTS, most))))
 
 
-def _guess(generator: Generator, scale: float, n_roots: int) -> Complex:
+def _guess(generator: Generator, n_roots: int) -> Guesses:
     """Return eigenvalues of the discretised equation in the upper half-plane, the rightmost ones."""
-    if generator.size <= WHOLE:
-        values = np.linalg.eigvals(generator.make_whole()).astype(complex)
+    matrix = generator.matrix
+    longest = float(np.max(matrix.delays, initial=0.0))
+    if generator.size > WHOLE:
+        guesses = find_along_axis(generator, matrix.height if np.isfinite(matrix.height) else _find_scale(matrix))
     else:
-        values = _find_along_axis(generator, scale, n_roots)
-    longest = float(np.max(generator.matrix.delays, initial=0.0))
-    values = values[(values.imag >= 0.0) & (values.real * longest > -DAMPED)]
-    values = values[np.argsort(-values.real)]
-    return values[: int(np.sum(values.real > 0.0)) + 2 * n_roots]
+        values = np.linalg.eigvals(generator.make_whole()).astype(complex)
+        guesses = values, np.zeros((len(values), 0), dtype=complex)
+    values, vectors = guesses
+    order = np.argsort(-values.real)
+    order = order[(values[order].imag >= 0.0) & (values[order].real * longest > -DAMPED)]
+    order = order[: int(np.sum(values[order].real > 0.0)) + 2 * n_roots]
+    return _at_points(matrix, values[order]) if generator.size <= WHOLE else (values[order], vectors[order])
 
 
-def _find_along_axis(generator: Generator, scale: float, n_roots: int) -> Complex:
-    """Return the eigenvalues of a large matrix nearest to points on the imaginary axis, from zero upwards."""
-    found, height = [np.zeros(0, dtype=complex)], 0.0
-    for _ in range(STATIONS):
-        shift = complex(OFF_AXIS * scale, height)
-        around = _find_around(generator, shift, n_roots)
-        if not len(around):
-            break
-        found.append(around)
-        height += OVERLAP * float(np.max(np.abs(around - shift)))
-        if height > scale:
-            break
-    # What lies between two points is found from both.
-    values = np.concatenate(found)
-    places = np.round(values / (MERGE * scale))
-    return np.asarray(values[np.unique(places, return_index=True)[1]])
+def _at_points(matrix: CharacteristicMatrix, values: Complex) -> Guesses:
+    """Return guesses with the vectors that the characteristic matrix is smallest for."""
+    return values, np.array([matrix.find_smallest(z)[1] for z in values.tolist()], dtype=complex).reshape(-1, matrix.n)
 
 
-def _find_around(generator: Generator, shift: complex, n: int) -> Complex:
-    """Return about ``n`` eigenvalues nearest to a point."""
-    if generator.size <= WHOLE:
-        return np.zeros(0, dtype=complex)
-    start = np.ones(generator.size, dtype=complex)
-    try:
-        around = scipy.sparse.linalg.eigs(
-            generator.invert_shifted(shift), k=n, v0=start, return_eigenvectors=False, tol=ROUGH
-        )
-    except scipy.sparse.linalg.ArpackNoConvergence as exc:
-        around = exc.eigenvalues
-    return np.asarray(shift + 1.0 / around)
+def _join(guesses: list[Guesses]) -> Guesses:
+    return np.concatenate([values for values, _ in guesses]), np.concatenate([vectors for _, vectors in guesses])
 
 
-def _gather(
-    matrix: CharacteristicMatrix, guesses: Complex, known: tuple[Complex, Complex] | None, scale: float
-) -> tuple[Complex, Complex]:
+def _gather(matrix: CharacteristicMatrix, guesses: Guesses, known: Guesses | None, scale: float) -> Guesses:
     """Return the roots in the upper half-plane to which guesses lead (n_roots,), and their vectors (n_roots, n).
 
     Those that are ``known`` come first. Where none are, a root to which several guesses lead that were next to it is as
@@ -193,10 +179,10 @@ def _gather(
     return np.array(found, dtype=complex), np.array(vectors, dtype=complex).reshape(-1, matrix.n)
 
 
-def _correct(matrix: CharacteristicMatrix, guesses: Complex, scale: float) -> tuple[Complex, Complex, Array, Complex]:
+def _correct(matrix: CharacteristicMatrix, given: Guesses, scale: float) -> tuple[Complex, Complex, Array, Complex]:
     """Return the roots to which guesses lead, their vectors (n_roots, n), how far the guesses were, and the guesses."""
-    values = guesses.astype(complex)
-    q = np.array([matrix.find_smallest(z)[1] for z in values.tolist()], dtype=complex).reshape(-1, matrix.n)
+    guesses, q = given[0].astype(complex), given[1].copy()
+    values = guesses.copy()
     active, settled = np.ones(len(values), dtype=bool), np.zeros(len(values), dtype=bool)
     for _ in range(MAX_ITERATIONS):
         here = np.flatnonzero(active)
