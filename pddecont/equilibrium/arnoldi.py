@@ -1,12 +1,14 @@
-"""Eigenvalues of a large discretised equation: those around points of the imaginary axis, by Arnoldi's method.
+"""Eigenvalues of a large discretised equation: those farthest to the right, by Arnoldi's method.
 
-Around each point all eigenvalues within a radius are found. Points are added until the discs cover the axis as far up
-as an unstable root can lie; what lies deep to the right between two discs is left to the count (``counting``).
+Around a point all eigenvalues within a radius are found. Points are added until the discs cover the rectangle in which
+unstable roots can lie; then it grows to the left until there are enough.
 
 Reference: Meerbergen, Spence, Roose, BIT 34 (1994); Lehoucq, Sorensen, Yang, ARPACK Users' Guide (1998).
 """
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse.linalg
@@ -17,32 +19,67 @@ from pddecont.equilibrium.generator import Generator
 Complex = NDArray[np.complex128]
 # First guesses of roots (n_guesses,), and their vectors (n_guesses, n_states).
 Guesses = tuple[Complex, Complex]
-# Eigenvalues found around a point, and vectors kept for that; more of both where eigenvalues lie close.
+# Eigenvalues found around a point, and vectors kept for that.
 AROUND, KEPT = 40, 160
 # How exact they are: only guesses are wanted.
 ROUGH = 1e-6
-# Points at most, how far to the right of the axis they lie as a part of its length, and how much of a radius counts.
-STATIONS, OFF_AXIS, SURE = 60, 1e-4, 0.8
-# An eigenvalue nearer than this part of the axis to one that was found around another point is the same.
+# Points at most, and how far to the left of the axis is looked at first, as a part of the region's height or width.
+STATIONS, MARGIN = 60, 0.05
+# Eigenvalues nearer than this part of the region to one that was found around another point are the same, and one that
+# near to the real axis is real.
 MERGE = 1e-5
 
 
-def find_along_axis(generator: Generator, height: float) -> Guesses:
-    """Return the eigenvalues around the imaginary axis from zero to i ``height``."""
-    values, vectors = np.zeros(0, dtype=complex), np.zeros((0, generator.matrix.n), dtype=complex)
-    gaps = [(0.0, height)]
+@dataclass(frozen=True)
+class Box:
+    """A rectangle of the complex plane with two sides parallel to the real axis."""
+
+    low: complex
+    high: complex
+
+    @property
+    def middle(self) -> complex:
+        """Its middle."""
+        return 0.5 * (self.low + self.high)
+
+    @property
+    def radius(self) -> float:
+        """Half of its diagonal."""
+        return 0.5 * abs(self.high - self.low)
+
+    def split(self) -> tuple[Box, Box]:
+        """Return its halves: the longer sides are cut."""
+        size, at = self.high - self.low, self.middle
+        if size.real > size.imag:
+            return Box(self.low, complex(at.real, self.high.imag)), Box(complex(at.real, self.low.imag), self.high)
+        return Box(self.low, complex(self.high.real, at.imag)), Box(complex(self.low.real, at.imag), self.high)
+
+
+def find_rightmost(generator: Generator, n_roots: int, most: float) -> Guesses:
+    """Return all eigenvalues right of the axis in the upper half-plane, or next to it; ``n_roots`` at least.
+
+    ``most`` is what unstable ones do not exceed in modulus.
+    """
+    matrix = generator.matrix
+    abscissa, height = min(matrix.abscissa, most), min(matrix.height, most)
+    size = max(abscissa, height)
+    margin = MARGIN * size
+    boxes = [Box(complex(-margin, 0.0), complex(abscissa, height))]
+    values, vectors = np.zeros(0, dtype=complex), np.zeros((0, matrix.n), dtype=complex)
     for _ in range(STATIONS):
-        if not gaps:
-            break
-        low, high = gaps.pop(int(np.argmax([b - a for a, b in gaps])))
-        middle, half = 0.5 * (low + high), 0.5 * (high - low)
-        radius, (around, own) = find_around(generator, complex(OFF_AXIS * height, middle))
-        new = np.min(np.abs(around[:, None] - values), axis=1, initial=np.inf) > MERGE * height
+        if not boxes:
+            if np.sum((values.real > -margin) & (values.imag >= 0.0)) >= min(n_roots, matrix.n):
+                break
+            # The region grows to the left.
+            boxes.append(Box(complex(-2.0 * margin, 0.0), complex(-margin, height)))
+            margin *= 2.0
+        box = boxes.pop(int(np.argmax([one.radius for one in boxes])))
+        radius, (around, own) = find_around(generator, box.middle)
+        new = np.min(np.abs(around[:, None] - values), axis=1, initial=np.inf) > MERGE * size
         values, vectors = np.concatenate([values, around[new]]), np.concatenate([vectors, own[new]])
-        sure = SURE * radius
-        if 0.0 < sure < half:
-            gaps += [(low, middle - sure), (middle + sure, high)]
-    return values, vectors
+        if radius < box.radius:
+            boxes += box.split()
+    return np.where(np.abs(values.imag) < MERGE * size, values.real, values), vectors
 
 
 def find_around(generator: Generator, shift: complex) -> tuple[float, Guesses]:

@@ -143,6 +143,20 @@ class CharacteristicMatrix:
         return min(self.bound, skew + self.reach)
 
     @cached_property
+    def abscissa(self) -> float:
+        """A number that no root exceeds in its real part where that is positive.
+
+        It is the smaller one of the bound of the modulus and the largest eigenvalue of (A_0 + A_0^T)/2, by Gershgorin's
+        discs, with sum |A_k|.
+        """
+        if self.orders is not None and np.any(self.orders > 0):
+            return self.bound
+        mean = 0.5 * (self.present + self.present.T)
+        diagonal = mean.diagonal()
+        rows = np.asarray(abs(mean).sum(axis=1)).ravel() - np.abs(diagonal)
+        return max(0.0, min(self.bound, float(np.max(diagonal + rows)) + self.reach))
+
+    @cached_property
     def reach(self) -> float:
         """The sum of the norms |A_k|, each no less than the spectral one."""
         return float(sum(np.sqrt(find_norm(m) * find_norm(m.T)) for m in self.delayed))

@@ -1,11 +1,13 @@
 """How many characteristic roots lie to the right of the imaginary axis beside those of a list.
 
-The quotient Q = det Delta(lambda) / prod_k (lambda - lambda_k) over the K roots of a list has the others as its zeros
-and grows as lambda^(n - K). By the argument principle
+The quotient of det Delta(lambda) and prod_k (lambda - lambda_k) over the roots of a list has the others as its zeros.
+Multiplied by prod_k (lambda + c_k) / prod_j (lambda + d_j), whose factors have no zeros to the right, it is a function
+Q that tends to one far away. By the argument principle
 
-    zeros to the right = (n - K) / 2 - (change of arg Q(i omega) from omega = 0 to infinity) / pi
+    zeros to the right = -(change of arg Q(i omega) from omega = 0 to infinity) / pi
 
-Roots of the list may lie on the axis or next to it: in Q they are gone.
+Roots of the list may lie on the axis or next to it: in Q they are gone. The c_k and d_j are near what they divide in
+size, so that Q changes little.
 
 Reference: Stepan, Retarded Dynamical Systems (1989), section 2.
 """
@@ -17,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.equilibrium.characteristic import CharacteristicMatrix
+from pddecont.equilibrium.characteristic import ENTRIES, CharacteristicMatrix
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -29,7 +31,7 @@ FAR = 2.0
 # whole turn between them would pass unnoticed. Else a point is put between them.
 CHANGE = 0.7
 # Points at most, of small matrices and of sparse ones; a step over which rates are taken, as a part of the whole way.
-MAX_POINTS, MAX_SPARSE, STEP = 200_000, 8_000, 1e-8
+MAX_POINTS, MAX_SPARSE, STEP = 200_000, 20_000, 1e-8
 # How far to the right of the axis Q is taken, as a part of the whole way: a root on the axis is no zero to divide by.
 ASIDE = 1e-10
 # Neighbours nearer than this part of the whole way: the axis goes through a root that is not in the list.
@@ -59,14 +61,15 @@ def count_missing(matrix: CharacteristicMatrix, listed: Complex) -> Count:
     longest = float(np.max(matrix.delays, initial=0.0))
     end = FAR * max(matrix.bound, float(np.max(np.abs(listed), initial=0.0)), np.finfo(float).tiny)
     # Above a height delayed terms are too small to turn the determinant.
-    turning = min(end, matrix.height + 2.0 * matrix.reach)
+    turning = min(end, max(matrix.height + 2.0 * matrix.reach, LEAST * end))
     if not PER_TURN * turning * longest / (2.0 * np.pi) < MAX_POINTS:
         return Count(None, np.zeros(0, dtype=complex))
     n_points = FEW + int(PER_TURN * turning * longest / (2.0 * np.pi))
     # Roots near zero need points near zero: others are spaced evenly.
     omega = np.union1d(np.linspace(0.0, turning, n_points), np.geomspace(LEAST * turning, end, FEW))
     most = MAX_SPARSE if matrix.is_sparse else MAX_POINTS
-    values, rates = _find_log_quotients(matrix, end, omega, listed)
+    factors = _find_factors(matrix, end, listed)
+    values, rates = _find_log_quotients(matrix, end, omega, factors)
     while True:
         change, gaps = np.diff(values), np.diff(omega)
         turns = np.angle(np.exp(1j * change.imag))
@@ -80,11 +83,10 @@ def count_missing(matrix: CharacteristicMatrix, listed: Complex) -> Count:
             return Count(None, np.zeros(0, dtype=complex))
         where = np.flatnonzero(rough) + 1
         between = (0.5 * (omega[:-1] + omega[1:]))[rough]
-        added = _find_log_quotients(matrix, end, between, listed)
+        added = _find_log_quotients(matrix, end, between, factors)
         omega = np.insert(omega, where, between)
         values, rates = (np.insert(old, where, new) for old, new in zip((values, rates), added, strict=True))
-    total = float(np.sum(turns)) + _find_rest(matrix, end, listed)
-    number = round(0.5 * (matrix.n - len(listed)) - total / np.pi)
+    number = round(-(float(np.sum(turns)) + _find_rest(matrix, end, factors)) / np.pi)
     return Count(number, _find_places(omega, turns) if number > 0 else np.zeros(0, dtype=complex))
 
 
@@ -97,28 +99,38 @@ def _find_places(omega: Array, turns: Array) -> Complex:
     return np.asarray(-1.0 / rates[lowest] + 1j * middles[lowest])
 
 
+def _find_factors(matrix: CharacteristicMatrix, end: float, listed: Complex) -> tuple[Complex, Array]:
+    """Return the numbers z_k of the factors lambda - z_k of Q beside the determinant, and their powers, 1 or -1."""
+    rows = np.asarray(abs(matrix.present).sum(axis=1), dtype=float).ravel()
+    own = np.where(rows > LEAST * end, rows, max(matrix.reach, LEAST * end))
+    beside = -np.maximum(np.abs(listed), LEAST * end)
+    return np.concatenate([listed, beside, -own]), np.repeat([-1.0, 1.0, -1.0], [len(listed), len(listed), len(own)])
+
+
 def _find_log_quotients(
-    matrix: CharacteristicMatrix, end: float, omega: Array, listed: Complex
+    matrix: CharacteristicMatrix, end: float, omega: Array, factors: tuple[Complex, Array]
 ) -> tuple[Complex, Array]:
     """Return log Q next to i omega (n,), imaginary parts up to whole turns, and the moduli of its rates of change."""
-    step = STEP * end
+    step, (zeros, powers) = STEP * end, factors
     points: Complex = np.asarray(ASIDE * end + 1j * np.append(omega, omega + step), dtype=np.complex128)
-    values = matrix.log_determinants(points) - np.sum(np.log(points[:, None] - listed), axis=1)
+    values = matrix.log_determinants(points)
+    for piece in np.array_split(np.arange(len(points)), 1 + len(points) * len(zeros) // ENTRIES):
+        values[piece] += np.log(points[piece][:, None] - zeros) @ powers
     here, ahead = values[: len(omega)], values[len(omega) :]
     turn = np.angle(np.exp(1j * (ahead - here).imag))
     return here, np.hypot((ahead - here).real, turn) / step
 
 
-def _find_rest(matrix: CharacteristicMatrix, end: float, listed: Complex) -> float:
+def _find_rest(matrix: CharacteristicMatrix, end: float, factors: tuple[Complex, Array]) -> float:
     """Return by how much the argument of Q changes from i ``end`` to infinity.
 
     Delta(lambda) = lambda (I - S / lambda): log det(I - S / lambda) is small there, and zero at infinity.
     """
-    at = 1j * end
+    at, (zeros, powers) = 1j * end, factors
     # The logarithm of the determinant less that of lambda^n, on the branch that is zero at infinity.
     own = complex(matrix.log_determinants(np.array([at]))[0] - matrix.n * np.log(at))
     near = own.imag - 2.0 * np.pi * round((own.imag - _guess_rest(matrix, at)) / (2.0 * np.pi))
-    return -near + float(np.sum(np.log(1.0 - listed / at).imag))
+    return -near - float(np.log(1.0 - zeros / at).imag @ powers)
 
 
 def _guess_rest(matrix: CharacteristicMatrix, at: complex) -> float:

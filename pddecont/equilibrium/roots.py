@@ -18,7 +18,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg
 from numpy.typing import NDArray
 
-from pddecont.equilibrium.arnoldi import Guesses, find_along_axis, find_around
+from pddecont.equilibrium.arnoldi import Guesses, find_around, find_rightmost
 from pddecont.equilibrium.characteristic import CharacteristicMatrix, find_norm
 from pddecont.equilibrium.counting import count_missing
 from pddecont.equilibrium.generator import Generator
@@ -138,7 +138,7 @@ def _guess(generator: Generator, n_roots: int) -> Guesses:
     matrix = generator.matrix
     longest = float(np.max(matrix.delays, initial=0.0))
     if generator.size > WHOLE:
-        guesses = find_along_axis(generator, matrix.height if np.isfinite(matrix.height) else _find_scale(matrix))
+        guesses = find_rightmost(generator, n_roots, _find_scale(matrix))
     else:
         values = np.linalg.eigvals(generator.make_whole()).astype(complex)
         guesses = values, np.zeros((len(values), 0), dtype=complex)

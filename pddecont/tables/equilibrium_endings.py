@@ -11,6 +11,8 @@ from pddecont.reasons import Reason
 from pddecont.results import Step
 from pddecont.tables.equilibria import read_mode, read_roots
 
+# States that are named one by one.
+MANY = 6
 # Places that are named one by one.
 NAMED = 3
 # A place narrower than this part of the box is a point to who reads of it.
@@ -47,9 +49,9 @@ def _describe_virtual(number: int, hidden: bool) -> str:
 
 def _describe_one(step: Step) -> str:
     p, roots = step.points, read_roots(step, 0)
-    states = ", ".join(
-        f"{name} = {value:.10g}" for name, value in zip(step.meta["states"], p["states"][0], strict=True)
-    )
+    named = list(zip(step.meta["states"], p["states"][0].tolist(), strict=True))
+    states = ", ".join(f"{name} = {value:.10g}" for name, value in named[:MANY])
+    states += f" and {len(named) - MANY} more states" if len(named) > MANY else ""
     mode = f" in mode '{read_mode(step, 0)}'" if len(step.meta["modes"]) > 1 else ""
     leading = f", leading root {_format_root(complex(roots[0]))}" if len(roots) else ""
     n, text = int(p["n_unstable"][0]), f"{states}{mode}"

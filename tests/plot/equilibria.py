@@ -12,7 +12,7 @@ from pddecont.results import CONTINUE, EQUILIBRIA, EQUILIBRIUM, StepWriter, crea
 from tests.plot.synthetic import NEW_POINTS, NEW_ROWS, PARAMETERS, POINTS, ROWS, STATES, add, fold_curve, keep, point
 
 MODES = ("low", "high")
-FOUND = make_reason("equilibria", number=3)
+FOUND, NEAR = make_reason("search"), make_reason("equilibrium")
 UP = make_reason("range", direction=1, detail="range", parameter="K", value=0.9)
 
 
@@ -77,6 +77,8 @@ def write(path: Path, name: str, rows, *, kind="equilibria", free=("K",), curve=
         "curve": curve,
         "curve_reason": "",
     }
+    if kind == "equilibrium" and ending == FOUND:
+        meta |= {"search": {"x": [-2, 2], "v": [-2, 2]}, "undecided": []}
     with StepWriter(path, name, EQUILIBRIA if kind == "equilibria" else EQUILIBRIUM, meta) as writer:
         for points, arrays, reason in rows:
             writer.append(points, arrays, reason)
@@ -152,7 +154,7 @@ def write_resting(path: Path) -> Path:
     """Write the file."""
     create_results(path, "model", "run", "run.yaml", "{}")
     write(path, "all", three(), kind="equilibrium", ending=FOUND)
-    write(path, "one", three()[1:2], kind="equilibrium", ending=make_reason("equilibria", number=1))
+    write(path, "one", three()[1:2], kind="equilibrium", ending=NEAR)
     write(path, "resting", branch())
     write_orbits(path, "cycles")
     both = {"free": ("K", "tau_d")}

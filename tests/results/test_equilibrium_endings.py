@@ -5,7 +5,8 @@ import pytest
 from pddecont.reasons import make_reason
 from pddecont.results import create_results, read_results
 from pddecont.tables import describe_done, describe_endings
-from tests.plot.equilibria import FOUND, rest, three, write, write_resting
+from tests.plot.equilibria import FOUND, NEAR, rest, three, write, write_resting
+from tests.runs import run
 
 
 @pytest.fixture
@@ -22,39 +23,52 @@ def end(tmp_path):
     return describe
 
 
+UNKNOWN = "the count of characteristic roots does not confirm those that were found: whether it is stable is not known"
+
+
+@pytest.mark.parametrize(
+    ("row", "words"),
+    [
+        (three()[0], "stable, leading root -0.1 +1i"),
+        (three()[1], "unstable (1 root to the right of the imaginary axis), leading root 0.2"),
+        (
+            three()[2],
+            "no root to the right of the imaginary axis, leading root -0.2; WARNING: virtual, its mode does not hold "
+            "there",
+        ),
+        (rest(0, 0.2, 0.0, [-0.5], counted=0), f"leading root -0.5; WARNING: {UNKNOWN}"),
+    ],
+)
+def test_of_one_its_place_and_its_stability_are_said(end, row, words):
+    text = end([row], "equilibrium", NEAR)
+    x, v = row[0]["states"]
+    assert text.startswith(f"x = {x:.10g}, v = {v:.10g} in mode ")
+    assert text.endswith(words)
+
+
+def test_of_many_states_the_first_are_named(tmp_path):
+    model = {"states": [f"x{k}" for k in range(9)], "equations": {f"x{k}'": f"{k} - x{k}" for k in range(9)}}
+    steps = [{"name": "rest", "equilibrium": {"from": {"x0": 1}}}]
+    step = run({"name": "many", **model, "run": {"steps": steps}}, tmp_path / "a.h5").step("rest")
+    assert describe_done(step) == (
+        "x0 = 0, x1 = 1, x2 = 2, x3 = 3, x4 = 4, x5 = 5 and 3 more states; stable, leading root -1"
+    )
+
+
 @pytest.mark.parametrize(
     ("rows", "words"),
     [
-        (three()[:1], "1 equilibrium: stable, leading root -0.1+1i"),
-        (three()[1:2], "1 equilibrium: unstable (1 root to the right of the imaginary axis), leading root 0.2"),
+        (three(), "all 2 equilibria in the box; also 1 virtual one, where its mode does not hold"),
+        (three()[:1], "the only equilibrium in the box"),
         (
-            three()[2:],
-            "1 equilibrium: virtual: it does not lie in its mode 'high'; no root to the right of the imaginary axis, "
-            "leading root -0.2",
+            [*three()[:1], rest(0, 0.2, 0.0, [-0.5], counted=0)],
+            f"all 2 equilibria in the box; WARNING: at 1 of them {UNKNOWN}",
         ),
-        (
-            [rest(0, 0.2, 0.0, [-0.5], counted=0)],
-            "1 equilibrium: WARNING: a count of the characteristic roots to the right of the imaginary axis does not "
-            "confirm those that were found, and whether the equilibrium is stable is not known, leading root -0.5",
-        ),
-        (three(), "3 equilibria: 1 stable, 1 unstable, 1 virtual"),
-        (
-            [*three(), rest(0, 0.2, 0.0, [-0.5], counted=0)],
-            "4 equilibria: 1 stable, 1 unstable, 1 of unknown stability, 1 virtual",
-        ),
-        ([], "no equilibria"),
+        ([], "no equilibrium in the box"),
     ],
 )
-def test_how_many_were_found_and_how_many_are_stable(end, rows, words):
-    text = end(rows, "equilibrium", FOUND)
-    assert text == words or text.startswith(f"{words}; WARNING: at 1 of the points")
-
-
-def test_what_else_is_recorded_of_the_ending_is_said_too(end):
-    ending = make_reason("somebodys_own", left=2)
-    assert end(three(), "equilibrium", ending) == (
-        "3 equilibria: 1 stable, 1 unstable, 1 virtual; somebodys own (left = 2)"
-    )
+def test_how_many_were_found_in_a_box(end, rows, words):
+    assert end(rows, "equilibrium", FOUND) == words
 
 
 def test_a_branch_goes_through_modes(tmp_path):
