@@ -88,8 +88,9 @@ def kind(schema: dict[str, Any]) -> str:
     if "$ref" in schema:
         name = schema["$ref"].rsplit("/", 1)[1]
         return f"[{name}](#{name.lower()})"
-    if "anyOf" in schema:
-        kinds = list(dict.fromkeys(kind(s) for s in schema["anyOf"] if s.get("type") != "null"))
+    choice = schema.get("anyOf") or schema.get("oneOf")
+    if choice:
+        kinds = list(dict.fromkeys(kind(s) for s in choice if s.get("type") != "null"))
         joined = " or ".join(kinds)
         return joined.replace("number or text", FORMULA)
     if "enum" in schema:

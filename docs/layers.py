@@ -47,6 +47,7 @@ NUMBERS = (
     "codegen",
     "collocation",
     "continuation",
+    "intervals",
 )
 
 Edge = tuple[str, str]

@@ -5,8 +5,12 @@ from .extended_system import DefiningFunction as DefiningFunction
 from .extended_system import ExtendedEvaluation as ExtendedEvaluation
 from .extended_system import extend_system as extend_system
 from .extended_system import find_good_side as find_good_side
+from .fold import FOLD_LABEL as FOLD_LABEL
+from .fold import define_fold as define_fold
 from .grazing import measure_grazing_gap as measure_grazing_gap
 from .hopf import end_at_equilibrium as end_at_equilibrium
+from .hopf_start import start_at_hopf as start_at_hopf
+from .hopf_start import start_curve_at_hopf as start_curve_at_hopf
 from .kinds import SpecialPointKind as SpecialPointKind
 from .registry import find_kind as find_kind
 from .registry import forget_kind as forget_kind
@@ -19,3 +23,4 @@ from .starting_point import start_after_grazing as start_after_grazing
 from .starting_point import start_curve as start_curve
 from .starting_point import start_on_orbit as start_on_orbit
 from .starting_point import start_other_branch as start_other_branch
+from .torus import TorusFunction as TorusFunction

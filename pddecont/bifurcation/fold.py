@@ -30,7 +30,7 @@ from pddecont.reasons import Reason
 from pddecont.stability import Multipliers, remove_known
 
 Array = NDArray[np.float64]
-LABEL = "LP"
+FOLD_LABEL = LABEL = "LP"
 # Inverse iterations for the null vectors; each gains the ratio of the two smallest singular values.
 N_ITERATIONS = 3
 

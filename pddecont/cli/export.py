@@ -32,7 +32,7 @@ class TableName(click.Choice[str]):
 @click.argument("file", type=click.Path())
 @click.option("--step", metavar="STEP", help="Step to read  [default: the last that has the table]")
 @click.option("--table", "name", type=TableName(), default="points", show_default=True)
-@click.option("--label", metavar="LABEL", help="Point whose orbit or multipliers are wanted, such as GR1.")
+@click.option("--label", metavar="LABEL", help="Point whose orbit, multipliers or roots are wanted, such as GR1.")
 @click.option("--index", type=click.IntRange(0), help="The same point by its index.")
 @click.option("--format", "form", type=click.Choice(["csv", "json"]), default="csv", show_default=True)
 def command(file: str, step: str | None, name: str, label: str | None, index: int | None, form: str) -> None:

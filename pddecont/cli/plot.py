@@ -55,14 +55,22 @@ class PlotCommand(click.Command):
 )
 @click.option("--view", "view", type=ViewName(), help="What to draw  [default: what suits the step]")
 @click.option("-x", "x", metavar="NAME", help="Horizontal axis: a parameter, monitor or state.")
-@click.option("-y", "y", metavar="NAME", help="Vertical axis (in a manifold the second parameter).")
+@click.option(
+    "-y", "y", metavar="NAME", help="Vertical axis: a parameter, monitor or state (in a manifold the second parameter)."
+)
 @click.option(
     "-z",
     "z",
     metavar="NAME",
     help="What a manifold shows upwards: a monitor, or a parameter where -x and -y are states or delayed values.",
 )
-@click.option("--label", "labels", multiple=True, metavar="LABEL", help="Point whose orbit is shown; may be repeated.")
+@click.option(
+    "--label",
+    "labels",
+    multiple=True,
+    metavar="LABEL",
+    help="Point whose orbit, multipliers or roots are shown; may be repeated.",
+)
 @click.option("--index", "indices", multiple=True, type=click.IntRange(0), help="The same by index; may be repeated.")
 @click.option(
     "--style", metavar="STYLE", help="A matplotlib style sheet, by file or by name, over the program's own look."

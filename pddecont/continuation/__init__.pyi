@@ -19,6 +19,8 @@ from .linear import ScaledFactors as ScaledFactors
 from .linear import add_row as add_row
 from .linear import equilibrate as equilibrate
 from .linear import factor as factor
+from .linear import find_log_determinant as find_log_determinant
+from .linear import is_odd as is_odd
 from .linear import row_maxima as row_maxima
 from .linear import scale_matrix as scale_matrix
 from .newton import NewtonSettings as NewtonSettings

@@ -153,3 +153,31 @@ def add_row(matrix: Matrix, row: Array) -> Matrix:
 
 def _csc(data: Array, indices: Any, indptr: Any, shape: tuple[int, int]) -> Matrix:
     return sp.csc_matrix((data, indices, indptr), shape=shape)
+
+
+def is_odd(permutation: NDArray[np.intp]) -> bool:
+    """Return whether a permutation is an odd number of exchanges: its length less its number of cycles."""
+    follower, odd = permutation.tolist(), False
+    for first in range(len(follower)):
+        at = follower[first]
+        # A cycle is walked once, from its first place; places that are done follow themselves.
+        while at != first:
+            follower[first], follower[at], at = follower[at], at, follower[at]
+            odd = not odd
+    return odd
+
+
+def find_log_determinant(matrix: Matrix) -> complex:
+    """Return the logarithm of the determinant of a square matrix, its imaginary part up to whole turns.
+
+    The real part of that of a singular matrix is minus infinity.
+    """
+    if not sp.issparse(matrix):
+        sign, logarithm = np.linalg.slogdet(matrix)
+        return complex(float(logarithm), float(np.angle(sign)))
+    try:
+        factors = scipy.sparse.linalg.splu(matrix.tocsc())
+    except RuntimeError:
+        return complex(-np.inf, 0.0)
+    odd = sum(is_odd(p) for p in (factors.perm_r, factors.perm_c)) % 2
+    return complex(np.sum(np.log(factors.U.diagonal().astype(complex)))) + 1j * np.pi * odd

@@ -42,12 +42,14 @@ from .sticks import add_rests as add_rests
 from .switches import ABOVE as ABOVE
 from .switches import BELOW as BELOW
 from .switches import ON as ON
+from .switches import WORDS as WORDS
 from .switches import Digits as Digits
 from .switches import find_bits as find_bits
 from .syntax import ExpressionError as ExpressionError
 from .system import DelayedValue as DelayedValue
 from .system import Model as Model
 from .system import check_signature as check_signature
+from .transitions import WAYS as WAYS
 from .transitions import Transitions as Transitions
 from .transitions import find_event_form as find_event_form
 from .transitions import find_field_form as find_field_form

@@ -39,7 +39,7 @@ def find_start_mode(derived: DerivedModes, numbers: Numbers, before: str | None 
 def find_start_digits(derived: DerivedModes, numbers: Numbers, before: str | None = None) -> Digits:
     """Return the digits of the mode in which :func:`find_start_mode` lets a motion start, repelled or not."""
     known, surfaces = dict(numbers), derived.surfaces
-    was = None if before is None else derived.equations.find_digits(before)
+    was = None if before is None else derived.find_digits(before)
     digits: list[int] = []
     undecided: dict[int, Undecided] = {}
     for k, switch in enumerate(derived.equations.switches):

@@ -72,10 +72,20 @@ def find_resets_to_rest(
         if resting.rests and resting.reset not in resets:
             impact = next(s for s in segments.values() if (s.written or s.name) == resting.written and not s.rests)
             function, reset = events[resting.event].function, resets[impact.reset]
-            rate = sympy.S.Zero if function is None else find_rate_along(function, states, modes[resting.mode])
-            known = function is not None and not (rate.free_symbols | function.free_symbols) & set(delayed)
-            found[resting.reset] = find_resting(states, rate, reset) if known else reset
+            found[resting.reset] = find_reset_to_rest(states, delayed, modes[resting.mode], function, reset)
     return found
+
+
+def find_reset_to_rest(
+    states: Exprs, delayed: Collection[sympy.Symbol], flow: Exprs, function: sympy.Expr | None, reset: Exprs
+) -> Exprs:
+    """Return the states at rest where a function is zero along a flow, after the last impact that is followed.
+
+    That is what the reset makes of them where the rate of the function reads ``delayed`` values.
+    """
+    rate = sympy.S.Zero if function is None else find_rate_along(function, states, flow)
+    known = function is not None and not (rate.free_symbols | function.free_symbols) & set(delayed)
+    return find_resting(states, rate, reset) if known else reset
 
 
 def find_rate_along(function: sympy.Expr, states: Exprs, flow: Exprs) -> sympy.Expr:

@@ -135,7 +135,8 @@ def _fields_at(cls: Any, loc: KeyPath) -> list[str]:
     """Return the keys that the format allows at ``loc``, a pydantic location, below the mapping ``cls``."""
     for part in loc:
         if _is_tag(part):
-            cls = next(member for member in get_args(get_args(cls)[0]) if Tag(str(part)) in get_args(member)[1:])
+            union = get_args(cls)[0] if get_origin(cls) is Annotated else cls
+            cls = next(member for member in get_args(union) if Tag(str(part)) in get_args(member)[1:])
             continue
         cls = _bare(cls)
         if isinstance(cls, type) and issubclass(cls, BaseModel):

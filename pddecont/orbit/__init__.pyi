@@ -42,6 +42,7 @@ from .linearisation import Linearisation as Linearisation
 from .monitor import Monitor as Monitor
 from .monitor import parse_monitor as parse_monitor
 from .motion import guess_from_motion as guess_from_motion
+from .motion_table import read_motion_table as read_motion_table
 from .orbit import Orbit as Orbit
 from .orbit import Reads as Reads
 from .past import make_past as make_past
@@ -52,12 +53,17 @@ from .remesh import make_mesh as make_mesh
 from .remesh import mesh_is_valid as mesh_is_valid
 from .remesh import transfer_orbit as transfer_orbit
 from .remesh import transfer_to as transfer_to
+from .repetition import count_repetitions as count_repetitions
+from .repetition import is_at_rest as is_at_rest
 from .repulsion import Repeller as Repeller
 from .repulsion import list_repellers as list_repellers
 from .resegmentation import SegmentSpan as SegmentSpan
 from .resegmentation import resegment as resegment
 from .resegmentation import sample_spans as sample_spans
 from .residual import Rows as Rows
+from .resting import make_resting_orbit as make_resting_orbit
+from .sampled_cycle import SampledCycle as SampledCycle
+from .sampled_cycle import find_cycle as find_cycle
 from .serialise import orbit_from_rows as orbit_from_rows
 from .serialise import orbit_to_rows as orbit_to_rows
 from .signature import DelayedEventLink as DelayedEventLink

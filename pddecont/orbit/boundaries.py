@@ -9,6 +9,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from pddecont.codegen import NumericModel
 from pddecont.continuation import Approach, End
 from pddecont.orbit.durations import find_instants, make_instant_matrix
 from pddecont.orbit.orbit import Orbit
@@ -26,65 +27,81 @@ class AtOrbit(Protocol):
         ...
 
 
+class AtUnknowns(Protocol):
+    """An evaluation of equations whose last unknowns are the free parameters."""
+
+    @property
+    def x(self) -> Array:
+        """The unknowns."""
+        ...
+
+
 @dataclass(frozen=True)
 class RangeBoundary:
-    """The free parameters stay in their ``ranges``, (lowest, highest) each."""
+    """The parameters ``free``, the last unknowns, stay in their ``ranges``, (lowest, highest) each."""
 
+    free: Sequence[str]
     ranges: Sequence[tuple[float, float]]
     approach: Approach = Approach.BEYOND
     end: str = End.RANGE
 
-    def margins(self, at: AtOrbit) -> Array:
+    def margins(self, at: AtUnknowns) -> Array:
         """Return the distance of each free parameter to each end of its range: all lower ends, all upper ends."""
         low, high = np.array(self.ranges).T
-        return np.concatenate([at.orbit.free - low, high - at.orbit.free])
+        values = at.x[-len(self.free) :]
+        return np.concatenate([values - low, high - values])
 
-    def gradients(self, at: AtOrbit) -> Array:
+    def gradients(self, at: AtUnknowns) -> Array:
         """Return their derivatives in the unknowns."""
-        n, free = len(self.ranges), at.orbit.problem.unknowns.free
-        result = np.zeros((2 * n, len(at.orbit.x)))
-        result[:n, free], result[n:, free] = np.eye(n), -np.eye(n)
+        n = len(self.free)
+        result = np.zeros((2 * n, len(at.x)))
+        result[:n, -n:], result[n:, -n:] = np.eye(n), -np.eye(n)
         return result
 
-    def reason(self, at: AtOrbit, k: int) -> Reason:
+    def reason(self, at: AtUnknowns, k: int) -> Reason:
         """Return which parameter reached which end."""
         i, upper = k % len(self.ranges), k >= len(self.ranges)
-        return make_reason("range", parameter=at.orbit.problem.free[i], value=self.ranges[i][upper])
+        return make_reason("range", parameter=self.free[i], value=self.ranges[i][upper])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class DelayBoundary:
-    """Delays are not negative: no motion reads its future."""
+    """Delays are not negative: no motion reads its future.
 
+    The free parameters, numbered ``free``, are the last unknowns; the others have the values ``parameters``.
+    """
+
+    numeric: NumericModel
+    parameters: Array
+    free: tuple[int, ...]
     approach: Approach = Approach.UP_TO
     end: str = End.LIMIT
 
-    def margins(self, at: AtOrbit) -> Array:
+    def margins(self, at: AtUnknowns) -> Array:
         """Return the delays."""
-        return at.orbit.numeric.delays.value(at.orbit.parameters)
+        return self.numeric.delays.value(self._read(at))
 
-    def gradients(self, at: AtOrbit) -> Array:
+    def gradients(self, at: AtUnknowns) -> Array:
         """Return their derivatives in the unknowns."""
-        orbit = at.orbit
-        result = np.zeros((len(orbit.numeric.model.delays), len(orbit.x)))
-        result[:, orbit.problem.unknowns.free] = orbit.numeric.delays.derivatives(
-            orbit.parameters, orbit.problem.free_index
-        )
+        result = np.zeros((len(self.numeric.model.delays), len(at.x)))
+        result[:, -len(self.free) :] = self.numeric.delays.derivatives(self._read(at), self.free)
         return result
 
-    def reason(self, at: AtOrbit, k: int) -> Reason:
+    def reason(self, at: AtUnknowns, k: int) -> Reason:
         """Return which delay becomes negative, and at which free parameters."""
-        orbit = at.orbit
-        delay = orbit.numeric.model.delays[k]
+        delay, p, names = self.numeric.model.delays[k], self._read(at), list(self.numeric.model.parameters)
         held = {s.name for s in delay.free_symbols}
-        values = {
-            name: value for name, value in zip(orbit.problem.free, orbit.free.tolist(), strict=True) if name in held
-        }
+        values = {names[i]: float(p[i]) for i in self.free if names[i] in held}
         # A free parameter that is the delay itself is zero here, whatever rounding left.
         values |= {name: 0.0 for name in values if str(delay) == name}
         return make_reason(
             "negative_delay", delay=str(delay), **{f"at {name}": value for name, value in values.items()}
         )
+
+    def _read(self, at: AtUnknowns) -> Array:
+        p = self.parameters.copy()
+        p[list(self.free)] = at.x[-len(self.free) :]
+        return p
 
 
 @dataclass(frozen=True)

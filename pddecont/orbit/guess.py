@@ -1,8 +1,9 @@
-"""From the last cycle of a trajectory to a first guess of an orbit."""
+"""From a cycle, the last of a trajectory or one in a table, to a first guess of an orbit."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,13 +16,40 @@ from pddecont.orbit.orbit import Orbit
 from pddecont.orbit.problem import OrbitProblem
 from pddecont.orbit.remesh import make_mesh
 from pddecont.orbit.signature import Signature, link_delayed_events, make_eventless
-from pddecont.simulate import Cycle
 
 Array = NDArray[np.float64]
 
 
+class Cycle(Protocol):
+    """One period of a motion, wherever it comes from."""
+
+    @property
+    def signature(self) -> tuple[str, ...]:
+        """The names of its segments; empty for a motion without events."""
+        ...
+
+    @property
+    def times(self) -> Array:
+        """Where they begin and end (n_segments + 1,)."""
+        ...
+
+    @property
+    def n_periods(self) -> int:
+        """Periods of the forcing in it; 1 for an autonomous model."""
+        ...
+
+    @property
+    def mode(self) -> str:
+        """The mode at its start."""
+        ...
+
+    def evaluate(self, segment: int, t: Array) -> Array:
+        """Return the states at times ``t`` in a segment, shape (n_times, n_states)."""
+        ...
+
+
 def guess_from_cycle(numeric: NumericModel, p: Array, delay: DelayMethod, cycle: Cycle, rule: MeshRule) -> Orbit:
-    """Return the cycle of a trajectory as a first guess of an orbit with its signature.
+    """Return a cycle as a first guess of an orbit with its signature.
 
     Raises
     ------

@@ -34,7 +34,7 @@ class Repeller:
     def explain(self, orbit: Orbit) -> Reason:
         """Return the reason that says that both fields point away."""
         (below, above), _ = self._find_rates(orbit)
-        digits = self.derived.find_digits(self._find_mode(orbit))
+        digits = self.derived.find_digits(self._find_mode(orbit)) or ()
         return make_reason(
             "repels",
             number=self.s + 1,
@@ -51,7 +51,7 @@ class Repeller:
 
     def _find_rates(self, orbit: Orbit) -> tuple[Array, Array]:
         """Return du/dt along the fields below and above the surface, and their sizes."""
-        digits = self.derived.find_digits(self._find_mode(orbit))
+        digits = self.derived.find_digits(self._find_mode(orbit)) or ()
         return evaluate_after(orbit, self.s, self.derived.surfaces.find_bounds(self.switch, digits))
 
 
@@ -61,7 +61,7 @@ def list_repellers(orbit: Orbit) -> list[Repeller]:
     for s, segment in enumerate(orbit.signature.segments if derived is not None else ()):
         assert derived is not None, "there are segments"
         for k in segment.anew:
-            digits = derived.find_digits(segment.to)
+            digits = derived.find_digits(segment.to) or ()
             if digits[k] in (ABOVE, BELOW):
                 u = derived.surfaces.find_function(k, digits)
                 values, sizes = evaluate_after(orbit, s, (u,))

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pddecont.plot.branch_parts import LineStyle, OrbitFamily, find_orbit_family, split_branch
+from pddecont.plot.branch_lines import MARKS
+from pddecont.plot.branch_parts import Family, LineStyle, find_family, split_branch
 from pddecont.plot.legend import make_line_handle, shorten_list
 from pddecont.plot.style import COLOURS
 from pddecont.results import Step
@@ -25,7 +26,7 @@ NEUTRAL = "0.35"
 class BranchColours:
     """The colours of some branches: ``of_parts`` by (step's name, family), ``in_legend`` with the texts beside them."""
 
-    of_parts: Mapping[tuple[str, OrbitFamily], str]
+    of_parts: Mapping[tuple[str, Family], str]
     in_legend: Sequence[tuple[str, str]]
 
     def make_handles(self) -> list[Artist]:
@@ -50,27 +51,35 @@ def assign_branch_colours(steps: Sequence[Step], palette: Sequence[str] = COLOUR
     return BranchColours(of_parts, list(zip(names, colours.values(), strict=True)))
 
 
-def name_families(steps: Sequence[Step], families: Sequence[OrbitFamily]) -> list[str]:
+def name_families(steps: Sequence[Step], families: Sequence[Family]) -> list[str]:
     """Return how a legend calls each family: its signature as it is first found, and its periods where they differ."""
-    signatures: dict[OrbitFamily, str] = {}
+    signatures: dict[Family, str] = {}
     for step in steps:
         for part in split_branch(step):
-            own = (int(i) for i in part.rows if find_orbit_family(step, int(i)) == part.family)
+            own = (int(i) for i in part.rows if find_family(step, int(i)) == part.family)
             signatures.setdefault(part.family, shorten_signature(find_signature(step, next(own, int(part.rows[0])))))
-    several = len({family.n_periods for family in families}) > 1
-    periods = [f"{f.n_periods} period{'s' if f.n_periods > 1 else ''}" if several else "" for f in families]
-    return [
-        ", ".join(text for text in (signatures[family], period) if text) or "no events"
-        for family, period in zip(families, periods, strict=True)
-    ]
+    orbits = [family for family in families if not family.rests]
+    several = len({family.n_periods for family in orbits}) > 1
+    names = {f: f"{f.n_periods} period{'s' if f.n_periods > 1 else ''}" if several else "" for f in orbits}
+    names = {f: ", ".join(text for text in (signatures[f], names[f]) if text) or "no events" for f in orbits}
+    if len(orbits) == 1 < len(families):
+        names = {orbits[0]: "orbits"}
+    several_modes = len(families) - len(orbits) > 1
+    names |= {f: f"equilibria, {f.signature}" if several_modes else "equilibria" for f in families if f.rests}
+    return [names[family] for family in families]
 
 
 def make_style_handles(steps: Sequence[Step], color: str = NEUTRAL, **style: Any) -> list[Artist]:
-    """Return the legend's handles for line styles; none where every line is solid."""
-    used = {part.style for step in steps for part in split_branch(step)}
+    """Return the legend's handles for line styles, or marks of points on no branch; none where every one is solid."""
+    parts = [(step.format.has_branch, part) for step in steps for part in split_branch(step)]
+    used = {part.style for _, part in parts}
     if used == {LineStyle.SOLID}:
         return []
     known = np.concatenate([step.points.get("stable", np.full(len(step), -1)) >= 0 for step in steps])
     solid = "stable" if known.all() else "stable, or not computed" if known.any() else "admissible"
-    words = {LineStyle.SOLID: solid, LineStyle.DASHED: "unstable", LineStyle.DOTTED: "not admissible"}
+    rest = all(part.family.rests for _, part in parts if part.style == LineStyle.DOTTED)
+    dotted = "virtual" if rest else "not admissible"
+    words = {LineStyle.SOLID: solid, LineStyle.DASHED: "unstable", LineStyle.DOTTED: dotted}
+    if not any(has_branch for has_branch, _ in parts) and all(part.family.rests for _, part in parts):
+        return [make_line_handle(words[ls], color=color, ls="", **mark) for ls, mark in MARKS.items() if ls in used]
     return [make_line_handle(text, color=color, ls=ls, **style) for ls, text in words.items() if ls in used]

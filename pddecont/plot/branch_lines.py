@@ -3,34 +3,46 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from pddecont.plot.branch_parts import LineStyle, OrbitFamily, split_branch
-from pddecont.plot.columns import read_column
+import numpy as np
+from numpy.typing import NDArray
+
+from pddecont.plot.branch_parts import Family, LineStyle, split_branch
 from pddecont.results import Step
+from pddecont.tables import holds_equilibria
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+Array = NDArray[np.float64]
 # How much thinner than the others, in points, the parts are that are not admissible.
 THINNER = 0.6
+# What marks points that lie on no branch, by the line that they would be.
+MARKS = {
+    LineStyle.SOLID: {"marker": "o", "fillstyle": "full"},
+    LineStyle.DASHED: {"marker": "o", "fillstyle": "none"},
+    LineStyle.DOTTED: {"marker": "x"},
+}
 
 
 def draw_parts(
-    axes: Axes, step: Step, columns: tuple[str, str], find_colour: Callable[[Step, OrbitFamily], str], width: float
+    axes: Axes, step: Step, xs: Array, heights: Array, find_colour: Callable[[Step, Family], str], width: float
 ) -> None:
-    """Draw a branch, the second of two columns over the first, in the colour of each part's family.
+    """Draw a branch, lines ``heights`` (n_lines, n_points) over ``xs`` (n_points,), in the colours of its families.
 
     Unstable parts are dashed, those that are not admissible dotted and thinner than the ``width`` in points; one or two
-    points alone are marked.
+    points alone are marked, and so are points that lie on no branch (:data:`MARKS`).
     """
-    xs, ys = (read_column(step, name) for name in columns)
     for part in split_branch(step):
-        axes.plot(
-            xs[part.rows],
-            ys[part.rows],
-            ls=part.style,
-            color=find_colour(step, part.family),
-            lw=width - THINNER * (part.style == LineStyle.DOTTED),
-            marker="." if len(xs) < 3 else None,
-        )
+        style: dict[str, Any] = {"ls": part.style, "marker": "." if len(xs) < 3 else None}
+        if not step.format.has_branch and holds_equilibria(step):
+            style = {"ls": "", **MARKS[part.style]}
+        for ys in heights:
+            axes.plot(
+                xs[part.rows],
+                ys[part.rows],
+                color=find_colour(step, part.family),
+                lw=width - THINNER * (part.style == LineStyle.DOTTED),
+                **style,
+            )

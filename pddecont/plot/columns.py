@@ -11,14 +11,18 @@ from numpy.typing import NDArray
 from pddecont.errors import ResultsError, suggest
 from pddecont.plot.axis_labels import format_name
 from pddecont.results import Step
+from pddecont.tables import holds_equilibria
 
 # Columns of their own that axes may show beside parameters and monitors.
-PLAIN = ("period", "error_estimate", "clearance", "arclength", "n_unstable", "trivial_error")
+PLAIN = (
+    *("period", "error_estimate", "clearance", "arclength", "n_unstable", "trivial_error"),
+    *("frequency", "coefficient"),
+)
 
 
 def read_column(step: Step, name: str) -> NDArray[Any]:
-    """Return a parameter, a monitor or another number of each point, by name, shape (n_points,)."""
-    for group in ("parameters", "monitors"):
+    """Return a parameter, a monitor, a state of equilibria or another number of each point, shape (n_points,)."""
+    for group in _list_groups(step):
         if name in step.meta[group]:
             return step.points[group][:, step.meta[group].index(name)]
     if name in step.points and step.points[name].ndim == 1 and step.points[name].dtype.kind in "fi":
@@ -29,7 +33,15 @@ def read_column(step: Step, name: str) -> NDArray[Any]:
 
 def list_columns(step: Step) -> list[str]:
     """Return the names that :func:`read_column` takes."""
-    return [*step.meta["parameters"], *step.meta["monitors"], *(n for n in PLAIN if n in step.points)]
+    return [
+        *(name for group in _list_groups(step) for name in step.meta[group]),
+        *(n for n in PLAIN if n in step.points),
+    ]
+
+
+def _list_groups(step: Step) -> tuple[str, ...]:
+    """Return the lists of names in a step's meta data that are those of columns of its points."""
+    return ("parameters", "monitors", *(("states",) if holds_equilibria(step) else ()))
 
 
 def read_parameter(step: Step, name: str) -> NDArray[np.float64]:
@@ -61,11 +73,6 @@ def choose_monitor(step: Step) -> str:
     """Return what is shown over free parameters when nobody says: the first monitor with values, else the period."""
     known = [m for m in step.meta["monitors"] if np.any(np.isfinite(read_column(step, m)))]
     return known[0] if known else "period"
-
-
-def choose_columns(step: Step) -> tuple[str, str]:
-    """Return what a diagram shows when nobody says: the free parameter and :func:`choose_monitor`."""
-    return (list_free_parameters(step) or step.meta["parameters"][:1] or ["period"])[0], choose_monitor(step)
 
 
 def choose_states(step: Step, x: str | None, y: str | None) -> tuple[str, str]:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.plot.columns import read_column
 from pddecont.results import Step
 
 if TYPE_CHECKING:
@@ -26,6 +25,7 @@ HALF_OF_CONSTANT = 0.05
 def measure_size(steps: Sequence[Step], values: NDArray[Any]) -> float:
     """Return how large ``values`` (any shape) that belong to some steps are, to know what of them is rounding."""
     states = [step.orbits[name] for step in steps for name in ("states", "returns") if name in step.orbits]
+    states += [step.points["states"] for step in steps if "states" in step.points]
     return max(_find_largest(values), SMALL * max(map(_find_largest, states), default=0.0))
 
 
@@ -51,10 +51,10 @@ def widen_axis(axes: Axes, which: str, size: float) -> None:
         getattr(axes, f"set_{which}lim")(limits)
 
 
-def widen_for_columns(axes: Axes, steps: Sequence[Step], names: dict[str, str]) -> None:
-    """Widen the axes, by their letters, that show columns of points if these differ by rounding only."""
-    for which, name in names.items():
-        widen_axis(axes, which, measure_size(steps, np.concatenate([read_column(step, name) for step in steps])))
+def widen_for_columns(axes: Axes, steps: Sequence[Step], shown: Mapping[str, Sequence[NDArray[Any]]]) -> None:
+    """Widen the axes, by their letters, that show columns of points, any shape, if these differ by rounding only."""
+    for which, columns in shown.items():
+        widen_axis(axes, which, measure_size(steps, np.concatenate([np.ravel(values) for values in columns])))
 
 
 def _find_largest(values: NDArray[Any]) -> float:

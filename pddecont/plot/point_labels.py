@@ -64,6 +64,7 @@ def place_labels(axes: Axes, labels: Sequence[PointLabel]) -> None:
     frame = np.array(axes.get_window_extent().extents) * scale
     curves = sample_curves(axes)
     taken = [np.concatenate([place - HALF_MARK, place + HALF_MARK]) for place in places]
+    taken += [np.array(text.get_window_extent().extents) * scale for text in axes.texts]
     n_left_out = 0
     for label, place in zip(merged, places, strict=True):
         box, distance = _choose_box(place, label.text, np.array(taken), curves, frame)

@@ -7,6 +7,7 @@ from pddecont.plot.layouts import MAX_PANELS
 from pddecont.plot.special_points import find_special_rows
 from pddecont.plot.view import ViewRequest
 from pddecont.results import Step
+from pddecont.tables import holds_equilibria
 
 
 def select_points(
@@ -33,3 +34,25 @@ def select_points(
     special = [(step, i) for step in steps for i in find_special_rows(step)]
     outer = [(main, int(i)) for i in dict.fromkeys((main.order[0], main.order[-1]))] if ends else []
     return (special or outer)[:n]
+
+
+def select_orbits(steps: list[Step], request: ViewRequest, n: int = MAX_PANELS) -> list[tuple[Step, int]]:
+    """Return the points asked for whose orbits are shown beside a diagram, else at most ``n`` special points.
+
+    Raises
+    ------
+    ResultsError
+        If there is no such label or index, or an equilibrium is asked for, which has no orbit.
+    """
+    if request.labels or request.indices:
+        asked = select_points(steps, request)
+        rests = [
+            f"point {step.labels[row] or row} of step '{step.name}'" for step, row in asked if holds_equilibria(step)
+        ]
+        if rests:
+            raise ResultsError(
+                f"{rests[0]} is an equilibrium and has no orbit to show; '--view roots' shows its characteristic roots"
+            )
+        return asked
+    moving = [step for step in steps if not holds_equilibria(step)]
+    return select_points(moving, request, n, ends=False) if moving else []

@@ -8,8 +8,16 @@ from __future__ import annotations
 from pddecont.plot.view import View
 
 VIEWS: dict[str, View] = {}
-# Of the kinds of steps that a file holds the last of these is drawn when neither a step nor a view is named.
-KINDS_BY_INTEREST = ("simulate", "orbit", "basin", "continue", "sweep", "precision")
+# Of the kinds of steps that a file holds one of the last of these is drawn when neither a step nor a view is named.
+KINDS_BY_INTEREST = (
+    ("simulate",),
+    ("equilibrium",),
+    ("orbit",),
+    ("basin",),
+    ("continue", "equilibria"),
+    ("sweep",),
+    ("precision",),
+)
 
 
 def register_view(view: View) -> None:
@@ -25,10 +33,10 @@ def forget_view(name: str) -> None:
 register_view(
     View(
         "diagram",
-        "branches over their parameter, with phase plots of special points",
+        "branches of orbits and equilibria over their parameter, with phase plots of special points",
         "pddecont.plot.views.diagram:DRAWING",
-        places={"continue": 0, "curve": 1},
-        together=("continue", "curve"),
+        places={"continue": 0, "curve": 1, "equilibrium": 0, "equilibria": 0, "equilibrium_curve": 1},
+        together=("continue", "curve", "equilibrium", "equilibria", "equilibrium_curve"),
     )
 )
 register_view(
@@ -36,8 +44,8 @@ register_view(
         "plane",
         "curves of special points in two parameters",
         "pddecont.plot.views.plane:DRAWING",
-        places={"curve": 0},
-        together=("curve",),
+        places={"curve": 0, "equilibrium_curve": 0},
+        together=("curve", "equilibrium_curve"),
     )
 )
 register_view(
@@ -45,8 +53,8 @@ register_view(
         "manifold",
         "branches and such curves in three dimensions",
         "pddecont.plot.views.manifold:DRAWING",
-        places={"continue": 4, "curve": 2},
-        together=("continue", "curve"),
+        places={"continue": 4, "curve": 2, "equilibria": 2, "equilibrium_curve": 3},
+        together=("continue", "curve", "equilibria", "equilibrium_curve"),
         in_overview=True,
     )
 )
@@ -56,6 +64,14 @@ register_view(
         "Floquet multipliers in the complex plane",
         "pddecont.plot.views.multipliers:DRAWING",
         places={"orbit": 2, "continue": 3, "curve": 5},
+    )
+)
+register_view(
+    View(
+        "roots",
+        "characteristic roots of equilibria in the complex plane",
+        "pddecont.plot.views.roots:DRAWING",
+        places={"equilibrium": 1, "equilibria": 1, "equilibrium_curve": 2},
     )
 )
 register_view(

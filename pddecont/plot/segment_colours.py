@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from pddecont.plot.branch_colours import assign_branch_colours
-from pddecont.plot.branch_parts import find_orbit_family
-from pddecont.plot.special_points import read_curve_kind
-from pddecont.plot.style import find_curve_colour, make_palette
+from pddecont.plot.branch_parts import find_family
+from pddecont.plot.special_points import read_curve_sort
+from pddecont.plot.style import make_palette
 from pddecont.results import Step
 from pddecont.tables import find_signature
 
@@ -38,15 +38,15 @@ def match_diagram(steps: Sequence[Step], rows: Sequence[Row]) -> list[dict[str, 
     colours = assign_branch_colours(steps)
     return _match(
         rows,
-        lambda step, row: colours.of_parts.get((step.name, find_orbit_family(step, row)), OTHER),
+        lambda step, row: colours.of_parts.get((step.name, find_family(step, row)), OTHER),
         [colour for _, colour in colours.in_legend],
     )
 
 
 def match_plane(steps: Sequence[Step], rows: Sequence[Row]) -> list[dict[str, str]]:
     """Return the colours of the segments of each orbit beside the plane of curves in two parameters."""
-    taken = [find_curve_colour(read_curve_kind(step)) for step in steps]
-    return _match(rows, lambda step, row: find_curve_colour(read_curve_kind(step)), taken)
+    taken = [read_curve_sort(step).colour for step in steps]
+    return _match(rows, lambda step, row: read_curve_sort(step).colour, taken)
 
 
 def _match(rows: Sequence[Row], find_colour: Callable[[Step, int], str], taken: Sequence[str]) -> list[dict[str, str]]:

@@ -1,8 +1,9 @@
-"""A soft band along a curve in two parameters, on the side where its orbits live on."""
+"""The sides of a curve in two parameters: a soft band on the one where its orbits, or equilibria, live on."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -10,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.plot.columns import list_free_parameters, read_column
-from pddecont.plot.special_points import read_curve_kind
-from pddecont.plot.style import find_curve_colour
+from pddecont.plot.special_points import read_curve_sort
 from pddecont.results import Step
 
 if TYPE_CHECKING:
@@ -30,32 +30,56 @@ NEARER = 0.85
 SAMPLES_PER_WIDTH, MAX_SAMPLES = 8.0, 20_000.0
 
 
+@dataclass(frozen=True, eq=False)
+class Sides:
+    """A curve in the picture, by its points in order: places in pixels (n, 2), unit normals (n, 2), and signs (n,).
+
+    The signs say on which side of the curve, as its normals go, a point's ``side`` lies; 0 where it is not known.
+    """
+
+    rows: NDArray[np.intp]
+    curve: Array
+    normals: Array
+    signs: Array
+    scale: Array
+
+
+def find_sides(axes: Axes, step: Step, x: str, y: str) -> Sides | None:
+    """Return the sides of a curve in the plane of ``x`` and ``y``; None of a step that has none there.
+
+    Call it when the limits of the axes are set: directions are those of the picture, not of the parameters.
+    """
+    free = list_free_parameters(step)
+    if "side" not in step.points or {x, y} != set(free) or len(step) < 2:
+        return None
+    rows = step.order
+    limits = np.array([axes.get_xlim(), axes.get_ylim()])
+    scale = np.array([axes.bbox.width, axes.bbox.height]) / (limits[:, 1] - limits[:, 0])
+    curve = np.column_stack([read_column(step, x), read_column(step, y)])[rows] * scale
+    normals = _find_normals(curve)
+    side = step.points["side"][rows][:, [free.index(x), free.index(y)]] * scale
+    return Sides(rows, curve, normals, np.sign(np.nan_to_num(np.sum(normals * side, axis=1))), scale)
+
+
 def draw_side_band(axes: Axes, step: Step, x: str, y: str, shown: NDArray[np.bool_] | None = None) -> bool:
     """Draw the band on the side that each point's ``side`` points to, and return whether there was any to draw.
 
     ``shown`` says which rows have a band, shape (n_points,); None: all whose side is known. Call it when the limits of
     the axes are set: directions and widths are those of the picture, not of the parameters.
     """
-    free = list_free_parameters(step)
-    if "side" not in step.points or {x, y} != set(free) or len(step) < 2:
+    sides = find_sides(axes, step, x, y)
+    if sides is None:
         return False
-    rows = step.order
-    limits = np.array([axes.get_xlim(), axes.get_ylim()])
-    pixels = np.array([axes.bbox.width, axes.bbox.height])
-    scale = pixels / (limits[:, 1] - limits[:, 0])
-    curve = np.column_stack([read_column(step, x), read_column(step, y)])[rows] * scale
-    normals = _find_normals(curve)
-    side = step.points["side"][rows][:, [free.index(x), free.index(y)]] * scale
-    special = [bool(step.labels[i]) for i in rows]
-    signs = np.sign(np.nan_to_num(np.sum(normals * side, axis=1)))
-    signs = fill_signs(signs if shown is None else np.where(shown[rows], signs, 0.0), special)
+    special = [bool(step.labels[i]) for i in sides.rows]
+    signs = fill_signs(sides.signs if shown is None else np.where(shown[sides.rows], sides.signs, 0.0), special)
     ranges = find_ranges(signs)
+    width = BAND_WIDTH * min(axes.bbox.width, axes.bbox.height)
     for first, last in ranges:
-        edge, directions = curve[first:last], signs[first:last, None] * normals[first:last]
+        edge, directions = sides.curve[first:last], signs[first:last, None] * sides.normals[first:last]
         for share in SHADES:
-            outer = _offset_edge(edge, directions, share * BAND_WIDTH * float(pixels.min()), curve)
-            outline = np.vstack([edge, outer[::-1]]) / scale
-            colour = find_curve_colour(read_curve_kind(step))
+            outer = _offset_edge(edge, directions, share * width, sides.curve)
+            outline = np.vstack([edge, outer[::-1]]) / sides.scale
+            colour = read_curve_sort(step).colour
             axes.fill(*outline.T, color=colour, alpha=OPACITY, linewidth=0, zorder=0.5)
     return bool(ranges)
 

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from pddecont.plot.columns import read_column
+import numpy as np
+from numpy.typing import NDArray
+
 from pddecont.plot.point_labels import PointLabel
-from pddecont.plot.style import find_marker
+from pddecont.plot.style import find_curve_colour, find_marker
 from pddecont.results import Step
+from pddecont.tables import holds_equilibria
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+Array = NDArray[np.float64]
 # The kind of an end point of a branch, which is labelled and recorded as special points are but is not marked.
 END = "EP"
 
@@ -21,9 +26,22 @@ def read_kind(step: Step, row: int) -> str:
     return step.points["kind"][row].decode() if "kind" in step.points else ""
 
 
-def read_curve_kind(step: Step) -> str:
-    """Return the kind of special point that a curve in two parameters follows; empty if it is not said."""
-    return step.meta.get("curve") or ""
+@dataclass(frozen=True)
+class CurveSort:
+    """What a curve in two parameters follows: special points of a kind (empty if it is not said), of what."""
+
+    kind: str
+    of_equilibria: bool = False
+
+    @property
+    def colour(self) -> str:
+        """The colour of such curves."""
+        return find_curve_colour(self.kind, self.of_equilibria)
+
+
+def read_curve_sort(step: Step) -> CurveSort:
+    """Return what a curve in two parameters follows."""
+    return CurveSort(step.meta.get("curve") or "", holds_equilibria(step))
 
 
 def find_special_rows(step: Step) -> list[int]:
@@ -31,10 +49,13 @@ def find_special_rows(step: Step) -> list[int]:
     return [int(i) for i in step.order if read_kind(step, int(i)) not in ("", END)]
 
 
-def mark_special_points(axes: Axes, step: Step, x: str, y: str) -> list[PointLabel]:
-    """Mark the special points of a branch or curve and return their labels."""
-    xs, ys = read_column(step, x), read_column(step, y)
+def mark_special_points(axes: Axes, step: Step, xs: Array, heights: Array) -> list[PointLabel]:
+    """Mark the special points of a branch or curve on lines ``heights`` (n_lines, n_points), and return their labels.
+
+    The labels go to the first line. Points on no branch are marks by themselves.
+    """
     rows = find_special_rows(step)
-    for i in rows:
-        axes.plot([xs[i]], [ys[i]], marker=find_marker(read_kind(step, i)), ls="", color="black", ms=5, zorder=5)
-    return [PointLabel(step.labels[i], float(xs[i]), float(ys[i])) for i in rows]
+    for i in rows if step.format.has_branch else ():
+        marker = find_marker(read_kind(step, i))
+        axes.plot(np.full(len(heights), xs[i]), heights[:, i], marker=marker, ls="", color="black", ms=5, zorder=5)
+    return [PointLabel(step.labels[i], float(xs[i]), float(heights[0, i])) for i in rows]

@@ -41,6 +41,8 @@ CURVE_COLOURS = {
     "SS": "#556b2f",
     "AS": "#4b4b9b",
 }
+# Of special equilibria.
+EQUILIBRIUM_COLOURS = {"LP": "#39a9dd", "HB": "#e07b1e", "BE": "#8a8a3a"}
 OTHER_CURVE_COLOUR = "0.45"
 # As matplotlib names them: (4, 1, 0) is a star of four points.
 MARKERS: dict[str, Any] = {
@@ -73,6 +75,11 @@ MARKERS: dict[str, Any] = {
     "GL": "d",
     "GP": (4, 1, 0),
     "GT": (6, 1, 0),
+    "EQ": "o",
+    "BE": (3, 1, 0),
+    "BT": (3, 1, 180),
+    "ZH": (4, 1, 45),
+    "GH": (9, 1, 0),
 }
 # Of kinds of special points that are not listed, somebody's own among them.
 OTHER_MARKER = "8"
@@ -94,6 +101,6 @@ def find_marker(kind: str) -> Any:
     return MARKERS.get(kind, OTHER_MARKER)
 
 
-def find_curve_colour(kind: str) -> str:
+def find_curve_colour(kind: str, of_equilibria: bool = False) -> str:
     """Return the colour of a curve by the kind of special point that it follows."""
-    return CURVE_COLOURS.get(kind, OTHER_CURVE_COLOUR)
+    return (EQUILIBRIUM_COLOURS if of_equilibria else CURVE_COLOURS).get(kind, OTHER_CURVE_COLOUR)

@@ -15,6 +15,10 @@ if TYPE_CHECKING:
     from pddecont.results import Results, Step
 
 
+# What branches are in two free parameters, by their recorded kind.
+CURVES = {"continue": "curve", "equilibria": "equilibrium_curve"}
+
+
 @dataclass(frozen=True)
 class ViewRequest:
     """What somebody asks to see; what is left out is chosen by the file's contents.
@@ -113,5 +117,5 @@ class View:
 
 
 def distinguish_kind(step: Step) -> str:
-    """Return the recorded kind of a step, but ``curve`` for a ``continue`` step in two free parameters."""
-    return "curve" if step.kind == "continue" and len(step.meta.get("free") or []) == 2 else step.kind
+    """Return the recorded kind of a step, but that of a curve for a branch in two free parameters."""
+    return CURVES.get(step.kind, step.kind) if len(step.meta.get("free") or []) == 2 else step.kind

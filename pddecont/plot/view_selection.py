@@ -45,7 +45,7 @@ def _select_of_steps(results: Results, request: ViewRequest) -> tuple[View, list
             n_free = len(step.meta.get("free") or [])
             free = f" in {n_free} parameter{'s'[: n_free - 1]}" if n_free else ""
             raise ResultsError(
-                f"step '{step.name}' is a{'n' * (step.kind == 'orbit')} {step.kind} step{free}; it can be drawn as "
+                f"step '{step.name}' is a{'n' * (step.kind[0] in 'aeiou')} {step.kind} step{free}; it can be drawn as "
                 f"{', '.join(known) or 'nothing yet'}, not as {name}"
             )
     assert view is not None
@@ -71,4 +71,4 @@ def _select_of_file(results: Results, request: ViewRequest) -> tuple[View, list[
 
 
 def _rank_interest(step: Step) -> int:
-    return KINDS_BY_INTEREST.index(step.kind) if step.kind in KINDS_BY_INTEREST else -1
+    return next((rank for rank, kinds in enumerate(KINDS_BY_INTEREST) if step.kind in kinds), -1)

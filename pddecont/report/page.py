@@ -21,7 +21,7 @@ from pddecont.results import Results, Step
 from pddecont.tables import describe_endings, find_left_out, summarise_step
 
 # Steps that a picture of the whole file shows together, and how many it takes for one.
-OVERVIEW_KINDS, OVERVIEW_STEPS = ("continue", "sweep"), 2
+OVERVIEW_KINDS, OVERVIEW_STEPS = ("continue", "equilibria", "sweep"), 2
 # Rows beyond these are left to 'pddecont export'.
 MAX_ROWS = 200
 # What tells a page of this program from others; before it was named they were known by what they forbid.

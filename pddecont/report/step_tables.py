@@ -11,9 +11,14 @@ from pddecont.results import Step
 from pddecont.tables import find_main_table, make_table, name_kind
 
 Row = Mapping[str, Any]
-# The table of a kind of step that a report shows, and its title, where that is not the main one. Of simulations, whose
-# main table is long, it shows the parameters.
-SHOWN_TABLES = {"continue": ("special", "Special points"), "precision": ("precision", "Settings compared")}
+# The tables of a kind of step that a report shows, and their titles, where that is not the main one alone. Of
+# simulations, whose main table is long, it shows the parameters.
+SHOWN_TABLES = {
+    "continue": [("special", "Special points")],
+    "equilibria": [("special", "Special points")],
+    "equilibrium": [("points", "Equilibria"), ("roots", "Characteristic roots")],
+    "precision": [("precision", "Settings compared")],
+}
 WITHOUT_TABLE = ("simulate",)
 # Values of a parameter that differ by less than this share of it are one.
 ROUNDING = 1e-12
@@ -27,12 +32,15 @@ def build_tables(step: Step) -> Iterator[tuple[str, list[Row]]]:
         names, values = step.meta["parameters"], step.points["parameters"][0]
         yield "Parameters", [dict(zip(names, map(float, values), strict=True))]
         return
-    name, title = SHOWN_TABLES.get(step.kind, (find_main_table(step.kind), "Points"))
-    rows = make_table(step, name)
+    for name, title in SHOWN_TABLES.get(step.kind, [(find_main_table(step.kind), "Points")]):
+        yield from _build_table(step, title, make_table(step, name))
+
+
+def _build_table(step: Step, title: str, rows: Sequence[Row]) -> Iterator[tuple[str, list[Row]]]:
     if not rows:
         return
     fixed = {key: rows[0][key] for key in step.meta.get("parameters", ()) if key in rows[0] and _stays(rows, key)}
-    left_out = {key for key in rows[0] if key in fixed or all(row[key] in (None, "") for row in rows)}
+    left_out = {key for key in rows[0] if key in fixed or not any(format_value(row[key]) for row in rows)}
     yield title, [{key: _describe(step, key, v) for key, v in row.items() if key not in left_out} for row in rows]
     if fixed:
         yield "Other parameters", [fixed]

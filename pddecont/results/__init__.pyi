@@ -8,6 +8,8 @@ from .reader import Step as Step
 from .reader import read_results as read_results
 from .step_formats import BASIN as BASIN
 from .step_formats import CONTINUE as CONTINUE
+from .step_formats import EQUILIBRIA as EQUILIBRIA
+from .step_formats import EQUILIBRIUM as EQUILIBRIUM
 from .step_formats import ORBIT as ORBIT
 from .step_formats import PRECISION as PRECISION
 from .step_formats import SIMULATE as SIMULATE

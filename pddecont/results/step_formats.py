@@ -52,6 +52,34 @@ ORBIT_ROWS = {
     "delayed": Column("f8", ("delayed",)),
     "reason": REASON,
 }
+EQUILIBRIUM_POINTS = {
+    "kind": KIND,
+    "arclength": FLOAT,
+    "parameters": PARAMETERS,
+    "states": STATES,
+    "stable": TRUTH,
+    "admissible": TRUTH,
+    "counted": TRUTH,
+    "n_unstable": SMALL,
+    "frequency": FLOAT,
+    "coefficient": FLOAT,
+    "error_estimate": FLOAT,
+    "monitors": Column("f8", ("monitors",)),
+    "n_iterations": COUNT,
+    "step": FLOAT,
+    "n_unknowns": COUNT,
+    "unexplained": SMALL,
+    "side": Column("f8", (2,)),
+}
+# The mode stands where the signature of an orbit does.
+EQUILIBRIUM_ROWS = {
+    "unknowns": FLOAT,
+    "tangent": FLOAT,
+    "roots": Column("f8", (2,)),
+    "residual": FLOAT,
+    "signature": REASON,
+    "reason": REASON,
+}
 ATTRACTOR_POINTS = {
     "kind": KIND,
     "parameters": PARAMETERS,
@@ -63,6 +91,7 @@ ATTRACTOR_POINTS = {
 }
 ATTRACTOR_ROWS = {"returns": STATES, "return_slopes": STATES, "return_time": FLOAT, "memory": FLOAT, "reason": REASON}
 RETURNS = ("returns", "return_slopes", "return_time")
+ROOTS = ("roots", "residual")
 BASE_POINTS = ("time", "states", "segment", "delayed")
 
 
@@ -112,6 +141,10 @@ CONTINUE = StepFormat(
     (BASE_POINTS,),
     has_branch=True,
     check=_check_signatures,
+)
+EQUILIBRIUM = StepFormat("equilibrium", EQUILIBRIUM_POINTS, EQUILIBRIUM_ROWS, (ROOTS,), check=_check_signatures)
+EQUILIBRIA = StepFormat(
+    "equilibria", EQUILIBRIUM_POINTS, EQUILIBRIUM_ROWS, (ROOTS,), has_branch=True, check=_check_signatures
 )
 SIMULATE = StepFormat(
     "simulate",
@@ -175,7 +208,7 @@ PRECISION = StepFormat(
     (("time", "states"),),
     check=_check_precision,
 )
-_FORMATS = {f.kind: f for f in (SIMULATE, ORBIT, CONTINUE, SWEEP, BASIN, PRECISION)}
+_FORMATS = {f.kind: f for f in (SIMULATE, EQUILIBRIUM, ORBIT, EQUILIBRIA, CONTINUE, SWEEP, BASIN, PRECISION)}
 
 
 def register_format(step_format: StepFormat) -> None:

@@ -5,8 +5,10 @@ from .fields import DEFAULT_POINTS as DEFAULT_POINTS
 from .fields import DEFAULT_STEPS as DEFAULT_STEPS
 from .fields import Delay as Delay
 from .fields import From as From
+from .fields import FromOrTrajectory as FromOrTrajectory
 from .fields import Mesh as Mesh
 from .fields import Source as Source
+from .fields import TrajectoryFile as TrajectoryFile
 from .formula import ParameterFormula as ParameterFormula
 from .formula import as_number as as_number
 from .from_python import write_run as write_run

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 from pydantic_core import PydanticCustomError
 
 from pddecont.collocation import MAX_DEGREE, MeshRule
 from pddecont.delay import Chain, Chebyshev, DelayMethod, Direct
-from pddecont.model import Identifier, Strict
+from pddecont.model import UNION_TAG, Identifier, SegmentName, Strict
 
 # What a file need not say.
 DEFAULT_TOLERANCE = 1e-8
@@ -95,3 +95,39 @@ def _as_source(value: Any) -> Any:
 
 
 From = Annotated[Source, BeforeValidator(_as_source)]
+
+
+class TrajectoryFile(Strict):
+    """A file that holds one period of a motion, as a first guess of an orbit."""
+
+    trajectory: str = Field(
+        description=(
+            "CSV file, relative to the run file: columns t (or time), each state by name and, if wanted, segment; the "
+            "last row closes the period"
+        )
+    )
+    signature: list[SegmentName] | None = Field(
+        None, min_length=1, description="segments in order (default: what the column 'segment' names)"
+    )
+    mode: Identifier | None = Field(
+        None, description="mode of an orbit that meets no event, in a model that has events"
+    )
+
+    @model_validator(mode="after")
+    def _check_one(self) -> TrajectoryFile:
+        if self.signature is not None and self.mode is not None:
+            raise PydanticCustomError("mode", "'mode' is for an orbit that meets no event; leave 'signature' out", {})
+        return self
+
+
+_STEP, _TRAJECTORY = f"{UNION_TAG}step", f"{UNION_TAG}trajectory"
+
+
+def _find_form(value: Any) -> str:
+    is_file = isinstance(value, TrajectoryFile) or (isinstance(value, dict) and "trajectory" in value)
+    return _TRAJECTORY if is_file else _STEP
+
+
+FromOrTrajectory = Annotated[
+    Annotated[From, Tag(_STEP)] | Annotated[TrajectoryFile, Tag(_TRAJECTORY)], Discriminator(_find_form)
+]

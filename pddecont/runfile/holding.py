@@ -11,5 +11,6 @@ class Holding(StrEnum):
     NOTHING = "nothing"
     TRAJECTORY = "trajectory"
     ORBIT = "orbit"
+    EQUILIBRIA = "equilibria"
     BRANCH = "branch"
     ATTRACTORS = "attractors"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
@@ -41,6 +41,8 @@ class PlannedStep(Generic[S]):
         Whether the run's accuracy decides its delay and mesh.
     fields
         What the file says of it, as JSON.
+    files
+        Fingerprints of the files of data that it has read, by their names in the file.
     """
 
     name: str
@@ -52,6 +54,7 @@ class PlannedStep(Generic[S]):
     rule: MeshRule
     chooses: bool
     fields: Mapping[str, Any]
+    files: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def mesh_settings(self) -> str:
@@ -113,4 +116,5 @@ class Plan:
     def describe_settings(self, step: PlannedStep[Any]) -> str:
         """Return all that decides a step's numbers besides the model, as JSON, to compare with at --resume."""
         data = {"step": step.fields, **self.shared, "parameters": self.parameters.tolist()}
-        return json.dumps({**data, "left_out": self.model.left_out.as_data()}, sort_keys=True)
+        files = {"files": dict(step.files)} if step.files else {}
+        return json.dumps({**data, **files, "left_out": self.model.left_out.as_data()}, sort_keys=True)

@@ -96,7 +96,7 @@ def make_plan(
     _check_durations(checker, run, overrides, values)
     check_new_names(checker, ("monitors",), run.monitors, "monitor")
     monitors = resolve_monitors(checker, ("monitors",), run.monitors, numeric)
-    planner = _StepPlanner(checker, run, kinds, numeric, values, monitors)
+    planner = _StepPlanner(checker, run, kinds, numeric, values, monitors, text.folder)
     steps = [planner.plan_step(i) for i in range(len(run.steps))]
     if checker.errors:
         raise RunError(checker.errors)
@@ -113,7 +113,7 @@ def make_plan(
         document.text,
         document.path,
         text.folder,
-        {"model file": text.model_path, "run file": document.path},
+        {"model file": text.model_path, "run file": document.path, **planner.inputs},
     )
 
 
@@ -221,8 +221,11 @@ class _StepPlanner:
     numeric: NumericModel
     values: Mapping[str, float]
     monitors: Mapping[str, Monitor]
+    folder: FilePath
     # Parameters that are sure to hold where each step planned so far ends.
     known: dict[str, dict[str, float]] = field(default_factory=dict)
+    # The files that steps have read, by what they are in words.
+    inputs: dict[str, str] = field(default_factory=dict)
 
     def plan_step(self, i: int) -> PlannedStep[Any]:
         """Return a step of the run."""
@@ -261,20 +264,24 @@ class _StepPlanner:
             "" if origin is None else origin.name,
             None if origin is None else origin.holds,
             known,
+            self.folder,
         )
         varied = set(kind.list_varied(step.body))
         all_may_vary = not varied and kind.holds in (Holding.BRANCH, Holding.ATTRACTORS)
         self.known[step.name] = {} if all_may_vary else {k: v for k, v in known.items() if k not in varied}
+        settings = kind.resolve(given)
+        self.inputs.update({f"file '{name}' of step '{step.name}'": str(self.folder / name) for name in given.files})
         return PlannedStep(
             step.name,
             step.kind,
-            kind.resolve(given),
+            settings,
             source,
             assignments,
             (step.delay or self.run.delay).make_method(),
             (step.mesh or self.run.mesh).make_rule(),
             self.run.accuracy is not None and kind.takes_accuracy and step.delay is None and step.mesh is None,
             step.model_dump(mode="json", by_alias=True),
+            given.files,
         )
 
     def _find_known(self, step: StepBlock, assignments: Mapping[str, ParameterFormula]) -> dict[str, float]:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path as FilePath
 from typing import Generic, TypeVar
 
 import numpy as np
@@ -11,9 +13,11 @@ import sympy
 from numpy.typing import NDArray
 
 from pddecont.codegen import NumericModel
+from pddecont.errors import RunError
 from pddecont.model import Model, Scope
 from pddecont.orbit import Monitor
 from pddecont.runfile.checker import Checker, Path
+from pddecont.runfile.data_file import read_data_file
 from pddecont.runfile.fields import Delay, Source
 from pddecont.runfile.formula import ParameterFormula
 from pddecont.runfile.holding import Holding
@@ -43,6 +47,10 @@ class StepInput(Generic[F]):
         The kind of the step above that is meant, by name, and what it leaves, if it is one of this run.
     known
         Parameters by name that the step is sure to start with, whatever is computed above it.
+    folder
+        What paths are relative to.
+    files
+        Fingerprints of the files of data that the step has read, by their names in the file.
     """
 
     checker: Checker
@@ -58,6 +66,8 @@ class StepInput(Generic[F]):
     source_kind: str = ""
     source_holds: Holding | None = None
     known: Mapping[str, float] = field(default_factory=dict)
+    folder: FilePath = FilePath()
+    files: dict[str, str] = field(default_factory=dict)
 
     @property
     def model(self) -> Model:
@@ -96,3 +106,13 @@ class StepInput(Generic[F]):
     def check_durations(self, path: Path, values: Mapping[str, float]) -> None:
         """Check that delays and the forcing period are lengths of time at some parameters."""
         self.checker.check_durations((*self.path, *path), values)
+
+    def read_file(self, path: Path, name: str) -> str | None:
+        """Return the text of a file of data, relative to the run file; None, and a problem noted, if it has none."""
+        try:
+            text = read_data_file(self.folder / name)
+        except RunError as exc:
+            self.add_error(path, str(exc))
+            return None
+        self.files[name] = hashlib.sha256(text.encode()).hexdigest()
+        return text

@@ -25,7 +25,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg
 from numpy.typing import NDArray
 
-from pddecont.continuation import Matrix, row_maxima, scale_matrix
+from pddecont.continuation import Matrix, is_odd, row_maxima, scale_matrix
 from pddecont.errors import ConvergenceError
 
 Array = NDArray[np.float64]
@@ -54,9 +54,9 @@ class Factors:
     @cached_property
     def log_determinant(self) -> complex:
         """The logarithm of the determinant of M itself, its imaginary part up to whole turns."""
-        is_odd = sum(map(_is_odd, self.permutations)) % 2
+        odd = sum(map(is_odd, self.permutations)) % 2
         logarithm = np.sum(np.log(self.diagonal().astype(complex))) - np.sum(np.log(self.rows))
-        return complex(logarithm) + 1j * np.pi * is_odd
+        return complex(logarithm) + 1j * np.pi * odd
 
 
 class Characteristic(Protocol):
@@ -211,15 +211,3 @@ def _factor_dense(matrix: Matrix, rows: Array) -> Factors:
         return np.asarray(scipy.linalg.lu_solve((lu, pivots), b, trans=2, check_finite=False))
 
     return Factors(matrix, rows, solve, solve_adjoint, lambda: np.diag(lu), (permutation,))
-
-
-def _is_odd(permutation: Ints) -> bool:
-    """Return whether a permutation is an odd number of exchanges: its length less its number of cycles."""
-    follower, is_odd = permutation.tolist(), False
-    for first in range(len(follower)):
-        at = follower[first]
-        # A cycle is walked once, from its first place; places that are done follow themselves.
-        while at != first:
-            follower[first], follower[at], at = follower[at], at, follower[at]
-            is_odd = not is_odd
-    return is_odd

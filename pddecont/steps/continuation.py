@@ -118,7 +118,7 @@ def resolve_continue(given: StepInput[Continue]) -> ContinueSettings:
     if len(set(body.free)) < len(body.free):
         twice = f"the parameter '{body.free[0]}' is listed twice; two different ones follow a special point"
         given.add_error(("free",), twice)
-    if body.branch == "switch" and len(body.free) == 2:
+    if body.branch == "switch" and len(body.free) == 2 and given.source_holds == Holding.ORBIT:
         given.add_error(("branch",), "'switch' leads onto another branch in one free parameter; found two")
     signature = resolve_signature(given, ("signature",), body.signature)
     here = (*given.path, "events_along")

@@ -1,4 +1,4 @@
-"""The ``orbit`` step: the periodic orbit that a trajectory has settled to, or a recorded orbit solved anew."""
+"""The ``orbit`` step: the periodic orbit that a trajectory has settled to, a recorded or a given one solved anew."""
 
 from __future__ import annotations
 
@@ -8,21 +8,30 @@ from typing import Any
 
 from pydantic import Field
 
-from pddecont.errors import SignatureError
+from pddecont.errors import RunError, SignatureError
 from pddecont.model import SegmentName, Strict, check_signature
+from pddecont.orbit import SampledCycle, find_cycle, read_motion_table
 from pddecont.results import ORBIT
-from pddecont.runfile import From, Holding, Path, StepInput
+from pddecont.runfile import FromOrTrajectory, Holding, Path, Source, StepInput, TrajectoryFile
 from pddecont.steps.fields import Stability, StabilityChoice, Verify
 from pddecont.steps.kind import StepKind
 
 
 class Orbit(Strict):
-    """Find the periodic orbit that a trajectory has settled to, or solve a recorded orbit anew."""
+    """Find the periodic orbit that a trajectory has settled to, near one in a file, or solve a recorded one anew."""
 
-    from_: From = Field(alias="from", description="a simulate step, an attractor of a sweep or basin, or an orbit")
+    start: FromOrTrajectory = Field(
+        alias="from",
+        description="a simulate step, an attractor of a sweep or basin, an orbit, or a file with one period of one",
+    )
     signature: list[SegmentName] | None = Field(None, description="segments that the orbit must have")
     stability: StabilityChoice = False
     verify: Verify = None
+
+    @property
+    def from_(self) -> Source | None:
+        """The step that it starts from, if it does."""
+        return self.start if isinstance(self.start, Source) else None
 
 
 @dataclass(frozen=True)
@@ -37,18 +46,46 @@ class MultiplierSettings:
 class OrbitSettings:
     """What an orbit step does.
 
-    ``signature`` is what the orbit must have (None: any); ``verifies`` whether it is simulated from its own past.
+    ``signature`` is what the orbit must have (None: any); ``verifies`` whether it is simulated from its own past;
+    ``cycle`` is the motion of a file that it starts from (None: it starts from a step).
     """
 
     signature: tuple[str, ...] | None
     multipliers: MultiplierSettings
     verifies: bool
+    cycle: SampledCycle | None = None
 
 
 def resolve_orbit(given: StepInput[Orbit]) -> OrbitSettings:
     """Return what an orbit step does; note what is wrong with it."""
     signature = resolve_signature(given, ("signature",), given.body.signature)
-    return OrbitSettings(signature, resolve_multipliers(given.body.stability), given.body.verify is not False)
+    start, cycle = given.body.start, None
+    if isinstance(start, TrajectoryFile):
+        cycle = _read_cycle(given, start)
+    return OrbitSettings(signature, resolve_multipliers(given.body.stability), given.body.verify is not False, cycle)
+
+
+def _read_cycle(given: StepInput[Orbit], start: TrajectoryFile) -> SampledCycle | None:
+    """Return the cycle that a file holds; None, and a problem noted, if it holds none."""
+    place, model = ("from", "trajectory"), given.model
+    signature = resolve_signature(given, ("from", "signature"), start.signature) or given.body.signature or ()
+    if start.mode is not None and start.mode not in model.modes:
+        hint = f"{model.hint('modes', start.mode, model.modes)} (modes: {', '.join(model.modes)})"
+        given.add_error(("from", "mode"), f"mode '{start.mode}' is not defined{hint}")
+    text = given.read_file(place, start.trajectory)
+    if text is None:
+        return None
+    path = str(given.folder / start.trajectory)
+    try:
+        table = read_motion_table(text, path, model)
+        if given.checker.errors:
+            return None
+        return find_cycle(given.numeric, given.parameters, table, signature, start.mode)
+    except RunError as exc:
+        given.add_error(place, str(exc))
+    except SignatureError as exc:
+        given.add_error(place, f"{path}: {exc}")
+    return None
 
 
 def resolve_signature(given: StepInput[Any], path: Path, signature: Sequence[str] | None) -> tuple[str, ...] | None:

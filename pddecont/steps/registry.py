@@ -7,6 +7,7 @@ from typing import Any
 from pddecont.results import forget_format, register_format
 from pddecont.steps.basin import BASIN_STEP
 from pddecont.steps.continuation import CONTINUE_STEP
+from pddecont.steps.equilibrium import EQUILIBRIUM_STEP
 from pddecont.steps.kind import StepKind
 from pddecont.steps.orbit import ORBIT_STEP
 from pddecont.steps.precision import PRECISION_STEP
@@ -17,6 +18,7 @@ BUILTIN: tuple[StepKind[Any, Any], ...] = (
     SIMULATE_STEP,
     SWEEP_STEP,
     BASIN_STEP,
+    EQUILIBRIUM_STEP,
     ORBIT_STEP,
     CONTINUE_STEP,
     PRECISION_STEP,

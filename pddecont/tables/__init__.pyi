@@ -10,6 +10,8 @@ from .endings import describe_done as describe_done
 from .endings import describe_endings as describe_endings
 from .endings import forget_ending as forget_ending
 from .endings import register_ending as register_ending
+from .equilibria import holds_equilibria as holds_equilibria
+from .equilibria import read_roots as read_roots
 from .orbits import find_signature as find_signature
 from .orbits import has_multipliers as has_multipliers
 from .orbits import read_multipliers as read_multipliers

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from pddecont.errors import ResultsError
 from pddecont.results import Step
 from pddecont.tables.endings import describe_endings
+from pddecont.tables.equilibria import holds_equilibria, read_roots
 from pddecont.tables.orbits import list_orbit, read_multipliers
 from pddecont.tables.registry import find_main_table, make_table
 
@@ -51,7 +52,7 @@ def make_dataset(step: Step) -> xarray.Dataset:
     """Return :func:`make_arrays` as a data set over ``point`` (or ``t``), with units.
 
     Free parameters and labels are coordinates. Where Floquet multipliers were computed they are there too, complex over
-    (point, number), NaN beyond the last.
+    (point, number), NaN beyond the last; so are the characteristic roots of equilibria.
     """
     try:
         import xarray
@@ -74,10 +75,12 @@ def make_dataset(step: Step) -> xarray.Dataset:
         "termination": "\n".join(describe_endings(step)),
     }
     result = xarray.Dataset(variables, attrs=attributes).set_coords([name for name in held if name != dim])
-    found = [read_multipliers(step, int(i)) for i in step.order]
-    if any(len(z) for z in found):
-        values = np.full((len(found), max(map(len, found))), np.nan + 0j)
-        for row, z in zip(values, found, strict=True):
-            row[: len(z)] = z
-        result["multiplier"] = (("point", "number"), values)
+    spectra = {"multiplier": read_multipliers, **({"root": read_roots} if holds_equilibria(step) else {})}
+    for name, read in spectra.items():
+        found = [read(step, int(i)) for i in step.order]
+        if any(len(z) for z in found):
+            values = np.full((len(found), max(map(len, found))), np.nan + 0j)
+            for row, z in zip(values, found, strict=True):
+                row[: len(z)] = z
+            result[name] = (("point", "number"), values)
     return result

@@ -12,6 +12,10 @@ from pddecont.errors import ResultsError
 from pddecont.reasons import Reason
 from pddecont.results import Step
 from pddecont.tables.attractors import estimate_shares, find_attractors, name_motion
+from pddecont.tables.branch_endings import describe_direction, list_rows_along
+from pddecont.tables.equilibria import holds_equilibria
+from pddecont.tables.equilibrium_branch_endings import UNSTATED_ROOTS, describe_equilibrium_branch
+from pddecont.tables.equilibrium_endings import describe_equilibrium_step
 from pddecont.tables.orbits import find_signature
 from pddecont.tables.precision import describe_cheapest, describe_reference
 from pddecont.tables.words import describe_reason
@@ -20,24 +24,6 @@ from pddecont.tables.words import describe_reason
 POOR = 1e-3
 # A trivial multiplier farther from 1 than this says that the mesh is too coarse.
 TRIVIAL_ERROR = 1e-4
-# What ends a branch: what happened, and what to do.
-BRANCH_ENDS = {
-    "range": ("reached the end of the range", "widen 'range' to go on"),
-    "max_points": ("reached 'max_points'", "raise it, or 'step: {max}', to go on"),
-    "step_too_small": (
-        "the step fell below 'step: {min}'",
-        "look at the last orbits for a grazing, a vanishing segment or a sharp fold, refine 'mesh', or lower "
-        "'step: {min}'",
-    ),
-    "impossible": ("can go no further with this signature", ""),
-    "limit": ("reached a limit of the model", ""),
-    "special": ("stopped at a special point where the signature of the orbit changes", ""),
-    "invalid": ("the orbit of this signature stops being a motion of the model", "start anew from a simulation beyond"),
-    "closed": ("the branch is closed: it is back at its first point", ""),
-    "asymptote": ("runs along an asymptote", ""),
-    "shrinks": ("the orbits shrink to an equilibrium", ""),
-    "resonance": ("the curve ends where its pair of multipliers meets on the real axis", ""),
-}
 UNRELIABLE = (
     "the multipliers are lost among those of this delay line's own stages, which are far shorter than mesh intervals: "
     "use more intervals, a lower 'n' or order, or the direct method"
@@ -51,8 +37,6 @@ UNSTATED = (
     "the multipliers do not tell whether the orbit is stable: a count does not confirm them, or they are lost among "
     "those of a delay line's own stages; use a finer mesh, or parameters a little apart"
 )
-# Values of an ending that are not those of its detail.
-_OWN = ("direction", "unexplained", "detail", "next_signature")
 
 
 def describe_endings(step: Step) -> list[str]:
@@ -87,27 +71,10 @@ def forget_ending(kind: str) -> None:
     _BY_KIND.pop(kind, None)
 
 
-def describe_branch_end(code: str, detail: Reason, n_unexplained: int = 0) -> str:
-    """Return how a direction of a branch ended: what, where, what to do, why."""
-    what, advice = BRANCH_ENDS.get(code, (code.replace("_", " "), ""))
-    words = describe_reason(detail)
-    where, why = (f", {words}", "") if code == "range" and words else ("", f" ({words})" if words else "")
-    s = "s"[: n_unexplained - 1]
-    lost = f"; WARNING: {n_unexplained} change{s} of stability not located: take smaller steps" if n_unexplained else ""
-    return f"{what}{where}{f'; {advice}' if advice else ''}{why}{lost}"
-
-
 def _describe_continue(step: Step, ending: Reason) -> str:
-    v = ending.values
-    way = int(v["direction"])
-    detail = Reason(str(v.get("detail", "")), {k: value for k, value in v.items() if k not in _OWN})
-    text = describe_branch_end(ending.code, detail, int(v.get("unexplained", 0)))
-    names = _signatures_along(step, way)
-    through = f", through the signatures [{'], ['.join(names)}]" if len(names) > 1 else ""
-    last = _last_reason(step, way)
-    after = ""
-    if "next_signature" in v:
-        after = f"; the orbit of the next signature was not found: {v['next_signature']}"
+    last, after = _last_reason(step, int(ending.values["direction"])), ""
+    if "next_signature" in ending.values:
+        after = f"; the orbit of the next signature was not found: {ending.values['next_signature']}"
     elif last.code == "meeting":
         after = f": {describe_reason(last)}; beyond, they happen in another order: start anew from a simulation there"
     elif last.code == "released":
@@ -115,26 +82,11 @@ def _describe_continue(step: Step, ending: Reason) -> str:
             f": {describe_reason(last)}; beyond, the motion is released before it rests, after more and more impacts "
             "towards this point: start anew from a simulation there"
         )
-    return f"{'down' if way < 0 else 'up'}: {text}{through}{after}"
-
-
-def _rows_along(step: Step, way: int) -> list[int]:
-    """Return the rows of one direction in its order, with the row that it starts from."""
-    return [int(i) for i in step.order[::way] if step.points["arclength"][i] * way >= 0]
-
-
-def _signatures_along(step: Step, way: int) -> list[str]:
-    """Return the signatures that a direction went through, in order."""
-    names: list[str] = []
-    for i in _rows_along(step, way):
-        if step.kind_of(i) in ("", "EP"):
-            name = find_signature(step, i)
-            names += [name] if names[-1:] != [name] else []
-    return names
+    return describe_direction(step, ending, "signatures") + after
 
 
 def _last_reason(step: Step, way: int) -> Reason:
-    rows = _rows_along(step, way)
+    rows = list_rows_along(step, way)
     return step.reason(rows[-1]) if rows else Reason()
 
 
@@ -213,8 +165,14 @@ def _describe_precision(step: Step, ending: Reason) -> str:
 
 
 def count_unknown(step: Step, column: str) -> int:
-    """Return at how many points ``stable`` or ``verified`` is unknown though it was asked for."""
-    return int(np.sum(step.points[column] < 0)) if column in step.meta.get("asked", ()) else 0
+    """Return at how many points ``stable`` or ``verified`` is unknown though it was asked for, as of equilibria."""
+    is_asked = column in step.meta.get("asked", ()) or (column == "stable" and holds_equilibria(step))
+    return int(np.sum(step.points[column] < 0)) if is_asked else 0
+
+
+def describe_unstated(step: Step, number: int) -> str:
+    """Return why it is not known whether so many points are stable."""
+    return f"at {number} of the points {UNSTATED_ROOTS if holds_equilibria(step) else UNSTATED}"
 
 
 def list_warnings(step: Step) -> list[str]:
@@ -223,13 +181,13 @@ def list_warnings(step: Step) -> list[str]:
     wrong = int(np.sum(step.points["verified"] == 0)) if "verified" in step.points else 0
     found = [f"{wrong} of its orbits are no motions of the model: see the column 'verified'"] if wrong else []
     found += [f"{undone} of its orbits could not be verified by a simulation"] if undone else []
-    return found + ([f"at {unstated} of the points {UNSTATED}"] if unstated else [])
+    return found + ([describe_unstated(step, unstated)] if unstated else [])
 
 
 def describe_done(step: Step) -> str:
     """Return what a step that is done came to, in one line."""
     texts = describe_endings(step)
-    if step.kind == "continue":
+    if step.kind in ("continue", "equilibria"):
         return _summarise_branch(step, texts)
     if step.kind == "precision":
         return f"{texts[0]}; cheapest for {describe_cheapest(step)[1]}"
@@ -237,7 +195,7 @@ def describe_done(step: Step) -> str:
 
 
 def _summarise_branch(step: Step, texts: Sequence[str]) -> str:
-    errors = step.points["trivial_error"]
+    errors = step.points.get("trivial_error", np.empty(0))
     poor = bool(np.any(errors > TRIVIAL_ERROR))
     doubt = f"; WARNING: the trivial multiplier is off by up to {np.nanmax(errors):.1e}: refine 'mesh'" if poor else ""
     doubt += "".join(f"; WARNING: {warning}" for warning in list_warnings(step))
@@ -247,6 +205,8 @@ def _summarise_branch(step: Step, texts: Sequence[str]) -> str:
 
 _BY_KIND: dict[str, Callable[[Step, Reason], str]] = {
     "continue": _describe_continue,
+    "equilibria": describe_equilibrium_branch,
+    "equilibrium": describe_equilibrium_step,
     "orbit": _describe_orbit,
     "simulate": _describe_simulate,
     "sweep": _describe_sweep,

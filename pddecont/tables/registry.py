@@ -9,6 +9,7 @@ from pddecont.errors import ResultsError, suggest
 from pddecont.results import Step
 from pddecont.tables.attractors import list_attractors, list_cells, list_returns
 from pddecont.tables.columns import list_columns
+from pddecont.tables.equilibria import list_equilibria, list_roots, list_special_equilibria
 from pddecont.tables.orbits import list_multipliers, list_orbit, list_points, list_special_points
 from pddecont.tables.precision import list_settings
 from pddecont.tables.trajectories import list_events, list_trajectory
@@ -32,10 +33,17 @@ _OF_ORBITS: dict[str, Table] = {
     "orbit": _of_point(list_orbit),
     "multipliers": list_multipliers,
 }
+_OF_EQUILIBRIA: dict[str, Table] = {
+    "points": _whole(list_equilibria),
+    "special": _whole(list_special_equilibria),
+    "roots": list_roots,
+}
 _OF_ATTRACTORS: dict[str, Table] = {"points": _whole(list_attractors), "returns": _whole(list_returns)}
 _TABLES: dict[str, Mapping[str, Table]] = {
     "orbit": _OF_ORBITS,
     "continue": _OF_ORBITS,
+    "equilibrium": _OF_EQUILIBRIA,
+    "equilibria": _OF_EQUILIBRIA,
     "simulate": {"trajectory": _of_point(list_trajectory), "events": _of_point(list_events)},
     "precision": {"precision": _whole(list_settings)},
     "sweep": _OF_ATTRACTORS,
@@ -43,7 +51,7 @@ _TABLES: dict[str, Mapping[str, Table]] = {
 }
 _DEFAULT: dict[str, Table] = {"points": _whole(list_columns)}
 # The order in which tables are named.
-NAMES = ("points", "special", "orbit", "multipliers", "trajectory", "events", "precision", "returns", "cells")
+NAMES = ("points", "special", "orbit", "multipliers", "roots", "trajectory", "events", "precision", "returns", "cells")
 
 
 def register_tables(kind: str, tables: Mapping[str, Table]) -> None:

@@ -9,7 +9,8 @@ import numpy as np
 
 from pddecont.results import Results, Step
 from pddecont.tables.attractors import name_motion
-from pddecont.tables.endings import TRIVIAL_ERROR, UNSTATED, count_unknown, describe_endings
+from pddecont.tables.endings import TRIVIAL_ERROR, count_unknown, describe_endings, describe_unstated
+from pddecont.tables.equilibria import holds_equilibria
 from pddecont.tables.orbits import find_signature
 from pddecont.tables.precision import describe_cheapest
 from pddecont.tables.words import name_kind
@@ -44,7 +45,7 @@ def list_effects_off(step: Step) -> list[str]:
 
 
 def summarise_step(step: Step) -> dict[str, Any]:
-    """Return a step's name, kind, number of points, special labels, how it ended, and what is known of its orbits."""
+    """Return a step's name, kind, number of points, special labels, how it ended, and what is known of its points."""
     result: dict[str, Any] = {
         "name": step.name,
         "kind": step.kind,
@@ -65,8 +66,9 @@ def summarise_step(step: Step) -> dict[str, Any]:
     if "error_estimate" in step.points and len(step):
         result["error_estimate"] = float(step.points["error_estimate"].max())
         result["n_unknowns"] = int(step.points["n_unknowns"].max())
-    signatures = list(dict.fromkeys(s for s in (find_signature(step, int(i)) for i in step.order) if s))
-    return result | ({"signatures": signatures} if signatures else {}) | count_verified(step) | count_stable(step)
+    found = list(dict.fromkeys(s for s in (find_signature(step, int(i)) for i in step.order) if s))
+    name = "modes" if holds_equilibria(step) else "signatures"
+    return result | ({name: found} if found else {}) | count_verified(step) | count_stable(step)
 
 
 def count_verified(step: Step) -> dict[str, Any]:
@@ -96,7 +98,7 @@ def count_stable(step: Step) -> dict[str, Any]:
     result: dict[str, Any] = {"stability": counts}
     warnings = []
     if count_unknown(step, "stable"):
-        warnings.append(f"at {count_unknown(step, 'stable')} of the points {UNSTATED}")
+        warnings.append(describe_unstated(step, count_unknown(step, "stable")))
     errors = step.points.get("trivial_error", np.empty(0))
     if np.any(np.isfinite(errors)):
         worst = int(np.nanargmax(errors))

@@ -44,6 +44,15 @@ _WORDS: dict[str, Callable[[Values], str]] = {
     "meeting": lambda v: f"{v['event']} meets {v['other']}",
     "released": lambda v: f"the impacts at {v['event']} accumulate just as {v['segment']} releases the motion",
     "vanishing": lambda v: f"{v['segment']} vanishes",
+    "hopf_normal_form": lambda v: (
+        f"{v['nature']}, frequency {v['frequency']:.8g}, l1 = {v['coefficient']:.5g}; orbits at {v['side']} "
+        f"{v['parameter']}"
+    ),
+    "homoclinic": lambda v: "curves of folds, Hopf points and homoclinic orbits meet here",
+    "fold_normal_form": lambda v: f"a = {v['coefficient']:.5g}",
+    "boundary_equilibrium": lambda v: (
+        (f"{v['nature']}: " if v.get("nature") else "") + f"on the surface of event '{v['event']}'"
+    ),
     "halves_equal": lambda v: "halves become equal",
     "grazing": lambda v: "grazing",
     "hopf_point": lambda v: f"Hopf point{_name_where(v)}",

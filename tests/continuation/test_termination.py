@@ -4,7 +4,7 @@ import pytest
 
 from pddecont.continuation import End, Termination
 from pddecont.reasons import NO_REASON, make_reason
-from pddecont.tables.endings import BRANCH_ENDS, describe_branch_end
+from pddecont.tables.branch_endings import BRANCH_ENDS, describe_branch_end
 
 
 @pytest.mark.parametrize("end", End)

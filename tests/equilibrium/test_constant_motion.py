@@ -26,6 +26,6 @@ def test_all_partial_derivatives_together_are_that_of_the_rate():
     motion, p = make_motion(TWO_DELAYS)
     x, h = np.array([0.2, 0.5]), 1e-6
     matrix = motion.linearise(x, p)
-    whole = matrix.present + matrix.delayed.sum(axis=0)
+    whole = matrix.present + sum(matrix.delayed)
     ends = [[motion.rate(x + sign * h * unit, p) for unit in np.eye(2)] for sign in (-1.0, 1.0)]
     assert np.allclose(whole, (np.array(ends[1]) - ends[0]).T / (2 * h), atol=1e-9)

@@ -11,14 +11,23 @@ RANGES = ((0.1, 0.2), (3.0, 5.0))
 
 def at(orbit):
     """Return an orbit in the place of an evaluation that holds it."""
-    return type("At", (), {"orbit": orbit})()
+    return type("At", (), {"orbit": orbit, "x": orbit.x})()
 
 
 def free_orbit():
     return impact_oscillator().with_free(("K", "tau_d"))
 
 
-@pytest.mark.parametrize("boundary", [RangeBoundary(RANGES), DelayBoundary(), DurationBoundary()])
+def delays():
+    orbit = free_orbit()
+    return DelayBoundary(orbit.numeric, orbit.parameters, orbit.problem.free_index)
+
+
+def ranges():
+    return RangeBoundary(("K", "tau_d"), RANGES)
+
+
+@pytest.mark.parametrize("boundary", [ranges(), delays(), DurationBoundary()])
 def test_gradients_are_derivatives_of_margins(boundary):
     orbit = free_orbit()
     found = boundary.gradients(at(orbit))
@@ -32,7 +41,7 @@ def test_gradients_are_derivatives_of_margins(boundary):
 
 
 def test_the_range_has_two_ends_for_each_parameter():
-    boundary, orbit = RangeBoundary(RANGES), free_orbit()
+    boundary, orbit = ranges(), free_orbit()
     assert boundary.margins(at(orbit)) == pytest.approx([0.02, 0.8, 0.08, 1.2])
     reasons = [boundary.reason(at(orbit), k) for k in range(4)]
     assert [(r.values["parameter"], r.values["value"]) for r in reasons] == [
@@ -45,7 +54,7 @@ def test_the_range_has_two_ends_for_each_parameter():
 
 
 def test_a_delay_that_becomes_negative_is_named_with_its_parameters():
-    boundary, orbit = DelayBoundary(), free_orbit()
+    boundary, orbit = delays(), free_orbit()
     assert boundary.margins(at(orbit)) == pytest.approx([3.8])
     reason = boundary.reason(at(orbit), 0)
     assert (reason.code, reason.values["delay"]) == ("negative_delay", "tau_d")

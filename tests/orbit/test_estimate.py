@@ -227,7 +227,9 @@ def test_along_branches_and_round_folds(model, name, ends, rule, compare):
     for sign in (1, -1):
         start = BranchState(CurvePoint(system, at, None, sign * direction), 0.0, 0.02, 1)
         settings = StepSettings(max_points=60)
-        follow_branch(start, [RangeBoundary((ends,))], TestFunctions(), settings, points.append, sign)
+        follow_branch(
+            start, [RangeBoundary(orbit.problem.free, (ends,))], TestFunctions(), settings, points.append, sign
+        )
     assert len(points) > 12
     errors, estimates = [], []
     for point in points:

@@ -4,7 +4,7 @@ import pytest
 
 from pddecont.plot import ViewRequest, draw_picture
 from pddecont.results import create_results, read_results
-from tests.plot import synthetic
+from tests.plot import equilibria, synthetic
 from tests.runs import run
 
 
@@ -12,6 +12,12 @@ from tests.runs import run
 def every(tmp_path_factory):
     """Return the results file that holds every kind of step in which orbits are followed."""
     return read_results(synthetic.write_all(tmp_path_factory.mktemp("every") / "every.h5"))
+
+
+@pytest.fixture(scope="session")
+def resting(tmp_path_factory):
+    """Return a results file with equilibria, the orbits born of them, and curves of both."""
+    return read_results(equilibria.write_resting(tmp_path_factory.mktemp("resting") / "resting.h5"))
 
 
 @pytest.fixture(scope="session")

@@ -3,7 +3,7 @@
 import pytest
 
 from pddecont.plot.branch_colours import assign_branch_colours, make_style_handles, name_families
-from pddecont.plot.branch_parts import OrbitFamily
+from pddecont.plot.branch_parts import Family
 from pddecont.plot.style import COLOURS
 from tests.plot.synthetic import point
 
@@ -12,8 +12,8 @@ def test_families_differ_in_colour_and_one_family_has_one(every):
     colours = assign_branch_colours([every.step("in_gain"), every.step("doubled")])
     names = ["NC C, 1 period", "NC, 1 period", "(NC C)×2, 2 periods"]
     assert colours.in_legend == list(zip(names, COLOURS, strict=False))
-    assert colours.of_parts["in_gain", OrbitFamily("C NC", 1)] == COLOURS[0]
-    assert colours.of_parts["doubled", OrbitFamily("C NC C NC", 2)] == COLOURS[2]
+    assert colours.of_parts["in_gain", Family("C NC", 1)] == COLOURS[0]
+    assert colours.of_parts["doubled", Family("C NC C NC", 2)] == COLOURS[2]
     assert [h.get_label() for h in colours.make_handles()] == names
 
 
@@ -30,9 +30,9 @@ def test_a_palette_begins_anew_when_it_is_used_up(every):
 
 
 def test_families_are_called_as_they_are_first_found(every, made):
-    assert name_families([every.step("in_gain")], [OrbitFamily("C NC", 1)]) == ["NC C"]
+    assert name_families([every.step("in_gain")], [Family("C NC", 1)]) == ["NC C"]
     smooth = made(b=([point(0.0, 0, 3, 1, signature="")], {})).step("b")
-    assert name_families([smooth], [OrbitFamily("", 1)]) == ["no events"]
+    assert name_families([smooth], [Family("", 1)]) == ["no events"]
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pddecont.plot.branch_parts import OrbitFamily, find_orbit_family, rotate_signature, split_branch
+from pddecont.plot.branch_parts import Family, find_family, rotate_signature, split_branch
 from tests.plot.synthetic import point
 
 SEGMENTS = st.lists(st.sampled_from(["NC", "C", "stick", "NC2"]), min_size=1, max_size=8)
@@ -66,8 +66,8 @@ def test_a_branch_of_one_point(branch):
 def test_a_family_does_not_depend_on_where_the_signature_begins(branch):
     signatures = ["NC C NC2", "C NC2 NC", "NC2 C NC"]
     step = branch([point(float(k), k, 3, 0, signature=s) for k, s in enumerate(signatures)])
-    assert find_orbit_family(step, 0) == find_orbit_family(step, 1) == OrbitFamily("C NC2 NC", 1)
-    assert find_orbit_family(step, 2) != find_orbit_family(step, 0)
+    assert find_family(step, 0) == find_family(step, 1) == Family("C NC2 NC", 1)
+    assert find_family(step, 2) != find_family(step, 0)
 
 
 @given(SEGMENTS, st.integers(0, 7))

@@ -5,7 +5,7 @@ import pytest
 
 from pddecont.errors import ResultsError
 from pddecont.plot.columns import (
-    choose_columns,
+    choose_monitor,
     choose_plane,
     choose_states,
     describe_differences,
@@ -20,9 +20,10 @@ from pddecont.plot.columns import (
 from tests.plot.synthetic import point
 
 
-def test_every_column_that_is_listed_can_be_read(every):
-    step = every.step("in_gain")
-    assert {"K", "top", "period", "n_unstable"} <= set(list_columns(step))
+@pytest.mark.parametrize(("name", "own"), [("in_gain", "period"), ("resting", "x")])
+def test_every_column_that_is_listed_can_be_read(every, resting, name, own):
+    step = (every if name in every.steps else resting).step(name)
+    assert {"K", "top", own, "n_unstable"} <= set(list_columns(step))
     assert all(read_column(step, name).shape == (len(step),) for name in list_columns(step))
     assert np.array_equal(read_column(step, "K"), read_parameter(step, "K"))
 
@@ -42,10 +43,8 @@ def test_what_is_not_there_is_said(every, read, name, message):
 
 
 def test_what_is_shown_when_nobody_says(every, made):
-    assert choose_columns(every.step("in_gain")) == ("K", "top")
-    assert choose_columns(every.step("orbit")) == ("omega", "top")
-    unknown = made(b=([point(0.0, 0.1, 3, np.nan)], {})).step("b")
-    assert choose_columns(unknown) == ("K", "period")
+    assert choose_monitor(every.step("in_gain")) == "top"
+    assert choose_monitor(made(b=([point(0.0, 0.1, 3, np.nan)], {})).step("b")) == "period"
     assert choose_states(every.step("orbit"), None, None) == ("x", "v")
     assert choose_states(every.step("orbit"), "v", "x") == ("v", "x")
 

@@ -1,9 +1,11 @@
 """Special points: their kinds, marks and labels."""
 
+import numpy as np
 import pytest
 
 from pddecont.bifurcation import list_kinds
-from pddecont.plot.special_points import find_special_rows, mark_special_points, read_curve_kind, read_kind
+from pddecont.plot.columns import read_column
+from pddecont.plot.special_points import CurveSort, find_special_rows, mark_special_points, read_curve_sort, read_kind
 from pddecont.plot.style import OTHER_MARKER, find_marker
 from tests.plot.drawn import legend, texts
 from tests.plot.synthetic import point
@@ -25,12 +27,13 @@ def test_kinds_are_recorded_not_read_from_labels(results, every):
     step = results.step("branch")
     assert [read_kind(step, i) for i in range(7)] == ["EP", "", *OWN, "LP", "EP"]
     assert find_special_rows(step) == [2, 3, 4, 5]
-    assert (read_curve_kind(step), read_curve_kind(results.step("curve"))) == ("", "ZZ")
+    assert [read_curve_sort(results.step(name)) for name in ("branch", "curve")] == [CurveSort(""), CurveSort("ZZ")]
     assert read_kind(every.step("folds"), 10) == "R1"
 
 
 def test_unknown_kinds_have_a_spare_marker_and_their_label(results, axes):
-    labels = mark_special_points(axes, results.step("branch"), "K", "top")
+    step = results.step("branch")
+    labels = mark_special_points(axes, step, read_column(step, "K"), read_column(step, "top")[None])
     assert [label.text for label in labels] == ["ZZ1", "Q9_1", "SLIDE1", "LP1"]
     assert [line.get_marker() for line in axes.lines] == [OTHER_MARKER] * 3 + [find_marker("LP")]
     assert OTHER_MARKER not in {find_marker(kind.label) for kind in list_kinds()}
@@ -44,3 +47,16 @@ def test_unknown_kinds_are_in_every_picture(results, show, view):
     assert {"ZZ1", "Q9_1", "SLIDE1"} <= named | {text.split()[0] for text in legend(figure)}
     if view == "plane":
         assert {"ZZ", "SLIDE: SLIDE"} <= set(legend(figure))
+
+
+def test_marks_are_on_all_lines_and_labels_on_the_first(results, axes):
+    heights = np.array([np.arange(7.0), -np.arange(7.0)])
+    labels = mark_special_points(axes, results.step("branch"), np.arange(7.0), heights)
+    assert [(*line.get_xdata(), *line.get_ydata()) for line in axes.lines] == [(k, k, k, -k) for k in (2, 3, 4, 5)]
+    assert [(label.x, label.y) for label in labels] == [(k, k) for k in (2, 3, 4, 5)]
+
+
+def test_curves_of_equilibria_are_of_another_sort_than_those_of_orbits(every, resting):
+    of_orbits, of_equilibria = read_curve_sort(every.step("folds")), read_curve_sort(resting.step("folds"))
+    assert (of_orbits, of_equilibria) == (CurveSort("LP"), CurveSort("LP", of_equilibria=True))
+    assert of_orbits.colour != of_equilibria.colour

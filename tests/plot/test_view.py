@@ -19,8 +19,10 @@ def test_a_view_asks_nothing_of_steps_beyond_their_kinds_unless_it_says_so(every
     assert own.choose_steps is None and own.pick_steps is None
 
 
-def test_curves_are_told_from_branches(every):
+def test_curves_are_told_from_branches(every, resting):
     found = {name: distinguish_kind(step) for name, step in every.steps.items()}
     assert found == dict.fromkeys(("grazing", "folds"), "curve") | {"orbit": "orbit"} | dict.fromkeys(
         ("in_delay", "in_gain", "doubled"), "continue"
     )
+    found = {name: distinguish_kind(resting.step(name)) for name in ("all", "resting", "hopf")}
+    assert found == {"all": "equilibrium", "resting": "equilibria", "hopf": "equilibrium_curve"}

@@ -17,7 +17,7 @@ from pddecont.report import render_page
 from pddecont.report.page import MAX_ROWS, Picture, make_environment
 from pddecont.results import create_results, read_results
 from tests.cli.test_cli import call
-from tests.plot import synthetic
+from tests.plot import equilibria, synthetic
 
 VOID = {"meta", "img", "br", "link", "input"}
 HOSTILE = "<script>alert('x')</script><img src=\"https://example.org/a.png\" onerror='alert(1)'>$\\frac"
@@ -200,3 +200,14 @@ def test_numbers_too_large_to_draw_leave_a_word_in_place_of_the_picture(tmp_path
     text = render_page(read_results(path))
     assert "cannot be drawn so" in text
     assert "1e+308" in text
+
+
+def test_equilibria_are_on_the_page_with_their_pictures(tmp_path):
+    read = Page(render_page(read_results(equilibria.write_resting(tmp_path / "a.h5"))))
+    said = " ".join(read.text)
+    for words in ("all 2 equilibria in the box; also 1 virtual one", "through the modes [low], [high]", "Hopf"):
+        assert words in said
+    captions = [a["alt"] for a in read.of("img")]
+    assert captions[:2] == ["overview", "manifold"]
+    assert {"all: diagram", "all: roots", "resting: diagram", "hopf: plane", "boundaries: roots"} <= set(captions)
+    assert not [a for a in read.of("p") if a.get("class") == "none"]

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from pddecont.report.step_tables import build_tables, format_value, is_number
 from pddecont.results import create_results, read_results
-from tests.plot import synthetic
+from tests.plot import equilibria, synthetic
 
 
 @pytest.fixture(scope="module")
@@ -55,3 +55,20 @@ def test_values_are_written_plainly():
 @given(st.floats(allow_nan=False))
 def test_numbers_keep_eight_digits(value):
     assert float(format_value(value)) == pytest.approx(value, rel=1e-7)
+
+
+def test_equilibria_have_tables_with_their_roots(tmp_path):
+    step = read_results(equilibria.write_resting(tmp_path / "a.h5"))
+    (first, rows), (_, fixed), (last, roots) = build_tables(step.step("all"))
+    assert (first, last) == ("Equilibria", "Characteristic roots")
+    assert [(row["label"], row["kind"], row["mode"], row["x"]) for row in rows] == [
+        ("EQ1", "equilibrium", "low", -1.0),
+        ("EQ2", "equilibrium", "low", 0.0),
+        ("EQ3", "equilibrium", "high", 1.0),
+    ]
+    # What was not computed of any of them has no column.
+    assert not {"frequency", "coefficient", "note"} & set(rows[0])
+    assert fixed == [{"omega": 0.8, "K": 0.2, "tau_d": 3.8}]
+    assert [(row["label"], row["re"], row["im"]) for row in roots][:2] == [("EQ1", -0.1, 1.0), ("EQ1", -0.1, -1.0)]
+    (title, rows), _ = build_tables(step.step("resting"))
+    assert (title, [row["kind"] for row in rows]) == ("Special points", ["Hopf", "boundary equilibrium"])

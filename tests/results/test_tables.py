@@ -13,8 +13,17 @@ from pddecont.cli.export import to_csv
 from pddecont.errors import ResultsError
 from pddecont.reasons import make_reason
 from pddecont.results import create_results, read_results
-from pddecont.tables import make_table, read_multipliers
+from pddecont.tables import (
+    describe_done,
+    list_tables,
+    make_arrays,
+    make_dataset,
+    make_table,
+    read_multipliers,
+    read_roots,
+)
 from pddecont.tables.summary import shorten_signature, summarise, summarise_step
+from tests.plot import equilibria
 from tests.plot.synthetic import add, gain, point, write_all, write_old
 
 
@@ -26,6 +35,11 @@ def every(tmp_path_factory):
 @pytest.fixture(scope="module")
 def old(tmp_path_factory):
     return read_results(write_old(tmp_path_factory.mktemp("old") / "old.h5"))
+
+
+@pytest.fixture(scope="module")
+def resting(tmp_path_factory):
+    return read_results(equilibria.write_resting(tmp_path_factory.mktemp("resting") / "resting.h5"))
 
 
 def command(*args):
@@ -194,3 +208,51 @@ def test_a_file_that_is_not_hdf5_is_told_so(tmp_path):
     path.write_text("name: m\n")
     with pytest.raises(ResultsError, match="it is not HDF5; results files are made with 'pddecont run'"):
         read_results(path)
+
+
+def test_equilibria_have_tables_of_their_own(resting):
+    assert list_tables("equilibria") == list_tables("equilibrium") == ["points", "special", "roots"]
+    points = make_table(resting.step("resting"), "points")
+    assert [row["x"] for row in points] == pytest.approx(np.linspace(0.1, 0.9, 33))
+    assert [row["mode"] for row in points] == ["low"] * 17 + ["high"] * 16
+    assert [row["label"] for row in make_table(resting.step("resting"), "special")] == ["HB1", "BE1"]
+    roots = make_table(resting.step("resting"), "roots", resting.step("resting").row("HB1"))
+    assert [(row["number"], row["re"], row["im"], row["K"]) for row in roots] == [
+        (k, pytest.approx(z.real), z.imag, 0.3) for k, z in enumerate((1j, -1j, -2.3, -1000.0), 1)
+    ]
+    assert command("export", resting.path, "--table", "roots", "--step", "one").splitlines() == [
+        "index,label,number,re,im,residual",
+        "0,EQ1,1,0.2,0.0,0.0",
+        "0,EQ1,2,-1.0,0.0,0.0",
+    ]
+
+
+def test_equilibria_are_arrays_and_a_data_set(resting):
+    step = resting.step("resting")
+    arrays = make_arrays(step)
+    assert arrays["x"] == pytest.approx(arrays["K"])
+    pytest.importorskip("xarray")
+    data = make_dataset(step)
+    assert list(data.sizes.items()) == [("point", 33), ("number", 4)]
+    assert np.array_equal(data["root"].values, np.array([read_roots(step, i) for i in step.order]))
+    assert set(data.coords) == {"label", "K"}
+    assert "multiplier" not in data
+
+
+def test_a_summary_of_equilibria_names_modes(resting):
+    data = summarise_step(resting.step("resting"))
+    assert data["modes"] == ["low", "high"]
+    assert data["stability"] == {"stable": 9, "unstable": 24, "unknown": 0}
+    assert "signatures" not in data
+    assert (summarise_step(resting.step("hopf"))["curve name"], data["special"]) == ("Hopf", ["HB1", "BE1"])
+    assert "modes: low, high\n" in command("info", resting.path)
+
+
+def test_equilibria_whose_stability_is_not_known_are_warned_of(tmp_path):
+    create_results(tmp_path / "a.h5", "m", "r", "r", "{}")
+    equilibria.write(tmp_path / "a.h5", "b", [equilibria.rest(k, 1.0, 0.0, [-1.0], counted=k > 0) for k in range(3)])
+    step = read_results(tmp_path / "a.h5").step("b")
+    assert summarise_step(step)["stability"] == {"stable": 2, "unstable": 0, "unknown": 1}
+    warning = "at 1 of the points a count of the characteristic roots to the right of the imaginary axis"
+    assert summarise_step(step)["warning"].startswith(warning)
+    assert f"WARNING: {warning}" in describe_done(step)

@@ -11,14 +11,8 @@ from numpy.typing import NDArray
 
 from pddecont.errors import ResultsError
 from pddecont.plot.branch_parts import LineStyle, split_branch
-from pddecont.plot.columns import (
-    choose_columns,
-    choose_states,
-    describe_point,
-    find_state,
-    list_free_parameters,
-    read_column,
-)
+from pddecont.plot.columns import choose_states, describe_point, find_state, list_free_parameters, read_column
+from pddecont.plot.heights import choose_columns
 from pddecont.plot.interpolated_orbits import interpolate_segments
 from pddecont.plot.layouts import make_figure
 from pddecont.plot.legend import MAX_COLUMNS, add_legend
@@ -62,7 +56,7 @@ def draw_animation(steps: list[Step], request: ViewRequest) -> FuncAnimation:
     panel = OrbitPanel.make(step, request, rows)
     panel.draw(right, rows[0])
     free = list_free_parameters(step)
-    x, y = (free[0], free[1]) if len(free) == 2 else choose_columns(step)
+    x, y = (free[0], free[1]) if len(free) == 2 else choose_columns([step])
     labels, handles = draw_plane(left, steps[-1:], x, y) if len(free) == 2 else draw_diagram(left, steps[-1:], x, y)
     add_legend(figure, handles, MAX_COLUMNS)
     place_labels(left, labels)

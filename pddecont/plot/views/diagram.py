@@ -1,4 +1,4 @@
-"""Bifurcation diagrams: any column of points against any other, one or several branches."""
+"""Bifurcation diagrams: any column of points against any other, one or several branches of orbits and equilibria."""
 
 from __future__ import annotations
 
@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING
 from pddecont.plot.axis_labels import format_axis_label
 from pddecont.plot.branch_colours import assign_branch_colours, make_style_handles
 from pddecont.plot.branch_lines import draw_parts
-from pddecont.plot.columns import choose_columns, keep_same_free, list_free_parameters
+from pddecont.plot.columns import keep_same_free, list_free_parameters, read_column
+from pddecont.plot.heights import choose_columns, read_heights
 from pddecont.plot.layouts import MAX_BESIDE, finish_figure, make_panel_beside_orbits
 from pddecont.plot.limits import widen_for_columns
 from pddecont.plot.point_labels import PointLabel
-from pddecont.plot.point_selection import select_points
+from pddecont.plot.point_selection import select_orbits
 from pddecont.plot.segment_colours import match_diagram
 from pddecont.plot.special_points import mark_special_points
 from pddecont.plot.view import Drawing, ViewRequest
@@ -26,8 +27,8 @@ if TYPE_CHECKING:
 
 def draw_figure(steps: list[Step], request: ViewRequest) -> Figure:
     """Return the diagram with phase plots of chosen or special points beside it."""
-    x, y = choose_columns(steps[-1])
-    rows = select_points(steps, request, MAX_BESIDE, ends=False)
+    x, y = choose_columns(steps)
+    rows = select_orbits(steps, request, MAX_BESIDE)
     figure, axes = make_panel_beside_orbits(steps, rows, match_diagram(steps, rows))
     return finish_figure(figure, axes, *draw_diagram(axes, steps, request.x or x, request.y or y))
 
@@ -40,14 +41,16 @@ def choose_steps(steps: list[Step], results: Results, request: ViewRequest) -> l
 def draw_diagram(axes: Axes, steps: Sequence[Step], x: str, y: str) -> tuple[list[PointLabel], list[Artist]]:
     """Draw branches: unstable parts dashed, those that are not admissible dotted, each signature in its colour.
 
-    Returns the labels of special points, which go in last, and the handles of the legend.
+    Where ``y`` is a state equilibria are one line, and orbits two: the state's largest and its smallest value. Returns
+    the labels of special points, which go in last, and the handles of the legend.
     """
     colours = assign_branch_colours(steps)
     labels: list[PointLabel] = []
-    for step in steps:
-        draw_parts(axes, step, (x, y), lambda step, family: colours.of_parts[step.name, family], 1.6)
-        labels += mark_special_points(axes, step, x, y)
-    widen_for_columns(axes, steps, {"x": x, "y": y})
+    columns, heights = [read_column(step, x) for step in steps], [read_heights(step, y) for step in steps]
+    for step, xs, lines in zip(steps, columns, heights, strict=True):
+        draw_parts(axes, step, xs, lines, lambda step, family: colours.of_parts[step.name, family], 1.6)
+        labels += mark_special_points(axes, step, xs, lines)
+    widen_for_columns(axes, steps, {"x": columns, "y": heights})
     axes.set_xlabel(format_axis_label(steps, x))
     axes.set_ylabel(format_axis_label(steps, y))
     return labels, [*colours.make_handles(), *make_style_handles(steps)]

@@ -11,15 +11,17 @@ from pddecont.errors import ResultsError
 from pddecont.plot.axis_labels import format_axis_label
 from pddecont.plot.branch_colours import assign_branch_colours, make_style_handles
 from pddecont.plot.branch_parts import split_branch
-from pddecont.plot.columns import choose_monitor, choose_plane, list_free_parameters, read_column, share_values
+from pddecont.plot.columns import choose_plane, list_free_parameters, read_column, share_values
+from pddecont.plot.heights import choose_height, read_heights
 from pddecont.plot.layouts import finish_figure, make_figure
 from pddecont.plot.limits import widen_for_columns
 from pddecont.plot.point_labels import PointLabel
-from pddecont.plot.special_points import find_special_rows, read_curve_kind, read_kind
-from pddecont.plot.style import find_curve_colour, find_marker
+from pddecont.plot.special_points import find_special_rows, read_curve_sort, read_kind
+from pddecont.plot.style import find_marker
 from pddecont.plot.view import Drawing, ViewRequest
 from pddecont.plot.views.plane import make_curve_handles
 from pddecont.results import Results, Step
+from pddecont.tables import holds_equilibria
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -40,7 +42,7 @@ def draw_figure(steps: list[Step], request: ViewRequest) -> Figure:
         figure.colorbar(lines, ax=axes, label=format_axis_label(steps, height), shrink=0.6, pad=0.12)
         return figure
     x, y = choose_plane(steps, request.x, request.y)
-    return finish_figure(figure, axes, *draw_manifold(axes, steps, x, y, request.z or choose_monitor(steps[0])))
+    return finish_figure(figure, axes, *draw_manifold(axes, steps, x, y, request.z or choose_height(steps[::-1])))
 
 
 def choose_steps(steps: list[Step], results: Results, request: ViewRequest) -> list[Step]:
@@ -83,21 +85,22 @@ def draw_manifold(axes: Any, steps: Sequence[Step], x: str, y: str, z: str) -> t
     special: list[tuple[str, list[float]]] = []
     for step in steps:
         is_curve = step in curves
-        xyz = [read_column(step, name) for name in (x, y, z)]
+        (xs, ys), heights = [read_column(step, name) for name in (x, y)], read_heights(step, z)
         for part in split_branch(step):
-            axes.plot(
-                *(values[part.rows] for values in xyz),
-                ls=part.style,
-                lw=2.8 if is_curve else 1.0,
-                color=find_curve_colour(read_curve_kind(step))
-                if is_curve
-                else colours.of_parts[step.name, part.family],
-            )
+            colour = read_curve_sort(step).colour if is_curve else colours.of_parts[step.name, part.family]
+            for zs in heights:
+                axes.plot(
+                    *(values[part.rows] for values in (xs, ys, zs)),
+                    ls=part.style,
+                    lw=2.8 if is_curve else 1.0,
+                    color=colour,
+                )
         for i in find_special_rows(step):
-            place = [float(values[i]) for values in xyz]
-            axes.plot(*([v] for v in place), marker=find_marker(read_kind(step, i)), ls="", color="black", ms=4)
-            special.append((step.labels[i], place))
-    widen_for_columns(axes, steps, {"z": z})
+            marker = find_marker(read_kind(step, i))
+            for zs in heights:
+                axes.plot(*([v[i]] for v in (xs, ys, zs)), marker=marker, ls="", color="black", ms=4)
+            special.append((step.labels[i], [float(v[i]) for v in (xs, ys, heights[0])]))
+    widen_for_columns(axes, steps, {"z": [read_heights(step, z) for step in steps]})
     for name, set_label in ((x, axes.set_xlabel), (y, axes.set_ylabel), (z, axes.set_zlabel)):
         set_label(format_axis_label(steps, name))
     seen = [(name, proj_transform(*place, axes.get_proj())) for name, place in special]
@@ -141,7 +144,8 @@ def spans_plane(step: Step) -> bool:
 
 
 def _are_signals(step: Step, request: ViewRequest) -> bool:
-    return bool(request.x and request.y) and {request.x, request.y} <= set(list_signals(step))
+    named = bool(request.x and request.y) and {request.x, request.y} <= set(list_signals(step))
+    return named and not holds_equilibria(step)
 
 
 DRAWING = Drawing(draw_figure, stands_alone=spans_plane, choose_steps=choose_steps)

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.errors import ResultsError
 from pddecont.plot.axis_labels import format_axis_label, format_name
-from pddecont.plot.columns import describe_point, list_free_parameters, read_column
+from pddecont.plot.columns import list_free_parameters
 from pddecont.plot.layouts import make_axes
 from pddecont.plot.legend import add_legend
 from pddecont.plot.point_selection import select_points
-from pddecont.plot.special_points import read_kind
-from pddecont.plot.style import COLOURS, LINES_ONLY, OTHER_MARKER, find_marker
+from pddecont.plot.spectra import draw_spectra, emphasise_spectrum
 from pddecont.plot.view import Drawing, ViewRequest
 from pddecont.results import Results, Step
 from pddecont.tables import has_multipliers, read_multipliers
@@ -68,33 +67,11 @@ def draw_multipliers(axes: Axes, step: Step, rows: Sequence[int]) -> PathCollect
     angle = np.linspace(0.0, 2.0 * np.pi, 361)
     axes.plot(np.cos(angle), np.sin(angle), color="0.35", lw=1.0, label="_unit circle")
     values = [read_multipliers(step, i) for i in range(len(step))]
-    owners = np.repeat(np.arange(len(step)), [len(v) for v in values])
-    dots = _draw_dots(axes, step, np.concatenate(values), owners)
+    dots = draw_spectra(axes, step, values)
     for k, row in enumerate(rows):
-        _emphasise_point(axes, step, row, k)
+        emphasise_spectrum(axes, step, row, k, values[row])
     _set_limits(axes, np.concatenate(values))
     return dots
-
-
-def _draw_dots(axes: Axes, step: Step, z: NDArray[np.complex128], owners: NDArray[np.intp]) -> PathCollection | None:
-    """Draw multipliers ``z`` (n,) as dots; ``owners`` (n,) are the rows that they belong to."""
-    free = list_free_parameters(step)
-    if not free or len(step) == 1:
-        axes.scatter(z.real, z.imag, s=14, color=COLOURS[0], zorder=3)
-        return None
-    return axes.scatter(
-        z.real, z.imag, s=7, c=read_column(step, free[0])[owners], cmap="viridis", linewidth=0, zorder=3
-    )
-
-
-def _emphasise_point(axes: Axes, step: Step, row: int, k: int) -> None:
-    """Draw the multipliers of a point as the marker of its kind, larger and in another colour for each ``k``."""
-    shape = find_marker(read_kind(step, row)) if step.labels[row] else OTHER_MARKER
-    colour = COLOURS[k % len(COLOURS)]
-    fill: dict[str, Any] = {"color": colour} if shape in LINES_ONLY else {"facecolor": "none", "edgecolor": colour}
-    z = read_multipliers(step, row)
-    label = describe_point(step, row) or f"index {row}"
-    axes.scatter(z.real, z.imag, s=40 + 26 * k, marker=shape, linewidth=1.4, zorder=4, label=label, **fill)
 
 
 def _set_limits(axes: Axes, z: NDArray[np.complex128]) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,16 +12,17 @@ from pddecont.errors import ResultsError
 from pddecont.plot.axis_labels import format_axis_label
 from pddecont.plot.branch_colours import make_style_handles
 from pddecont.plot.branch_lines import draw_parts
-from pddecont.plot.branch_parts import find_orbit_family, split_branch
-from pddecont.plot.columns import choose_plane, keep_same_free, list_free_parameters
+from pddecont.plot.branch_parts import find_family, split_branch
+from pddecont.plot.columns import choose_plane, keep_same_free, list_free_parameters, read_column
 from pddecont.plot.layouts import finish_figure, make_panel_beside_orbits
 from pddecont.plot.legend import make_area_handle, make_line_handle
 from pddecont.plot.point_labels import PointLabel
-from pddecont.plot.point_selection import select_points
+from pddecont.plot.point_selection import select_orbits
 from pddecont.plot.segment_colours import match_plane
 from pddecont.plot.side_bands import draw_side_band
-from pddecont.plot.special_points import find_special_rows, mark_special_points, read_curve_kind
-from pddecont.plot.style import find_curve_colour, find_marker
+from pddecont.plot.side_counts import write_side_counts
+from pddecont.plot.special_points import CurveSort, find_special_rows, mark_special_points, read_curve_sort
+from pddecont.plot.style import find_marker
 from pddecont.plot.view import Drawing, ViewRequest
 from pddecont.results import Results, Step
 from pddecont.tables import describe_reason, find_signature, name_kind, shorten_signature
@@ -37,13 +38,18 @@ STABLE, FEWER_UNSTABLE = "stable", "fewer unstable multipliers"
 SIDES = {"GR": SIGNATURE_KEPT, "VS": SIGNATURE_KEPT, "LP": "orbits exist", "PD": STABLE, "TR": STABLE}
 SIDES |= dict.fromkeys(("CS", "GS", "SS", "AS"), SIGNATURE_KEPT)
 OTHER_SIDE = "orbit kept"
+# The same of equilibria.
+IN_MODE, FEWER_ROOTS = "equilibrium in its mode", "fewer unstable roots"
+EQUILIBRIUM_SIDES = {"LP": "equilibria exist", "HB": STABLE, "BE": IN_MODE}
+# What the numbers beside curves are.
+NUMBERS = "numbers: unstable roots of the equilibria on that side"
 # The kind of curves along which a user function is zero: which one tells them apart.
 USER_FUNCTION = "UF"
 
 
 def draw_figure(steps: list[Step], request: ViewRequest) -> Figure:
     """Return the curves in two parameters, with phase plots of points that were asked for."""
-    rows = select_points(steps, request, ends=False) if request.labels or request.indices else []
+    rows = select_orbits(steps, request) if request.labels or request.indices else []
     figure, axes = make_panel_beside_orbits(steps, rows, match_plane(steps, rows))
     return finish_figure(figure, axes, *draw_plane(axes, steps, *choose_plane(steps[::-1], request.x, request.y)))
 
@@ -67,47 +73,59 @@ def draw_plane(axes: Axes, steps: Sequence[Step], x: str, y: str) -> tuple[list[
     """
     labels: list[PointLabel] = []
     for step in steps:
-        draw_parts(axes, step, (x, y), lambda step, _: find_curve_colour(read_curve_kind(step)), 1.8)
-        labels += mark_special_points(axes, step, x, y)
+        xs, ys = read_column(step, x), read_column(step, y)[None, :]
+        draw_parts(axes, step, xs, ys, lambda step, _: read_curve_sort(step).colour, 1.8)
+        labels += mark_special_points(axes, step, xs, ys)
     axes.margins(0.07)
     axes.autoscale_view()
     axes.set_xlim(axes.get_xlim())
     axes.set_ylim(axes.get_ylim())
     shaded = [step for step in steps if draw_side_band(axes, step, x, y, find_stable_side(step))]
+    n_numbers = sum(write_side_counts(axes, step, x, y) for step in steps)
     axes.set_xlabel(format_axis_label(steps, x))
     axes.set_ylabel(format_axis_label(steps, y))
     handles = [*make_curve_handles(steps), *make_style_handles(steps)]
-    return labels, [*handles, *_make_point_handles(steps), *_make_side_handles(shaded)]
+    numbers = [make_line_handle(NUMBERS, ls="")] if n_numbers else []
+    return labels, [*handles, *_make_point_handles(steps), *_make_side_handles(shaded), *numbers]
 
 
 def find_stable_side(step: Step) -> NDArray[np.bool_] | None:
     """Return the points of a curve beside which orbits are stable on one side, shape (n_points,).
 
-    These have no multiplier outside the unit circle beside the one, or the pair, that is on it. None where the side is
-    no matter of stability, or multipliers were not computed.
+    These have no multiplier outside the unit circle, of equilibria no root to the right of the imaginary axis, beside
+    the one, or the pair, that is on it. None where the side is no matter of stability, or these were not computed.
     """
-    if SIDES.get(read_curve_kind(step)) != STABLE or "stable" not in step.points:
+    if _find_words(read_curve_sort(step)) != STABLE or "stable" not in step.points:
         return None
     stable = step.points["stable"]
     return np.asarray(stable == 1) if np.any(stable >= 0) else None
 
 
 def make_curve_handles(steps: Sequence[Step]) -> list[Artist]:
-    """Return the legend's handles, one a kind of curve, in words."""
+    """Return the legend's handles, one a sort of curve, in words."""
     return [
-        make_line_handle(
-            _describe_curves(kind, [step for step in steps if read_curve_kind(step) == kind]),
-            color=find_curve_colour(kind),
-            lw=1.8,
-        )
-        for kind in dict.fromkeys(read_curve_kind(step) for step in steps)
+        make_line_handle(words, color=sort.colour, lw=1.8)
+        for sort, words in _name_sorts(steps, _describe_curves).items()
     ]
 
 
-def _describe_curves(kind: str, steps: Sequence[Step]) -> str:
-    """Return what the curves of a kind are in words, with what tells each from others of its kind."""
-    words = name_kind(steps[0], kind) or "curve"
-    if kind != USER_FUNCTION:
+def _name_sorts(steps: Sequence[Step], describe: Callable[[CurveSort, Sequence[Step]], str]) -> dict[CurveSort, str]:
+    """Return words for each sort of curves; where orbits and equilibria have curves of one kind, these say whose."""
+    groups: dict[CurveSort, list[Step]] = {}
+    for step in steps:
+        groups.setdefault(read_curve_sort(step), []).append(step)
+    kinds = [sort.kind for sort in groups]
+    return {
+        sort: describe(sort, group)
+        + (f" of {'equilibria' if sort.of_equilibria else 'orbits'}" if kinds.count(sort.kind) > 1 else "")
+        for sort, group in groups.items()
+    }
+
+
+def _describe_curves(sort: CurveSort, steps: Sequence[Step]) -> str:
+    """Return what the curves of a sort are in words, with what tells each from others of its kind."""
+    words = name_kind(steps[0], sort.kind) or "curve"
+    if sort.kind != USER_FUNCTION:
         return words
     names = dict.fromkeys(describe_reason(step.curve_reason) for step in steps)
     return f"{words} {', '.join(n for n in names if n)}".strip()
@@ -122,26 +140,31 @@ def _make_point_handles(steps: Sequence[Step]) -> list[Artist]:
 
 
 def _make_side_handles(steps: Sequence[Step]) -> list[Artist]:
-    kinds = list(dict.fromkeys(read_curve_kind(step) for step in steps))
-    words = {kind: _describe_side(kind, [s for s in steps if read_curve_kind(s) == kind]) for kind in kinds}
-    if len(kinds) > 1:
-        of_kind = {read_curve_kind(step): step for step in steps}
-        words = {kind: f"{text} ({name_kind(of_kind[kind], kind) or 'curve'})" for kind, text in words.items()}
+    names = _name_sorts(steps, lambda sort, group: name_kind(group[0], sort.kind) or "curve")
+    words = {sort: _describe_side(sort, [s for s in steps if read_curve_sort(s) == sort]) for sort in names}
+    if len(words) > 1:
+        words = {sort: f"{text} ({names[sort]})" for sort, text in words.items()}
     return [
-        make_area_handle(f"shaded side: {text}", facecolor=find_curve_colour(kind), alpha=0.25, linewidth=0)
-        for kind, text in words.items()
+        make_area_handle(f"shaded side: {text}", facecolor=sort.colour, alpha=0.25, linewidth=0)
+        for sort, text in words.items()
     ]
 
 
-def _describe_side(kind: str, steps: Sequence[Step]) -> str:
-    words = SIDES.get(kind, OTHER_SIDE)
+def _find_words(sort: CurveSort) -> str:
+    return (EQUILIBRIUM_SIDES if sort.of_equilibria else SIDES).get(sort.kind, OTHER_SIDE)
+
+
+def _describe_side(sort: CurveSort, steps: Sequence[Step]) -> str:
+    words = _find_words(sort)
     if words == STABLE and any(find_stable_side(step) is None for step in steps):
-        return FEWER_UNSTABLE
+        return FEWER_ROOTS if sort.of_equilibria else FEWER_UNSTABLE
     families = {part.family for step in steps for part in split_branch(step)}
-    if words != SIGNATURE_KEPT or len(families) != 1:
+    if words not in (SIGNATURE_KEPT, IN_MODE) or len(families) != 1:
         return words
-    row = next(i for i in range(len(steps[0])) if find_orbit_family(steps[0], i) in families)
+    row = next(i for i in range(len(steps[0])) if find_family(steps[0], i) in families)
     name = shorten_signature(find_signature(steps[0], row))
+    if words == IN_MODE:
+        return f"equilibrium in mode {name}"
     return f"signature {name} kept" if name else words
 
 

@@ -13,10 +13,11 @@ from pddecont.bifurcation import (
 )
 from pddecont.errors import ConvergenceError, RunError, SignatureError
 from pddecont.orbit import is_rotation
-from pddecont.reasons import Reason
+from pddecont.reasons import NO_REASON, Reason
 from pddecont.runfile import PlannedStep
 from pddecont.steps.context import Context
 from pddecont.steps.continuation import ContinueSettings, in_range
+from pddecont.steps.execution.equilibrium_start import start_from_hopf, starts_from_equilibrium
 from pddecont.steps.execution.recorded_orbits import find_orbit, find_point
 
 ADVICE = "the mesh and delay of the step that found the point, a finer mesh there, the other free parameter first"
@@ -38,6 +39,13 @@ def start_step(
         If the first point is not found, or has another signature than the one asked for.
     """
     assert step.source is not None, "a continue step's schema has a source"
+    if starts_from_equilibrium(context, step):
+        start = start_from_hopf(context, step, settings)
+        _check_range(context, step, settings, start)
+        return start, NO_REASON
+    if step.settings.switches and len(settings.free) == 2:
+        text = "'branch: switch' leads onto another branch of orbits in one free parameter; found two"
+        raise RunError.at(context.plan.source, 0, 0, f"step '{step.name}': {text}")
     recorded, row = find_point(context, step.source)
     guess = find_orbit(context, step, step.source)
     kind, reason, asked = recorded.kind_of(row), recorded.reason(row), step.settings.signature

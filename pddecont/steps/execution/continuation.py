@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -44,14 +43,17 @@ from pddecont.orbit import (
     list_images,
     orbit_from_rows,
 )
-from pddecont.reasons import Reason, Scalar
+from pddecont.reasons import Reason
 from pddecont.results import CONTINUE, Step, StepWriter
 from pddecont.runfile import PlannedStep
 from pddecont.stability import Multipliers
 from pddecont.steps.context import Context
 from pddecont.steps.continuation import ContinueSettings
 from pddecont.steps.execution.branch_start import start_step
+from pddecont.steps.execution.directions import find_unfinished, make_branch_ending
 from pddecont.steps.execution.ending import report_done
+from pddecont.steps.execution.equilibrium_branch import run_equilibrium_branch
+from pddecont.steps.execution.equilibrium_start import follows_equilibria
 from pddecont.steps.execution.orbit_rows import make_multiplier_cache, make_orbit_meta, make_referee, orbit_to_row
 from pddecont.tables import UNRELIABLE
 
@@ -121,7 +123,9 @@ class _Branch:
         steps, next_signature = self.step.settings, ""
         step_settings = StepSettings(steps.step_initial, steps.step_min, steps.step_max, steps.max_points)
         amplitude = bound_amplitude(self.first.point.at.orbit)
-        boundaries = (RangeBoundary(self.settings.ranges), DelayBoundary(), DurationBoundary(), amplitude)
+        first = self.first.point.at.orbit
+        delays = DelayBoundary(first.numeric, first.parameters, first.problem.free_index)
+        boundaries = (RangeBoundary(self.settings.free, self.settings.ranges), delays, DurationBoundary(), amplitude)
         home = _make_home(_turn(self.first, way), self.settings.widths)
         horizon = OrbitHorizon(self.first.point.at.orbit.free)
         for _ in range(MAX_SIGNATURES):
@@ -142,7 +146,7 @@ class _Branch:
             state = replace(following, step=min(following.step, steps.step_initial), is_start=True)
         if end.end == End.SHRINKS and self.ordinary is not None:
             end = end_at_equilibrium(end, self.ordinary, self.settings, self.record, way)
-        return _make_ending(replace(end, n_unexplained=n_unexplained), way, next_signature)
+        return make_branch_ending(replace(end, n_unexplained=n_unexplained), way, next_signature)
 
     def _may_switch(self, end: Termination) -> bool:
         """Return whether a branch that ended so may go on with another signature."""
@@ -151,16 +155,12 @@ class _Branch:
         return end.end != End.IMPOSSIBLE or self.settings.wants(VANISHING)
 
 
-def _make_ending(end: Termination, way: int, next_signature: str = "") -> Reason:
-    values: dict[str, Scalar] = {"direction": way, "unexplained": end.n_unexplained}
-    if end.detail:
-        values |= {"detail": end.detail.code, **end.detail.values}
-    return Reason(str(end.end), {**values, **({"next_signature": next_signature} if next_signature else {})})
-
-
 def run_continue(context: Context, step: PlannedStep[ContinueSettings], recorded: Step | None) -> None:
     """Follow the branch in each direction asked for, from the start or from where ``recorded`` stopped."""
     plan, body = context.plan, step.settings
+    if follows_equilibria(context, step):
+        run_equilibrium_branch(context, step, recorded)
+        return
     settings = BranchSettings(
         body.free,
         body.ranges,
@@ -180,7 +180,7 @@ def run_continue(context: Context, step: PlannedStep[ContinueSettings], recorded
     n_unexplained = dict.fromkeys(ways, 0)
     if recorded is not None and len(recorded):
         endings = {int(ending.values.get("direction", 0)): ending for ending in recorded.endings}
-        way, row, kept = _find_unfinished(recorded, ways, endings)
+        way, row, kept = find_unfinished(recorded, ways, endings)
         if row is not None:
             states[way] = _restore(step, settings, recorded, row, start, reason)
             n_unexplained[way] = _count_unexplained(recorded, way, kept)
@@ -200,7 +200,9 @@ def run_continue(context: Context, step: PlannedStep[ContinueSettings], recorded
                 # A closed branch is all there, whichever way it is followed.
                 closed = any(ending.code == End.CLOSED for ending in endings.values())
                 endings[way] = (
-                    _make_ending(ALL_ROUND, way) if closed else branch.follow(states[way], way, n_unexplained[way])
+                    make_branch_ending(ALL_ROUND, way)
+                    if closed
+                    else branch.follow(states[way], way, n_unexplained[way])
                 )
                 writer.terminate(endings[way], place)
     report_done(context, step)
@@ -219,21 +221,6 @@ def _make_home(start: BranchState[Any], widths: tuple[float, ...]) -> Home[Any]:
 
 def _turn(start: BranchState[Any], way: int) -> BranchState[Any]:
     return replace(start, point=replace(start.point, direction=way * start.tangent))
-
-
-def _find_unfinished(recorded: Step, ways: Sequence[int], ended: Collection[int]) -> tuple[int, int | None, int]:
-    """Return the direction that was under way, its last ordinary row (None: there is none), and rows to keep."""
-    arclength = recorded.points["arclength"]
-    for way in ways:
-        if way in ended:
-            continue
-        rows = np.flatnonzero(arclength * way > 0).tolist()
-        while rows and recorded.kind_of(rows[-1]):
-            rows.pop()
-        if rows:
-            return way, rows[-1], rows[-1] + 1
-        return way, None, 1 + max(np.flatnonzero(arclength * way <= 0).tolist(), default=0)
-    return 0, None, len(recorded)
 
 
 def _count_unexplained(recorded: Step, way: int, kept: int) -> int:

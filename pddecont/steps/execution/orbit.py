@@ -9,10 +9,12 @@ from pddecont.errors import ConvergenceError, SignatureError
 from pddecont.orbit import (
     Orbit,
     Verifier,
+    count_repetitions,
     estimate_rounding_error,
     find_free_states,
     find_violation,
     guess_from_cycle,
+    is_at_rest,
     is_rotation,
     solve_orbit,
 )
@@ -37,8 +39,12 @@ N_TOLD = 2
 
 
 def make_guess(context: Context, step: PlannedStep[Any]) -> Orbit:
-    """Return the first guess of the orbit that a step starts from: a simulation's, an attractor's, a recorded one."""
-    plan, source = context.plan, _source_of(step)
+    """Return the first guess of an orbit: from a file, a simulation, an attractor, a recorded orbit."""
+    plan = context.plan
+    if step.settings.cycle is not None:
+        p = plan.set_parameters(step, plan.parameters)
+        return guess_from_cycle(plan.numeric, p, step.delay, step.settings.cycle, step.rule)
+    source = _source_of(step)
     kinds = list_step_kinds()
     above = None if source.file is not None else plan.find_step(source.step)
     if above is not None and kinds[above.kind].holds == Holding.TRAJECTORY:
@@ -77,6 +83,8 @@ def run_orbit(context: Context, step: PlannedStep[OrbitSettings], recorded: Step
     except ConvergenceError as exc:
         raise ConvergenceError(_explain_failure(step, guess, exc), exc.history) from exc
     orbit = solution.at.orbit
+    if step.files:
+        _check_found(step, guess, orbit)
     cache = make_multiplier_cache(step.settings.multipliers)
     multipliers = None if cache is None else cache.find(orbit)
     monitors = list(plan.monitors.values())
@@ -97,6 +105,22 @@ def run_orbit(context: Context, step: PlannedStep[OrbitSettings], recorded: Step
     report_done(context, step)
 
 
+def _check_found(step: PlannedStep[OrbitSettings], guess: Orbit, orbit: Orbit) -> None:
+    """Raise ConvergenceError if what is found near the motion of a file is no orbit, or one several times over."""
+    where = f"step '{step.name}': what Newton's method finds near {', '.join(step.files)}"
+    if is_at_rest(orbit, guess):
+        raise ConvergenceError(
+            f"{where} is an equilibrium and no periodic orbit. What usually helps: rows nearer to the orbit, the "
+            "parameters that they were computed at ('set'); an 'equilibrium' step finds equilibria"
+        )
+    n = count_repetitions(orbit)
+    if n > 1:
+        raise ConvergenceError(
+            f"{where} is an orbit of period {orbit.period / n:.10g}, {n} times over. Give the rows of one of its "
+            "periods, or rows nearer to another orbit"
+        )
+
+
 def _explain_failure(step: PlannedStep[OrbitSettings], guess: Orbit, exc: ConvergenceError) -> str:
     free = find_free_states(guess) if exc.history and min(exc.history) < SMALL else ()
     if free:
@@ -113,10 +137,15 @@ def _explain_failure(step: PlannedStep[OrbitSettings], guess: Orbit, exc: Conver
             f" The chain magnifies rounding errors to {rounding:.0e} of the orbit's size here: lower its order or 'n', "
             "or use a coarser mesh or the direct method."
         )
+    nearer = (
+        "more rows or digits, the parameters that the rows were computed at ('set')"
+        if step.files
+        else "a longer transient (raise 't_end')"
+    )
     return (
         f"step '{step.name}': no periodic orbit near the guess with signature [{', '.join(guess.signature.names)}]: "
-        f"{exc}. What usually helps: a longer transient (raise 't_end'), a finer mesh, parameters farther from a "
-        f"grazing.{magnified}"
+        f"{exc}. What usually helps: {nearer}, a finer mesh, "
+        f"parameters farther from a grazing.{magnified}"
     )
 
 

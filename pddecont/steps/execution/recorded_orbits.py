@@ -23,7 +23,7 @@ def find_point(context: Context, source: Source) -> tuple[Step, int]:
         If it holds no orbits, or none of this label or index.
     """
     results, recorded = context.read_source(source)
-    if "unknowns" not in recorded.format.orbits:
+    if "mesh" not in recorded.format.orbits:
         raise ResultsError(f"step '{source.step}' of {results.path} is a {recorded.kind} step and holds no orbits")
     row = recorded.row(source.point) if source.point else source.index or 0
     if row >= len(recorded):

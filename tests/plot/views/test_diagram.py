@@ -87,3 +87,57 @@ def test_any_number_of_a_point_can_be_drawn(every, show):
     assert {tuple(np.round(xy, 6)) for xy in drawn} >= {(0.1, 0), (0.9, 3)}
     with pytest.raises(ResultsError, match="no column 'tp'; did you mean 'top'"):
         show(every, "diagram", y="tp")
+
+
+def test_equilibria_and_orbits_are_in_one_picture(resting, show):
+    figure = show(resting, "diagram", ("resting", "cycles"))
+    axes = figure.axes[0]
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("$K$", "$x$")
+    low, high, _ = list(legend(figure).values())[:3]
+    names = list(legend(figure))
+    assert names == ["equilibria, low", "equilibria, high", "orbits", "stable", "unstable", "virtual"]
+    solid = lines(axes, "-")
+    assert [span(xy) for xy in solid] == [pytest.approx(ends) for ends in ((0.1, 0.3), (0.3, 0.7), (0.3, 0.7))]
+    assert solid[0][:, 1] == pytest.approx(solid[0][:, 0])
+    K = solid[1][:, 0]
+    assert solid[1][:, 1] == pytest.approx(K + 0.4 * (K - 0.3), abs=1e-12)
+    assert solid[2][:, 1] == pytest.approx(K - 0.09 * (K - 0.3), abs=1e-4)
+    assert [span(xy) for xy in lines(axes, "--")] == [pytest.approx((0.3, 0.5)), pytest.approx((0.5, 0.775))]
+    assert [span(xy) for xy in lines(axes, ":")] == [pytest.approx((0.775, 0.9))]
+    assert coloured(axes, "--") == [low, high]
+    assert set(texts(axes)) == {"HB1", "BE1"}
+    assert texts(axes)["HB1"].xy == pytest.approx((0.3, 0.3))
+
+
+def test_equilibria_and_orbits_are_drawn_by_a_monitor_that_both_have(resting, show):
+    axes = show(resting, "diagram", ("resting", "cycles"), y="top").axes[0]
+    assert axes.get_ylabel() == "top"
+    assert len(lines(axes, "-")) == 2
+
+
+def test_a_state_may_be_asked_for_of_orbits_alone(resting, show):
+    axes = show(resting, "diagram", ("cycles",), y="x").axes[0]
+    assert [span(xy) for xy in lines(axes, "-")] == [pytest.approx((0.3, 0.7))] * 2
+
+
+def test_a_file_with_equilibria_shows_all_in_the_parameter_of_the_last_branch(resting, show):
+    axes = show(resting, "diagram", ("resting", "cycles")).axes[0]
+    assert len(axes.lines) == len(show(resting, "diagram", x="K", y="x", steps=("cycles", "resting")).axes[0].lines)
+
+
+def test_equilibria_that_lie_on_no_branch_are_marks_in_the_plane_of_two_states(resting, show):
+    figure = show(resting, steps=("all",))
+    axes = figure.axes[0]
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("$x$", "$v$")
+    assert {label: note.xy for label, note in texts(axes).items()} == {
+        "EQ1": (-1.0, 0.5),
+        "EQ2": (0.0, -0.5),
+        "EQ3": (1.0, 1.5),
+    }
+    assert list(legend(figure)) == ["equilibria, low", "equilibria, high", "stable", "unstable", "virtual"]
+
+
+def test_an_equilibrium_has_no_orbit_to_be_shown_beside(resting, show):
+    assert len(show(resting, "diagram", ("resting",)).axes) == 1
+    with pytest.raises(ResultsError, match=r"point HB1 of step 'resting' is an equilibrium .*'--view roots'"):
+        show(resting, "diagram", ("resting",), labels=("HB1",))

@@ -1,10 +1,11 @@
 """Curves in the plane of two parameters."""
 
+import numpy as np
 import pytest
 
 from pddecont.bifurcation import list_kinds
 from pddecont.errors import ResultsError
-from pddecont.plot.style import CURVE_COLOURS, find_marker
+from pddecont.plot.style import CURVE_COLOURS, EQUILIBRIUM_COLOURS, find_marker
 from pddecont.reasons import make_reason
 from tests.plot.drawn import coloured, legend, lines, texts
 from tests.plot.synthetic import point
@@ -111,3 +112,32 @@ def test_without_multipliers_no_side_is_called_stable(made, show):
     figure = show(made(c=(make_doubling_curve([-1] * 9), {"free": ("K", "tau_d"), "curve": "PD", "side": True})))
     assert len(figure.axes[0].patches) == 3
     assert "shaded side: fewer unstable multipliers" in legend(figure)
+
+
+def test_curves_of_equilibria_stand_beside_those_of_orbits(resting, show):
+    figure = show(resting, "plane")
+    axes = figure.axes[0]
+    names = legend(figure)
+    kinds = ["fold of orbits", "fold of equilibria", "boundary equilibrium", "Hopf"]
+    assert list(names)[:4] == kinds
+    assert [names[kind] for kind in kinds] == [
+        CURVE_COLOURS["LP"],
+        *(EQUILIBRIUM_COLOURS[kind] for kind in ("LP", "BE", "HB")),
+    ]
+    assert {"HH: Hopf-Hopf", "numbers: unstable roots of the equilibria on that side"} <= set(names)
+    assert "HH1" in texts(axes)
+    assert [name for name in names if name.startswith("shaded")] == [
+        "shaded side: orbits exist (fold of orbits)",
+        "shaded side: equilibria exist (fold of equilibria)",
+        "shaded side: equilibrium in mode low (boundary equilibrium)",
+        "shaded side: stable (Hopf)",
+    ]
+
+
+def test_the_side_of_hopf_points_is_shaded_where_no_other_root_is_unstable(resting, show):
+    figure = show(resting, "plane", ("hopf",))
+    bands = np.concatenate([patch.get_xy() for patch in figure.axes[0].patches])
+    # Below tau_d = 3 + K, up to K = 0.5 where another pair becomes unstable.
+    assert np.all(bands[:, 1] <= 3.0 + bands[:, 0] + 1e-9)
+    assert np.max(bands[:, 0] - np.maximum(0.0, 3.0 + bands[:, 0] - bands[:, 1])) <= 0.5 + 1e-9
+    assert [t.get_text() for t in figure.axes[0].texts if t.get_text() != "HH1"] == ["0", "2", "2", "4"]

@@ -1,0 +1,78 @@
+"""What is said of a special point of a branch of equilibria: its normal form, and on which side orbits are born."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pddecont.continuation import BranchPoint
+from pddecont.equilibrium.birth import find_birth
+from pddecont.equilibrium.branch_tests import FOLD, HOPF
+from pddecont.equilibrium.critical import CriticalEvaluation
+from pddecont.equilibrium.equations import EquilibriumEvaluation
+from pddecont.equilibrium.normal_forms import Forms, find_cubic_coefficient, find_fold_coefficient
+from pddecont.errors import ConvergenceError
+from pddecont.reasons import Reason, make_reason
+
+HOPF_CODE, FOLD_CODE = "hopf_normal_form", "fold_normal_form"
+# What a Hopf point is by the sign of its first Lyapunov coefficient.
+SUPERCRITICAL, SUBCRITICAL = "supercritical", "subcritical"
+
+
+@dataclass(frozen=True)
+class SpecialValues:
+    """The frequency of a Hopf point, the coefficient of a normal form (NaN: there is none), and what is said of it."""
+
+    frequency: float
+    coefficient: float
+    reason: Reason
+
+
+def find_special_values(point: BranchPoint[EquilibriumEvaluation], parameter: str, width: float) -> SpecialValues:
+    """Return what is recorded of a special point besides the equilibrium itself.
+
+    ``width`` is that of the range of the free ``parameter``.
+    """
+    at = point.state.point.at
+    if point.kind == HOPF:
+        return _describe_hopf(point, parameter, width)
+    if point.kind == FOLD and not at.problem.n_forces:
+        a = find_fold_coefficient(at.equilibrium)
+        return SpecialValues(np.nan, a, make_reason(FOLD_CODE, coefficient=a))
+    return SpecialValues(np.nan, np.nan, point.reason)
+
+
+def _describe_hopf(point: BranchPoint[EquilibriumEvaluation], parameter: str, width: float) -> SpecialValues:
+    at = point.state.point.at
+    try:
+        birth = find_birth(at.equilibrium, at.problem.free[0], width)
+    except ConvergenceError:
+        return SpecialValues(np.nan, np.nan, point.reason)
+    if not np.isfinite(birth.coefficient):
+        return SpecialValues(birth.frequency, np.nan, point.reason)
+    reason = make_reason(
+        HOPF_CODE,
+        nature=SUPERCRITICAL if birth.coefficient < 0.0 else SUBCRITICAL,
+        frequency=birth.frequency,
+        coefficient=birth.coefficient,
+        side="larger" if birth.growth > 0.0 else "smaller",
+        parameter=parameter,
+    )
+    return SpecialValues(birth.frequency, birth.coefficient, reason)
+
+
+def find_curve_values(at: CriticalEvaluation, reason: Reason) -> SpecialValues:
+    """Return what is recorded of a point of a curve: the frequency and the coefficient of its normal form."""
+    kind, smooth = at.system.critical.label, not at.system.problem.n_forces
+    try:
+        if kind == FOLD and smooth:
+            return SpecialValues(np.nan, find_fold_coefficient(at.equilibrium), reason)
+        if kind == HOPF:
+            omega = abs(float(at.own[-1]))
+            forms = Forms(at.equilibrium)
+            cubic = find_cubic_coefficient(forms, forms.find_critical(1j * omega)) if smooth else complex(np.nan)
+            return SpecialValues(omega, cubic.real / omega if omega else np.nan, reason)
+    except ConvergenceError:
+        pass
+    return SpecialValues(np.nan, np.nan, reason)

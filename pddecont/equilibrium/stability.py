@@ -1,0 +1,33 @@
+"""The characteristic roots that tell the stability of an equilibrium."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pddecont.continuation import Counts
+from pddecont.equilibrium.constant_motion import ConstantMotion
+from pddecont.equilibrium.roots import N_ROOTS, Roots, find_roots
+
+Array = NDArray[np.float64]
+
+
+def find_own_roots(motion: ConstantMotion, states: Array, parameters: Array, n_roots: int = N_ROOTS) -> Roots:
+    """Return the leading characteristic roots of an equilibrium in its mode.
+
+    A mode that slides along a surface has the root zero for it, which says nothing: each is left out once.
+    """
+    n_zero = len(motion.surfaces)
+    roots = find_roots(motion.linearise(states, parameters), n_roots + n_zero)
+    if not n_zero:
+        return roots
+    kept = np.sort(np.argsort(np.abs(roots.values))[n_zero:])
+    return replace(roots, values=roots.values[kept], residuals=roots.residuals[kept], vectors=roots.vectors[kept])
+
+
+def count_unstable(roots: Roots) -> Counts:
+    """Return how many roots to the right of the imaginary axis are real, and how many pairs are not."""
+    right = roots.values[roots.values.real > 0.0]
+    return int(np.sum(right.imag == 0.0)), int(np.sum(right.imag > 0.0))
