@@ -28,6 +28,8 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 # Roots that are found, if not more are unstable.
 N_ROOTS = 12
+# Beside all unstable ones so many stable ones are found, which may cross the axis next.
+NEXT = 4
 # Points of the past: so many, and more for each radian that the fastest mode turns in the longest delay, up to many.
 FEW_POINTS, PER_RADIAN, MANY_POINTS = 16, 0.7, 160
 # Discretisations of more equations are not made whole.
@@ -74,7 +76,7 @@ class Roots:
 
 
 def find_roots(matrix: CharacteristicMatrix, n_roots: int = N_ROOTS) -> Roots:
-    """Return at least the ``n_roots`` characteristic roots farthest to the right, and all unstable ones."""
+    """Return the characteristic roots farthest to the right: ``n_roots`` or more, all unstable ones and some beside."""
     scale = _find_scale(matrix)
     turns = min(matrix.height, scale) * float(np.max(matrix.delays, initial=0.0))
     generator, found = _find_resolved(matrix, scale, n_roots)
@@ -90,7 +92,7 @@ def find_roots(matrix: CharacteristicMatrix, n_roots: int = N_ROOTS) -> Roots:
         else:
             guesses += [find_around(generator, z)[1] for z in count.places[:STATIONS].tolist()]
         found = _gather(matrix, _join(guesses), found, scale)
-    kept = max(n_roots, int(np.sum(values.real > 0.0)))
+    kept = max(n_roots, int(np.sum(values.real > 0.0)) + NEXT)
     if kept < len(values) and values[kept - 1].imag > 0.0:
         kept += 1
     values, vectors = values[:kept], vectors[:kept]
