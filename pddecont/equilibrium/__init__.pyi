@@ -19,6 +19,8 @@ from .critical import CriticalEvaluation as CriticalEvaluation
 from .critical import make_critical_start as make_critical_start
 from .curve_tests import CURVE_NAMES as CURVE_NAMES
 from .curve_tests import make_curve_tests as make_curve_tests
+from .delayed_switching import DelayedSwitching as DelayedSwitching
+from .delayed_switching import find_delayed_switchings as find_delayed_switchings
 from .equations import Equilibrium as Equilibrium
 from .equations import EquilibriumEvaluation as EquilibriumEvaluation
 from .equations import EquilibriumProblem as EquilibriumProblem

@@ -12,6 +12,7 @@ from .endings import forget_ending as forget_ending
 from .endings import register_ending as register_ending
 from .equilibria import holds_equilibria as holds_equilibria
 from .equilibria import read_roots as read_roots
+from .equilibrium_endings import describe_switchings as describe_switchings
 from .orbits import find_signature as find_signature
 from .orbits import has_multipliers as has_multipliers
 from .orbits import read_multipliers as read_multipliers

@@ -24,8 +24,9 @@ UNCOUNTED = (
 
 def describe_equilibrium_step(step: Step, ending: Reason) -> str:
     """Return what a step found: one equilibrium near a guess, or those in a box and whether these are all."""
+    switchings = describe_switchings(step.meta["states"], step.meta.get("switchings", []))
     if ending.code == "equilibrium":
-        return _describe_one(step)
+        return f"{_describe_one(step)}{switchings}"
     places = [place for place in step.meta["undecided"] if not place["virtual"]]
     hidden = len(step.meta["undecided"]) > len(places)
     number = int(np.sum(step.points["admissible"] != 0))
@@ -35,7 +36,26 @@ def describe_equilibrium_step(step: Step, ending: Reason) -> str:
     text += f" in the box{_describe_virtual(len(step) - number, hidden)}"
     unknown = int(np.sum(step.points["stable"] < 0))
     text += f"; WARNING: at {unknown} of them {UNCOUNTED}" if unknown else ""
-    return f"{text}; WARNING: {_describe_places(step, places)}" if places else text
+    text += f"; WARNING: {_describe_places(step, places)}" if places else ""
+    return f"{text}{switchings}"
+
+
+def describe_switchings(states: Sequence[str], switchings: Sequence[Mapping[str, Any]]) -> str:
+    """Return where a law that switches on past values cannot rest; nothing where there is no such place."""
+    words = [
+        f"; at {_name_states(states, one['states'])} modes {' and '.join(repr(mode) for mode in one['modes'])} push to "
+        f"the surface of event '{one['event']}' from both sides, but it is crossed by past values: no rest there, but "
+        "orbits, the smaller the shorter the delay"
+        for one in switchings[:NAMED]
+    ]
+    more = len(switchings) - NAMED
+    return "".join(words) + (f", and {more} more such place{'s'[: more - 1]}" if more > 0 else "")
+
+
+def _name_states(states: Sequence[str], values: Sequence[float]) -> str:
+    named = [f"{name} = {value:.10g}" for name, value in zip(states, values, strict=True)]
+    more = f" and {len(named) - MANY} more states" if len(named) > MANY else ""
+    return f"{', '.join(named[:MANY])}{more}"
 
 
 def _describe_virtual(number: int, hidden: bool) -> str:
@@ -49,9 +69,7 @@ def _describe_virtual(number: int, hidden: bool) -> str:
 
 def _describe_one(step: Step) -> str:
     p, roots = step.points, read_roots(step, 0)
-    named = list(zip(step.meta["states"], p["states"][0].tolist(), strict=True))
-    states = ", ".join(f"{name} = {value:.10g}" for name, value in named[:MANY])
-    states += f" and {len(named) - MANY} more states" if len(named) > MANY else ""
+    states = _name_states(step.meta["states"], p["states"][0].tolist())
     mode = f" in mode '{read_mode(step, 0)}'" if len(step.meta["modes"]) > 1 else ""
     leading = f", leading root {_format_root(complex(roots[0]))}" if len(roots) else ""
     n, text = int(p["n_unstable"][0]), f"{states}{mode}"

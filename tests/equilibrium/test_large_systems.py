@@ -86,7 +86,9 @@ def test_roots_of_a_neutral_equation_are_counted(c, b, unstable):
     assert roots.counted
     assert roots.n_unstable == unstable
     for z in roots.values:
-        assert abs(z * (1.0 - c * np.exp(-z)) - b * np.exp(-z)) < 1e-12 * (1.0 + abs(np.exp(-z)) * (abs(b) + abs(c * z)))
+        assert abs(z * (1.0 - c * np.exp(-z)) - b * np.exp(-z)) < 1e-12 * (
+            1.0 + abs(np.exp(-z)) * (abs(b) + abs(c * z))
+        )
 
 
 def test_no_count_is_claimed_where_infinitely_many_roots_may_be_unstable():

@@ -11,6 +11,7 @@ from pddecont.equilibrium import (
     ConstantMotion,
     Equilibrium,
     FoundEquilibrium,
+    find_delayed_switchings,
     find_own_roots,
     find_passed_side,
     read_mode,
@@ -24,8 +25,14 @@ from pddecont.steps.context import Context
 from pddecont.steps.equilibrium import EquilibriumSettings
 from pddecont.steps.execution.ending import report_done
 from pddecont.steps.execution.equilibrium_rows import equilibrium_from_row, equilibrium_to_row, make_equilibrium_meta
-from pddecont.steps.execution.equilibrium_search import make_search_meta, search_box
+from pddecont.steps.execution.equilibrium_search import (
+    list_switchings,
+    make_search_meta,
+    make_switching_meta,
+    search_box,
+)
 from pddecont.steps.registry import list_step_kinds
+from pddecont.tables import describe_switchings
 
 # What a row of an equilibrium step is.
 EQUILIBRIUM_KIND = "EQ"
@@ -38,11 +45,15 @@ def run_equilibrium(context: Context, step: PlannedStep[EquilibriumSettings], re
     """Find and record the equilibria that a step asks for."""
     settings, meta = step.settings, make_equilibrium_meta(context.plan, KINDS)
     if settings.box is None:
-        found = [FoundEquilibrium(*_find_near(context, step))]
+        guess = _make_guess(context, step)
+        guess = guess if settings.mode is None else replace(guess, motion=replace(guess.motion, mode=settings.mode))
+        found = [FoundEquilibrium(*_find_near(step, guess))]
+        meta |= make_switching_meta(find_delayed_switchings(guess))
         ending = make_reason("equilibrium")
     else:
         findings = search_box(context, step)
         found, meta = findings.equilibria, meta | make_search_meta(step, findings)
+        meta |= make_switching_meta(list_switchings(context, step))
         ending = make_reason("search")
     monitors = list(context.plan.monitors.values())
     with context.open_step(step, EQUILIBRIUM, meta, capacity=max(len(found), 1)) as writer:
@@ -63,19 +74,18 @@ def run_equilibrium(context: Context, step: PlannedStep[EquilibriumSettings], re
     report_done(context, step)
 
 
-def _find_near(context: Context, step: PlannedStep[EquilibriumSettings]) -> tuple[Equilibrium, float, int]:
-    """Return the equilibrium near the step's guess; where no mode is asked for, in the mode that holds there."""
-    guess, asked = _make_guess(context, step), step.settings.mode
-    if asked is not None:
-        guess = replace(guess, motion=replace(guess.motion, mode=asked))
+def _find_near(step: PlannedStep[EquilibriumSettings], guess: Equilibrium) -> tuple[Equilibrium, float, int]:
+    """Return the equilibrium near a guess; where no mode is asked for, in the mode that holds there."""
     try:
         found = solve_equilibrium(guess)
-        if asked is None and find_passed_side(found[0]) is not None:
+        if step.settings.mode is None and find_passed_side(found[0]) is not None:
             found = _find_in_other_mode(found[0]) or found
     except ConvergenceError as exc:
+        between = make_switching_meta(find_delayed_switchings(guess))["switchings"]
+        switchings = describe_switchings(guess.motion.numeric.model.states, between)
         raise ConvergenceError(
-            f"step '{step.name}': no equilibrium near the guess in mode '{guess.motion.mode}': {exc}. What usually "
-            "helps: a guess from a simulation that has come to rest, another 'mode', or 'search' in a box",
+            f"step '{step.name}': no equilibrium near the guess in mode '{guess.motion.mode}': {exc}{switchings}. What "
+            "usually helps: a guess from a simulation that has come to rest, another 'mode', or 'search' in a box",
             exc.history,
         ) from exc
     return found

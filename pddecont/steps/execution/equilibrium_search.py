@@ -2,11 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from pddecont.equilibrium import ConstantMotion, Findings, FoundEquilibrium, find_equilibria, find_passed_side
+from pddecont.equilibrium import (
+    ConstantMotion,
+    DelayedSwitching,
+    Equilibrium,
+    Findings,
+    FoundEquilibrium,
+    find_delayed_switchings,
+    find_equilibria,
+    find_passed_side,
+)
 from pddecont.errors import RunError
 from pddecont.runfile import PlannedStep
 from pddecont.steps.context import Context
@@ -46,6 +56,31 @@ def _list_modes(context: Context, step: PlannedStep[EquilibriumSettings]) -> lis
             "searched; name one with 'mode'",
         )
     return list(model.modes)
+
+
+def list_switchings(context: Context, step: PlannedStep[EquilibriumSettings]) -> list[DelayedSwitching]:
+    """Return the places in a step's box at which a law that switches on past values cannot rest."""
+    plan, settings = context.plan, step.settings
+    assert settings.box is not None, "only asked of steps that search"
+    low, high = (np.array([settings.box[name][k] for name in plan.model.states]) for k in (0, 1))
+    p = plan.set_parameters(step, plan.parameters)
+    found: dict[tuple[Any, ...], DelayedSwitching] = {}
+    for mode in _list_modes(context, step) if settings.mode is None else [settings.mode]:
+        guess = Equilibrium(ConstantMotion(plan.numeric, mode, step.delay), 0.5 * (low + high), p)
+        for one in find_delayed_switchings(guess):
+            if np.all((one.states >= low) & (one.states <= high)):
+                place = np.round((one.states - low) / (EQUAL * (high - low)))
+                found.setdefault((*sorted(one.modes), *place.tolist()), one)
+    return list(found.values())
+
+
+def make_switching_meta(switchings: Sequence[DelayedSwitching]) -> dict[str, Any]:
+    """Return what a step says of places at which a law that switches on past values cannot rest."""
+    return {
+        "switchings": [
+            {"event": one.event, "modes": list(one.modes), "states": one.states.tolist()} for one in switchings
+        ]
+    }
 
 
 def make_search_meta(step: PlannedStep[EquilibriumSettings], findings: Findings) -> dict[str, Any]:
