@@ -273,19 +273,15 @@ def test_van_der_pol_without_delay():
 
 
 def test_delayed_predator_prey():
-    """All rates as shipped, tau = 3, by upward passages of the prey through its resting value."""
+    """All rates as shipped, tau = 2.2, by upward passages of the prey through its resting value."""
 
     def grow(t, z, past):
-        return [z[0] * (1 - past(3.0)[0] - z[1]), z[1] * (-1 + 2 * z[0] - z[1])]
+        return [z[0] * (1 - past(2.2)[0] - z[1]), z[1] * (-1 + 2 * z[0] - z[1])]
 
     motion = Motion(
-        {"m": grow},
-        {"m": [(lambda t, z, past: z[0] - 2 / 3, 1, same, "m", "up")]},
-        (3.0,),
-        lambda t: [1.0, 0.2],
-        "m",
-    ).run(250)
-    expected, tol = value("delayed_predator_prey", "period at tau = 3")
+        {"m": grow}, {"m": [(lambda t, z, past: z[0] - 2 / 3, 1, same, "m", "up")]}, (2.2,), lambda t: [1.0, 0.2], "m"
+    ).run(400)
+    expected, tol = value("delayed_predator_prey", "period at tau = 2.2")
     assert settled_period(motion, "up") == pytest.approx(expected, abs=tol)
 
 
