@@ -80,7 +80,7 @@ def test_fig4_7(tmp_path):
 def test_every_run_file_is_in_order(path):
     plan = load_run_plan(parse_document(path.read_text(), str(path)))
     assert plan.warnings == ()
-    assert plan.steps[0].kind in ("simulate", "basin")
+    assert plan.steps[0].kind in ("simulate", "basin", "equilibrium")
 
 
 @pytest.mark.parametrize(

@@ -25,6 +25,7 @@ from pddecont.continuation import (
     TestFunctions,
     add_row,
     factor,
+    find_log_determinant,
     scale_matrix,
 )
 from pddecont.equilibrium.characteristic import DENSE
@@ -61,23 +62,22 @@ def _test_side(side: Side) -> TestFunction[EquilibriumEvaluation]:
 
 
 def _measure_branching(point: Point) -> float:
-    """Return a smooth function with the zeros of the determinant of the Jacobian bordered by the tangent.
+    """Return a function with the sign of the determinant of the Jacobian bordered by the tangent, smooth at its zeros.
 
-    It is the last unknown of the bordered matrix, bordered once more by vectors that nothing depends on.
+    Its modulus is that of the last unknown of the bordered matrix, bordered once more by vectors that nothing depends
+    on. Where that larger matrix is singular the modulus has a pole, and the sign does not change.
     """
     scaling, n = point.system.scaling, len(point.x)
     columns = scale_matrix(point.at.jacobian(), np.ones(n - 1), scaling.size)
+    once = sp.csc_matrix(add_row(columns, point.tangent / scaling.size))
     border = np.random.default_rng(0).normal(size=(2, n))
-    square = sp.bmat(
-        [
-            [sp.csc_matrix(add_row(columns, point.tangent / scaling.size)), sp.csc_matrix(border[0][:, None])],
-            [sp.csc_matrix(border[1][None]), None],
-        ],
-        format="csc",
-    )
+    twice = sp.bmat([[once, sp.csc_matrix(border[0][:, None])], [sp.csc_matrix(border[1][None]), None]], format="csc")
+    if n <= DENSE:
+        once, twice = once.toarray(), twice.toarray()
     unit = np.zeros(n + 1)
     unit[-1] = 1.0
-    return float(factor(square if n > DENSE else square.toarray())(unit)[-1])
+    modulus = abs(float(factor(twice)(unit)[-1]))
+    return float(np.copysign(modulus, np.cos(find_log_determinant(once).imag)))
 
 
 @dataclass(frozen=True)

@@ -154,8 +154,11 @@ class HopfCondition(Critical):
     def remove_own(self, roots: Roots, own: Array) -> Roots:
         """Return the roots without the pair."""
         omega = abs(split_pair(own)[1])
-        near = [int(np.argmin(np.abs(roots.values - z))) for z in (1j * omega, -1j * omega)]
-        return _without(roots, near)
+        near = int(np.argmin(np.abs(roots.values - 1j * omega)))
+        # Next to a double zero the same root may be the nearest to both.
+        away = np.abs(roots.values + 1j * omega)
+        away[near] = np.inf
+        return _without(roots, [near, int(np.argmin(away))])
 
 
 @dataclass(frozen=True, eq=False)

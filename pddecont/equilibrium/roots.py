@@ -45,8 +45,10 @@ MAX_ITERATIONS = 30
 DAMPED = 200.0
 # A guess that moves farther than this, relative to its size, is none; one that moves less than CLOSE was next to it.
 NEAR, CLOSE = 0.3, 1e-3
-# Roots nearer than this part of the bound are one unless both were guessed; below SMALL of it they are near zero.
-SAME, SMALL = 1e-9, 1e-3
+# Roots nearer to the real axis than this part of the bound are real; below SMALL of it they are near zero.
+REAL, SMALL = 1e-9, 1e-3
+# Roots nearer than this part of the bound are one unless both were guessed: rounding moves double ones by its root.
+SAME = 1e-7
 # Newton's method stops at steps of this size, relative to the root.
 STEP = 1e-13
 
@@ -170,7 +172,7 @@ def _gather(matrix: CharacteristicMatrix, guesses: Guesses, known: Guesses | Non
     vectors: list[Complex] = [] if known is None else list(known[1][known[0].imag >= 0.0])
     values, q, moved, started = _correct(matrix, guesses, scale)
     values = np.where(values.imag < 0.0, np.conj(values), values)
-    values = np.where(np.abs(values.imag) < SAME * scale, values.real, values)
+    values = np.where(np.abs(values.imag) < REAL * scale, values.real, values)
     for z, vector, away, start in zip(values.tolist(), q, moved.tolist(), started.tolist(), strict=True):
         is_guess = known is None and away < CLOSE
         if is_guess or not any(abs(z - other) <= SAME * scale for other in found):

@@ -41,7 +41,10 @@ def list_sides(model: Model, mode: str) -> list[Side]:
     return [Side(event, sign, tuple(names)) for (event, sign), names in found.items() if event not in both]
 
 
-def find_passed_side(at: Equilibrium) -> Side | None:
-    """Return an event beyond which a virtual equilibrium lies; None for one of its mode."""
+def find_passed_side(at: Equilibrium, on: str = "") -> Side | None:
+    """Return an event beyond which a virtual equilibrium lies; None for one of its mode.
+
+    An equilibrium that lies ``on`` the surface of an event is on neither side of it.
+    """
     sides = list_sides(at.motion.numeric.model, at.motion.mode)
-    return next((side for side in sides if not side.measure(at) >= 0.0), None)
+    return next((side for side in sides if side.event != on and not side.measure(at) >= 0.0), None)

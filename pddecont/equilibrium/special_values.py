@@ -10,12 +10,13 @@ from pddecont.continuation import BranchPoint
 from pddecont.equilibrium.birth import find_birth
 from pddecont.equilibrium.branch_tests import FOLD, HOPF
 from pddecont.equilibrium.critical import CriticalEvaluation
+from pddecont.equilibrium.curve_tests import HOMOCLINIC
 from pddecont.equilibrium.equations import EquilibriumEvaluation
 from pddecont.equilibrium.normal_forms import Forms, find_cubic_coefficient, find_fold_coefficient
 from pddecont.errors import ConvergenceError
 from pddecont.reasons import Reason, make_reason
 
-HOPF_CODE, FOLD_CODE = "hopf_normal_form", "fold_normal_form"
+HOPF_CODE, LINEAR_HOPF_CODE, FOLD_CODE = "hopf_normal_form", "linear_hopf", "fold_normal_form"
 # What a Hopf point is by the sign of its first Lyapunov coefficient.
 SUPERCRITICAL, SUBCRITICAL = "supercritical", "subcritical"
 
@@ -51,6 +52,8 @@ def _describe_hopf(point: BranchPoint[EquilibriumEvaluation], parameter: str, wi
         return SpecialValues(np.nan, np.nan, point.reason)
     if not np.isfinite(birth.coefficient):
         return SpecialValues(birth.frequency, np.nan, point.reason)
+    if birth.coefficient == 0.0:
+        return SpecialValues(birth.frequency, 0.0, make_reason(LINEAR_HOPF_CODE, frequency=birth.frequency))
     reason = make_reason(
         HOPF_CODE,
         nature=SUPERCRITICAL if birth.coefficient < 0.0 else SUBCRITICAL,
@@ -70,9 +73,12 @@ def find_curve_values(at: CriticalEvaluation, reason: Reason) -> SpecialValues:
             return SpecialValues(np.nan, find_fold_coefficient(at.equilibrium), reason)
         if kind == HOPF:
             omega = abs(float(at.own[-1]))
+            if reason.code == HOMOCLINIC.code:
+                # The pair meets at zero: there are no orbits to be born.
+                return SpecialValues(omega, np.nan, reason)
             forms = Forms(at.equilibrium)
             cubic = find_cubic_coefficient(forms, forms.find_critical(1j * omega)) if smooth else complex(np.nan)
-            return SpecialValues(omega, cubic.real / omega if omega else np.nan, reason)
+            return SpecialValues(omega, cubic.real / omega, reason)
     except ConvergenceError:
         pass
     return SpecialValues(np.nan, np.nan, reason)

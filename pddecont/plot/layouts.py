@@ -11,7 +11,7 @@ from pddecont.plot.columns import describe_point
 from pddecont.plot.legend import add_inner_legend, add_legend
 from pddecont.plot.phase_plot import draw_orbit
 from pddecont.plot.point_labels import PointLabel, place_labels
-from pddecont.plot.segment_colours import has_several_names
+from pddecont.plot.segment_colours import has_several_names, list_segments
 from pddecont.plot.style import INNER_LEGEND_SIZE
 from pddecont.results import Step
 
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 # Phase plots beside a diagram at most, and panels of one figure.
 MAX_BESIDE, MAX_PANELS = 4, 6
+# Names of segments longer than this would cover a panel.
+LONGEST_NAME = 24
 
 
 def make_figure(width: float, height: float) -> Figure:
@@ -76,9 +78,9 @@ def make_panel_beside_orbits(
 
 
 def name_segments(panels: Sequence[Axes], rows: Sequence[tuple[Step, int]]) -> None:
-    """Put a legend of segments into the first panel whose orbit has several."""
+    """Put a legend of segments into the first panel whose orbit has several with names that leave room for it."""
     for axes, row in zip(panels, rows, strict=True):
-        if has_several_names(*row):
+        if has_several_names(*row) and max(map(len, list_segments(*row))) <= LONGEST_NAME:
             add_inner_legend(axes, INNER_LEGEND_SIZE)
             return
 

@@ -9,6 +9,9 @@ from pddecont.plot.view import ViewRequest
 from pddecont.results import Step
 from pddecont.tables import holds_equilibria
 
+# Orbits that have shrunk to equilibria.
+SHRUNK = ("HB", "HH")
+
 
 def select_points(
     steps: list[Step], request: ViewRequest, n: int = MAX_PANELS, *, ends: bool = True
@@ -55,4 +58,5 @@ def select_orbits(steps: list[Step], request: ViewRequest, n: int = MAX_PANELS) 
             )
         return asked
     moving = [step for step in steps if not holds_equilibria(step)]
-    return select_points(moving, request, n, ends=False) if moving else []
+    special = [(step, i) for step in moving for i in find_special_rows(step)]
+    return [(step, i) for step, i in special if step.kind_of(i) not in SHRUNK][:n]

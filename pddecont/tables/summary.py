@@ -127,7 +127,8 @@ def shorten_signature(text: str, longest: int = 44) -> str:
     if len(short) <= longest:
         return short
     half = longest // 2 - 1
-    return f"{short[:half].rstrip()} … {short[-half:].lstrip()} ({len(names)} segments)"
+    counted = f" ({len(names)} segments)" if len(names) > 1 else ""
+    return f"{short[:half].rstrip()} … {short[-half:].lstrip()}{counted}"
 
 
 def _find_repetition(names: list[str]) -> tuple[int, int]:

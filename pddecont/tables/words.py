@@ -48,6 +48,7 @@ _WORDS: dict[str, Callable[[Values], str]] = {
         f"{v['nature']}, frequency {v['frequency']:.8g}, l1 = {v['coefficient']:.5g}; orbits at {v['side']} "
         f"{v['parameter']}"
     ),
+    "linear_hopf": lambda v: f"frequency {v['frequency']:.8g}, l1 = 0: the equations are linear to the third order",
     "homoclinic": lambda v: "curves of folds, Hopf points and homoclinic orbits meet here",
     "fold_normal_form": lambda v: f"a = {v['coefficient']:.5g}",
     "boundary_equilibrium": lambda v: (

@@ -3,9 +3,10 @@
 Each entry has ``what``, ``at`` (STEP, STEP/LABEL, STEP/* for every point, STEP/0 for the first along the branch),
 ``quantity`` and ``value``: expressions in the parameters, monitors and ``period`` of the point, its multipliers
 ``mu1``, ``mu2``, .. by falling modulus, the time ``start`` at which its first segment begins, the states ``NAME_start``
-there, and what ``let``, ``solve`` (name: [expression that is zero, lowest, highest]) and ``then`` define. ``source``
-says where the value is from, ``because`` why ``tol`` is what it is; ``independent`` names the test that calculates the
-value again.
+there, and what ``let``, ``solve`` (name: [expression that is zero, lowest, highest]) and ``then`` define. At equilibria
+there are the states by their own names, the roots ``root1``, ``root2``, .. by falling real part, ``n_unstable``,
+``frequency`` and ``coefficient``. ``source`` says where the value is from, ``because`` why ``tol`` is what it is;
+``independent`` names the test that calculates the value again.
 """
 
 from __future__ import annotations
@@ -28,6 +29,9 @@ FUNCTIONS = {
         "cos",
         "tan",
         "arctan",
+        "arctan2",
+        "arccos",
+        "mod",
         "arctanh",
         "sinh",
         "tanh",
@@ -85,11 +89,18 @@ def points(results, at):
 def _point(step, i):
     names = dict(zip(step.meta["parameters"], step.points["parameters"][i], strict=True))
     names |= dict(zip(step.meta["monitors"], step.points["monitors"][i], strict=True))
-    pairs = step.orbit(i)["multipliers"]
-    names |= {f"mu{k}": complex(*pair) for k, pair in enumerate(pairs, 1)}
     rows = step.orbit(i)
+    if "roots" in rows:
+        return names | _equilibrium(step, i)
+    names |= {f"mu{k}": complex(*pair) for k, pair in enumerate(rows["multipliers"], 1)}
     names |= {f"{state}_start": value for state, value in zip(step.meta["states"], rows["states"][0], strict=True)}
     return names | {"period": step.points["period"][i], "start": rows["time"][0]}
+
+
+def _equilibrium(step, i):
+    names = dict(zip(step.meta["states"], step.points["states"][i], strict=True))
+    names |= {f"root{k}": complex(*pair) for k, pair in enumerate(step.orbit(i)["roots"], 1)}
+    return names | {key: step.points[key][i] for key in ("n_unstable", "frequency", "coefficient")}
 
 
 def _trajectory(step):

@@ -236,18 +236,53 @@ def test_endemic():
     assert (counts[-1] - counts[-2]) / T == pytest.approx(expected, abs=tol)
 
 
-def test_van_der_pol():
-    """k = 0.5, tau = 1 and 3, by upward zeros."""
-    for tau in (1.0, 3.0):
+@pytest.mark.parametrize(
+    ("what", "mu", "tau", "t_end"),
+    [
+        ("period at tau = 1", 1.0, 1.0, 130),
+        ("period at tau = 3", 1.0, 3.0, 130),
+        ("period at tau = 6, weak damping", 0.1, 6.0, 250),
+    ],
+)
+def test_van_der_pol(what, mu, tau, t_end):
+    """k = 0.5, by upward zeros."""
 
-        def swing(t, z, past, tau=tau):
-            return [z[1], (1 - z[0] ** 2) * z[1] - z[0] + 0.5 * past(tau)[0]]
+    def swing(t, z, past):
+        return [z[1], mu * (1 - z[0] ** 2) * z[1] - z[0] + 0.5 * past(tau)[0]]
 
-        motion = Motion(
-            {"m": swing}, {"m": [(lambda t, z, past: z[0], 1, same, "m", "up")]}, (tau,), lambda t: [1.0, 0.0], "m"
-        ).run(130)
-        expected, tol = value("van_der_pol", f"period at tau = {tau:g}")
-        assert settled_period(motion, "up") == pytest.approx(expected, abs=tol)
+    motion = Motion(
+        {"m": swing}, {"m": [(lambda t, z, past: z[0], 1, same, "m", "up")]}, (tau,), lambda t: [1.0, 0.0], "m"
+    ).run(t_end)
+    expected, tol = value("van_der_pol", what)
+    assert settled_period(motion, "up") == pytest.approx(expected, abs=tol)
+
+
+def test_van_der_pol_without_delay():
+    """mu = 0.1, k = 0.5 and no delay: the spring is half as stiff."""
+
+    def swing(t, z):
+        return [z[1], 0.1 * (1 - z[0] ** 2) * z[1] - 0.5 * z[0]]
+
+    def up(t, z):
+        return z[0]
+
+    up.direction = 1
+    t = solve_ivp(swing, (0, 400), [2.0, 0.0], method="DOP853", rtol=1e-12, atol=1e-13, events=up).t_events[0]
+    expected, tol = value("van_der_pol", "period without delay, weak damping")
+    assert t[-1] - t[-2] == pytest.approx(expected, abs=tol)
+
+
+def test_delayed_predator_prey():
+    """All rates as shipped, tau = 2.2, by upward passages of the prey through its resting value."""
+
+    def grow(t, z, past):
+        return [z[0] * (1 - past(2.2)[0] - z[1]), z[1] * (-1 + 2 * z[0] - z[1])]
+
+    motion = Motion(
+        {"m": grow}, {"m": [(lambda t, z, past: z[0] - 2 / 3, 1, same, "m", "up")]}, (2.2,), lambda t: [1.0, 0.2], "m"
+    ).run(400)
+    expected, tol = value("delayed_predator_prey", "period at tau = 2.2")
+    assert settled_period(motion, "up") == pytest.approx(expected, abs=tol)
 
 
 def test_wright():

@@ -3,8 +3,8 @@
 import pytest
 
 from pddecont.errors import ResultsError
-from pddecont.plot import ViewRequest
-from pddecont.plot.point_selection import select_points
+from pddecont.plot import ViewRequest, point_selection
+from pddecont.plot.point_selection import select_orbits, select_points
 
 
 def test_points_asked_for_come_before_special_ones(every):
@@ -21,6 +21,13 @@ def test_without_special_points_the_ends_are_shown_or_nothing(every):
     assert select_points([step], ViewRequest()) == [(step, 0), (step, 8)]
     assert select_points([step], ViewRequest(), ends=False) == []
     assert select_points([every.step("orbit")], ViewRequest()) == [(every.step("orbit"), 0)]
+
+
+def test_orbits_that_have_shrunk_are_not_shown_by_themselves(every, monkeypatch):
+    gain = every.step("in_gain")
+    assert select_orbits([gain], ViewRequest()) == [(gain, 8), (gain, 16)]
+    monkeypatch.setattr(point_selection, "SHRUNK", ("LP",))
+    assert select_orbits([gain], ViewRequest()) == [(gain, 16)]
 
 
 def test_points_that_are_not_there(every):

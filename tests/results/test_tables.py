@@ -201,6 +201,7 @@ def test_long_signatures_are_cut_in_the_middle():
     assert short.startswith("segment_0 ")
     assert short.endswith("segment_29 (30 segments)")
     assert len(short) < 65
+    assert "segments" not in shorten_signature("one_very_long_name_of_the_only_segment_there_is")
 
 
 def test_a_file_that_is_not_hdf5_is_told_so(tmp_path):

@@ -116,6 +116,7 @@ class _Branch:
             coefficient=special.coefficient,
             n_unexplained=point.n_unexplained,
             side=find_better_side(at) if isinstance(at, CriticalEvaluation) else None,
+            on_surface=_find_surface(point),
         )
         self.writer.append(points, rows, reason)
         self.last = point
@@ -231,6 +232,15 @@ def _start_crossing(
     other = find_other_tangent(system, x, tangent)
     forward = float(np.sign(other[-1])) or 1.0
     return CurvePoint(FixedUnknowns(system), system.at(x), None, forward * other)
+
+
+def _find_surface(point: BranchPoint[Any]) -> str:
+    """Return the event on whose surface a point lies by its definition."""
+    at = point.state.point.at
+    if isinstance(at, CriticalEvaluation):
+        critical = at.system.critical
+        return critical.event if isinstance(critical, BoundaryCondition) else ""
+    return str(point.reason.values["event"]) if point.kind == BOUNDARY else ""
 
 
 def _make_system(context: Context, step: PlannedStep[ContinueSettings], at: Equilibrium) -> EquilibriumSystem:

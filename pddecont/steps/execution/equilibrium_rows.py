@@ -46,9 +46,13 @@ def equilibrium_to_row(
     coefficient: float = np.nan,
     n_unexplained: int = 0,
     side: Array | None = None,
+    on_surface: str = "",
 ) -> tuple[dict[str, Any], dict[str, Array]]:
-    """Return the row of points and the rows of arrays that record an equilibrium."""
-    admissible = find_passed_side(at) is None
+    """Return the row of points and the rows of arrays that record an equilibrium.
+
+    ``on_surface`` is the event on whose surface a boundary equilibrium lies.
+    """
+    admissible = find_passed_side(at, on_surface) is None
     known = roots.counted
     motion, period = at.motion, 2.0 * np.pi / frequency if frequency > 0.0 else 1.0
     resting = make_resting_orbit(motion.numeric, motion.mode, at.states, at.parameters, motion.method, period)
