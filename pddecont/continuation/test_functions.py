@@ -65,16 +65,23 @@ class TestFunction(Generic[E]):
 Counts = tuple[int, ...]
 
 
+def hides_nothing(before: Counts, after: Counts) -> bool:
+    """Return that all changes between two counts show in them."""
+    return False
+
+
 @dataclass(frozen=True)
 class CountFunction(Generic[E]):
     """Whole numbers that change only at special points, such as how many multipliers lie outside the unit circle.
 
     ``explain(before, after)`` returns the test functions whose zeros account for a change, or None if several changes
-    have come together and the step must be cut.
+    have come together and the step must be cut. ``hides(before, after)`` says whether changes that make up for one
+    another seem to lie in between.
     """
 
     count: Callable[[CurvePoint[E]], Counts]
     explain: Callable[[Counts, Counts], Sequence[TestFunction[E]] | None]
+    hides: Callable[[Counts, Counts], bool] = hides_nothing
 
 
 def find_no_violation(_: CurvePoint[E]) -> Reason:
@@ -328,9 +335,10 @@ def _explain_counts(
 
     None stands for a change that could not be explained.
     """
-    if before == after:
+    hidden = cuts > 0 and counts.hides(before, after)
+    if before == after and not hidden:
         return []
-    tests = counts.explain(before, after)
+    tests = None if hidden else counts.explain(before, after)
     if tests is not None:
         located = [_locate_counted(segment, test, low, high) for test in tests]
         # A test function may not exist all along: no real multiplier at one end, say. Then the step is cut too.
