@@ -15,7 +15,7 @@ Luzyanina, Roose, ACM TOMS 28 (2002) for the delay equation.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.continuation import FixedUnknowns, Scaling
+from pddecont.equilibrium.critical_roots import find_pair, find_zero, leave_out
 from pddecont.equilibrium.equations import Equilibrium, EquilibriumEvaluation, EquilibriumProblem, EquilibriumSystem
 from pddecont.equilibrium.roots import Roots
 from pddecont.equilibrium.stability import find_own_roots
@@ -103,9 +104,8 @@ class FoldCondition(Critical):
         return FoldCondition(own / (own @ own))
 
     def remove_own(self, roots: Roots, own: Array) -> Roots:
-        """Return the roots without the real one nearest zero."""
-        real = np.where(roots.values.imag == 0.0, np.abs(roots.values), np.inf)
-        return _without(roots, [int(np.argmin(real))] if np.any(np.isfinite(real)) else [])
+        """Return the roots without the one nearest zero."""
+        return leave_out(roots, find_zero(roots))
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,9 +153,7 @@ class HopfCondition(Critical):
 
     def remove_own(self, roots: Roots, own: Array) -> Roots:
         """Return the roots without the pair."""
-        omega = abs(split_pair(own)[1])
-        near = [int(np.argmin(np.abs(roots.values - z))) for z in (1j * omega, -1j * omega)]
-        return _without(roots, near)
+        return leave_out(roots, find_pair(roots, abs(split_pair(own)[1])))
 
 
 @dataclass(frozen=True, eq=False)
@@ -211,10 +209,15 @@ class CriticalEvaluation:
         return self.x[self.system.n_inner : -2]
 
     @cached_property
-    def roots(self) -> Roots:
-        """The leading characteristic roots without those on the axis by the point's nature."""
+    def all_roots(self) -> Roots:
+        """The leading characteristic roots."""
         at = self.equilibrium
-        return self.system.critical.remove_own(find_own_roots(at.motion, at.states, at.parameters), self.own)
+        return find_own_roots(at.motion, at.states, at.parameters)
+
+    @cached_property
+    def roots(self) -> Roots:
+        """The leading characteristic roots without those that all points of the curve have on the imaginary axis."""
+        return self.system.critical.remove_own(self.all_roots, self.own)
 
     @cached_property
     def residual(self) -> Array:
@@ -332,8 +335,3 @@ def split_pair(own: Array) -> tuple[Complex, float]:
 
 def _dense(matrix: Any) -> NDArray[Any]:
     return matrix if isinstance(matrix, np.ndarray) else np.asarray(matrix.toarray())
-
-
-def _without(roots: Roots, removed: list[int]) -> Roots:
-    kept = [k for k in range(len(roots.values)) if k not in removed]
-    return replace(roots, values=roots.values[kept], residuals=roots.residuals[kept], vectors=roots.vectors[kept])

@@ -161,14 +161,19 @@ def _check_source(given: StepInput[Continue]) -> None:
 def _check_detect(given: StepInput[Continue]) -> None:
     """Check that the kinds of special points asked for can be found in this step."""
     from pddecont.bifurcation import list_kinds
+    from pddecont.equilibrium import CURVE_NAMES, NAMES
 
     on_curve = len(given.body.free) == 2
     kinds = {kind.label: kind for kind in list_kinds() if (kind.on_curves if on_curve else kind.on_branches)}
+    # A branch above may be one of orbits or of equilibria, and from equilibria orbits are born.
+    of_orbits = given.source_holds != Holding.EQUILIBRIA
+    at_rest = () if given.source_holds == Holding.ORBIT else (CURVE_NAMES if on_curve else NAMES)
+    known = dict.fromkeys([*(kinds if of_orbits else ()), *at_rest])
     where = "two free parameters" if on_curve else "one free parameter"
     for k, label in enumerate(given.body.detect or ()):
-        if label not in kinds:
-            given.add_error(("detect", k), f"'{label}' is not found with {where} (there are: {', '.join(kinds)})")
-        elif kinds[label].needs_multipliers and not given.body.stability:
+        if label not in known:
+            given.add_error(("detect", k), f"'{label}' is not found with {where} (there are: {', '.join(known)})")
+        elif label not in at_rest and kinds[label].needs_multipliers and not given.body.stability:
             given.add_error(("detect", k), f"'{label}' is seen from multipliers; add 'stability: true' to this step")
 
 

@@ -5,9 +5,9 @@ Nothing here comes from the program: an equation is a Python function ``field(re
 
     x(t) = x_0 + 2 Re(z q e^(i omega t)) + ...,    p = p_0 + p_2 |z|^2 + ...,    omega = omega_0 + omega_2 |z|^2 + ...
 
-With z' = (i omega_0 + lambda'(p_0) (p - p_0)) z + c1 z |z|^2 that says c1 = i omega_2 - lambda' p_2. The orbit is solved
-for at |z| = AMPLITUDE, at which terms of higher order are of the order of its square. The derivatives that lambda needs
-are differences, too, in as many digits.
+With z' = (i omega_0 + lambda'(p_0) (p - p_0)) z + c1 z |z|^2 that says c1 = i omega_2 - lambda' p_2. The orbit is
+solved for at |z| = AMPLITUDE, at which terms of higher order are of the order of its square. The derivatives that
+lambda needs are differences, too, in as many digits.
 """
 
 from dataclasses import dataclass

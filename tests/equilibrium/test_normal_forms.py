@@ -5,9 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from pddecont.delay import Chain
 from pddecont.equilibrium import Equilibrium, find_birth
-from pddecont.equilibrium.normal_forms import Forms, find_cubic_coefficient, find_fold_coefficient
+from pddecont.equilibrium.normal_forms import Forms, find_cubic_coefficient
 from tests.equilibrium import harmonic_balance
 from tests.equilibrium.hopf_models import ALL
 from tests.equilibrium.motions import make_motion

@@ -46,10 +46,14 @@ def equilibrium_to_row(
     coefficient: float = np.nan,
     n_unexplained: int = 0,
     side: Array | None = None,
+    others: Roots | None = None,
 ) -> tuple[dict[str, Any], dict[str, Array]]:
-    """Return the row of points and the rows of arrays that record an equilibrium."""
+    """Return the row of points and the rows of arrays that record an equilibrium.
+
+    ``others`` are the ``roots`` without those that it has on the imaginary axis by its nature (None: it has none).
+    """
     admissible = find_passed_side(at) is None
-    known = roots.counted
+    known, n_unstable = roots.counted, (roots if others is None else others).n_unstable
     motion, period = at.motion, 2.0 * np.pi / frequency if frequency > 0.0 else 1.0
     resting = make_resting_orbit(motion.numeric, motion.mode, at.states, at.parameters, motion.method, period)
     points: dict[str, Any] = {
@@ -57,10 +61,10 @@ def equilibrium_to_row(
         "arclength": arclength,
         "parameters": at.motion.numeric.with_fixed(at.parameters),
         "states": at.states,
-        "stable": int(roots.n_unstable == 0 and admissible) if known else -1,
+        "stable": int(n_unstable == 0 and admissible) if known else -1,
         "admissible": admissible,
         "counted": roots.counted,
-        "n_unstable": roots.n_unstable if known else -1,
+        "n_unstable": n_unstable if known else -1,
         "frequency": frequency,
         "coefficient": coefficient,
         "error_estimate": error,
