@@ -12,7 +12,7 @@ import numpy as np
 
 from pddecont.equilibrium.roots import Roots
 
-# Roots farther than this from the axis, relative to what unstable ones can be, do not lie on it. A double root zero is
+# Roots farther than this from the axis, relative to a rate of the equations, do not lie on it. A double root zero is
 # known to the square root of rounding.
 NEAR_AXIS = 1e-5
 
@@ -22,18 +22,18 @@ def find_zero(roots: Roots) -> Sequence[int]:
     return [int(np.argmin(np.abs(roots.values)))] if len(roots.values) else []
 
 
-def find_pair(roots: Roots, frequency: float | None = None) -> Sequence[int]:
-    """Return the numbers of the pair nearest to a frequency on the imaginary axis, or next to the axis (None)."""
+def find_pair(roots: Roots, root: complex | None = None) -> Sequence[int]:
+    """Return the numbers of the two nearest to a ``root`` and its negative, or of the pair next to the axis (None)."""
     values = roots.values
-    if frequency is None:
+    if root is None:
         upper = np.where(values.imag > 0.0, np.abs(values.real), np.inf)
         if not np.any(np.isfinite(upper)):
             return []
-        frequency = float(values[int(np.argmin(upper))].imag)
+        root = 1j * float(values[int(np.argmin(upper))].imag)
     if len(values) < 2:
         return []
-    first = int(np.argmin(np.abs(values - 1j * frequency)))
-    away = np.abs(values + 1j * frequency)
+    first = int(np.argmin(np.abs(values - root)))
+    away = np.abs(values + root)
     away[first] = np.inf
     return [first, int(np.argmin(away))]
 
@@ -63,11 +63,11 @@ def remove_critical(roots: Roots, curve: str, kind: str) -> Roots:
     return roots if find is None else leave_out(roots, find(roots))
 
 
-def has_critical(roots: Roots, curve: str, kind: str, bound: float) -> bool:
+def has_critical(roots: Roots, curve: str, kind: str, rate: float) -> bool:
     """Return whether a point has the roots on the axis that make it one of a ``kind``; no for kinds without any.
 
-    ``bound`` is a number that no unstable root exceeds in modulus.
+    ``rate`` is one of the equations', such as the norm of their derivatives.
     """
     find = OF_POINTS.get((curve, kind))
     numbers = [] if find is None else list(find(roots))
-    return bool(numbers) and bool(np.all(np.abs(roots.values[numbers].real) <= NEAR_AXIS * bound))
+    return bool(numbers) and bool(np.all(np.abs(roots.values[numbers].real) <= NEAR_AXIS * rate))

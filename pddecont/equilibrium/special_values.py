@@ -13,6 +13,7 @@ from pddecont.equilibrium.branch_tests import FOLD, HOPF
 from pddecont.equilibrium.critical import CriticalEvaluation
 from pddecont.equilibrium.curve_tests import TAKENS, ZERO_HOPF
 from pddecont.equilibrium.equations import EquilibriumEvaluation
+from pddecont.equilibrium.hopf_condition import find_frequency
 from pddecont.equilibrium.normal_forms import Forms, find_cubic_coefficient, find_fold_coefficient
 from pddecont.errors import ConvergenceError
 from pddecont.reasons import Reason, make_reason
@@ -70,7 +71,9 @@ def find_curve_values(point: BranchPoint[CriticalEvaluation]) -> SpecialValues:
     """Return what is recorded of a point of a curve: the frequency and the coefficient of its normal form."""
     at = point.state.point.at
     curve, defined = at.system.critical.label, not at.system.problem.n_forces
-    frequency = abs(float(at.own[-1])) if curve == HOPF else np.nan
+    frequency = np.nan
+    if curve == HOPF:
+        frequency = 0.0 if point.kind == TAKENS else find_frequency(at.own)
     coefficient = np.nan
     if defined and (curve, point.kind) not in UNDEFINED:
         with contextlib.suppress(ConvergenceError):

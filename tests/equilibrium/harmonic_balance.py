@@ -34,8 +34,8 @@ class Birth:
     growth: float
 
 
-def find_birth(field, states, frequency, parameter):
-    """Return the Hopf point near a guess: ``field(read, p)``, one parameter p."""
+def find_birth(field, states, frequency, parameter, amplitude=AMPLITUDE):
+    """Return the Hopf point near a guess: ``field(read, p)``, one parameter p; orbits are those of an ``amplitude``."""
     n = len(states)
     x0, omega0, p0 = _find_hopf(field, [mpf(s) for s in states], mpf(frequency), mpf(parameter))
     matrix = _characteristic(field, x0, p0, 1j * omega0)
@@ -46,9 +46,9 @@ def find_birth(field, states, frequency, parameter):
     start = [*x0]
     for k in range(1, K + 1):
         for i in range(n):
-            start += [(AMPLITUDE * q[i]).real, (AMPLITUDE * q[i]).imag] if k == 1 else [mpf(0), mpf(0)]
-    solved = _newton(lambda u: _balance(field, n, q, u), [*start, omega0, p0])
-    p2, omega2 = (solved[-1] - p0) / AMPLITUDE**2, (solved[-2] - omega0) / AMPLITUDE**2
+            start += [(amplitude * q[i]).real, (amplitude * q[i]).imag] if k == 1 else [mpf(0), mpf(0)]
+    solved = _newton(lambda u: _balance(field, n, q, u, amplitude), [*start, omega0, p0])
+    p2, omega2 = (solved[-1] - p0) / amplitude**2, (solved[-2] - omega0) / amplitude**2
     cubic = 1j * omega2 - speed * p2
     return Birth(
         float(p0), [float(x) for x in x0], float(omega0), [complex(z) for z in q], complex(speed), complex(cubic),
@@ -126,8 +126,8 @@ def _find_null(matrix):
     return list(q)
 
 
-def _balance(field, n, q, u):
-    """Return omega x' - f of harmonics 0 to K, and conj(q) . X_1 - AMPLITUDE (real and imaginary part)."""
+def _balance(field, n, q, u, amplitude):
+    """Return omega x' - f of harmonics 0 to K, and conj(q) . X_1 - amplitude (real and imaginary part)."""
     omega, p = u[-2], u[-1]
     mean, parts = u[:n], u[n:-2]
     harmonics = [[mpc(parts[2 * (k * n + i)], parts[2 * (k * n + i) + 1]) for i in range(n)] for k in range(K)]
@@ -157,5 +157,5 @@ def _balance(field, n, q, u):
             transformed = sum(f[i] * mp.expjpi(-mpf(2 * j * k) / N) for j, f in enumerate(values)) / N
             left = 1j * k * omega * harmonics[k - 1][i] - transformed
             rows += [left.real, left.imag]
-    projected = sum(mp.conj(a) * b for a, b in zip(q, harmonics[0], strict=True)) - AMPLITUDE
+    projected = sum(mp.conj(a) * b for a, b in zip(q, harmonics[0], strict=True)) - amplitude
     return [*rows, projected.real, projected.imag]

@@ -78,8 +78,8 @@ def find_start(context: Context, step: PlannedStep[ContinueSettings]) -> Equilib
         start = _start_along(context, step, guess)
     curve = start.at.system.critical.label if isinstance(start.at, CriticalEvaluation) else ""
     kind, at = recorded.kind_of(row), start.at.equilibrium
-    bound = at.motion.linearise(at.states, at.parameters).find_bound()
-    if not has_critical(start.at.roots, curve, kind, bound):
+    rate = at.motion.linearise(at.states, at.parameters).find_norm(measure_sizes(at.states))
+    if not has_critical(start.at.roots, curve, kind, rate):
         return EquilibriumStart(start)
     return EquilibriumStart(start, kind, recorded.reason(row))
 
