@@ -7,12 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from pddecont.continuation import BranchPoint, BranchState, CurvePoint, Home, StepSettings, follow_branch
+from pddecont.continuation import BranchPoint, BranchState, CurvePoint, FixedUnknowns, Home, StepSettings, follow_branch
 from pddecont.equilibrium import (
     BOUNDARY,
     CURVE_NAMES,
     NAMES,
     CriticalEvaluation,
+    EquilibriumEvaluation,
     WayOn,
     find_better_side,
     find_curve_values,
@@ -85,11 +86,14 @@ class _Branch:
         shown = ", ".join(f"{name} = {value:.8g}" for name, value in values)
         self.context.reporter.progress(f"{self.writer.n} points, {shown}{f' {point.kind}' if point.kind else ''}")
 
-    def follow(self, state: BranchState[Any], way: int) -> Reason:
-        """Follow one direction through all its modes; return how it ended."""
+    def follow(self, state: BranchState[Any], way: int, *, has_passed: bool = False) -> Reason:
+        """Follow one direction through all its modes; return how it ended.
+
+        ``has_passed`` says whether it has come through boundary equilibria already, from where it does not come home.
+        """
         steps = self.step.settings
         settings = StepSettings(steps.step_initial, steps.step_min, steps.step_max, steps.max_points)
-        home = _make_home(replace(self.first, point=_turn(self.first.point, way)))
+        home = None if has_passed else _make_home(replace(self.first, point=_turn(self.first.point, way)))
         for _ in range(MAX_MODES):
             at = state.point.at
             on_curve = isinstance(at, CriticalEvaluation)
@@ -120,11 +124,13 @@ def run_equilibrium_branch(context: Context, step: PlannedStep[ContinueSettings]
     first = BranchState(start, 0.0, settings.step_initial, 1)
     states, kept = {way: replace(first, point=_turn(start, way)) for way in settings.ways}, 0
     endings: dict[int, Reason] = {}
+    passed: set[int] = set()
     if recorded is not None and len(recorded):
         endings = {int(ending.values.get("direction", 0)): ending for ending in recorded.endings}
         way, row, kept = find_unfinished(recorded, settings.ways, endings)
         if row is not None:
             states[way] = _restore(start, recorded, row)
+            passed = {way} if _has_passed(recorded, row) else passed
     meta: dict[str, Any] = {
         **make_equilibrium_meta(context.plan, {**NAMES, **CURVE_NAMES}),
         "free": list(settings.free),
@@ -138,7 +144,7 @@ def run_equilibrium_branch(context: Context, step: PlannedStep[ContinueSettings]
             branch.record(BranchPoint(first, begun.kind, 0, reason=begun.reason))
         for place, way in enumerate(settings.ways):
             if way not in endings:
-                endings[way] = branch.follow(states[way], way)
+                endings[way] = branch.follow(states[way], way, has_passed=way in passed)
                 writer.terminate(endings[way], place)
     report_done(context, step)
 
@@ -163,9 +169,20 @@ def _make_home(start: BranchState[Any]) -> Home[Any]:
 
 
 def _restore(start: CurvePoint[Any], recorded: Step, row: int) -> BranchState[Any]:
-    """Return the state that a recorded point left."""
+    """Return the state that a recorded point left, in its mode."""
     rows, points = recorded.orbit(row), recorded.points
     arclength, way = float(points["arclength"][row]), np.sign(points["arclength"][row])
     before = (points["arclength"][: row + 1] * way > 0) & (points["kind"][: row + 1] == b"")
-    point = replace(start, at=start.system.at(np.array(rows["unknowns"])), direction=np.array(rows["tangent"]))
+    system = start.system
+    if isinstance(start.at, EquilibriumEvaluation):
+        assert isinstance(system, FixedUnknowns), "equilibria have no mesh"
+        system = FixedUnknowns(system.system.enter(rows["signature"].tobytes().decode()))
+    point = replace(start, system=system, at=system.at(np.array(rows["unknowns"])), direction=np.array(rows["tangent"]))
     return BranchState(point, arclength, float(points["step"][row]), int(np.sum(before)) + 1, is_start=False)
+
+
+def _has_passed(recorded: Step, row: int) -> bool:
+    """Return whether a recorded branch has come to a point through boundary equilibria."""
+    points, way = recorded.points, np.sign(recorded.points["arclength"][row])
+    passed = (points["arclength"][:row] * way > 0) & (points["kind"][:row] == BOUNDARY.encode())
+    return bool(np.any(passed))
