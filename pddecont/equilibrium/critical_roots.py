@@ -12,10 +12,6 @@ import numpy as np
 
 from pddecont.equilibrium.roots import Roots
 
-# Roots farther than this from the axis, relative to a rate of the equations, do not lie on it. A double root zero is
-# known to the square root of rounding.
-NEAR_AXIS = 1e-5
-
 
 def find_zero(roots: Roots) -> Sequence[int]:
     """Return the number of the root nearest zero; of a double root zero it may be one of a pair."""
@@ -63,11 +59,6 @@ def remove_critical(roots: Roots, curve: str, kind: str) -> Roots:
     return roots if find is None else leave_out(roots, find(roots))
 
 
-def has_critical(roots: Roots, curve: str, kind: str, rate: float) -> bool:
-    """Return whether a point has the roots on the axis that make it one of a ``kind``; no for kinds without any.
-
-    ``rate`` is one of the equations', such as the norm of their derivatives.
-    """
-    find = OF_POINTS.get((curve, kind))
-    numbers = [] if find is None else list(find(roots))
-    return bool(numbers) and bool(np.all(np.abs(roots.values[numbers].real) <= NEAR_AXIS * rate))
+def has_critical(curve: str, kind: str) -> bool:
+    """Return whether points of a ``kind`` have roots on the axis that others of their ``curve`` do not."""
+    return (curve, kind) in OF_POINTS

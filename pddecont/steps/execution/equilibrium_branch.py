@@ -14,6 +14,7 @@ from pddecont.equilibrium import (
     NAMES,
     CriticalEvaluation,
     EquilibriumEvaluation,
+    EquilibriumSystem,
     WayOn,
     find_better_side,
     find_curve_values,
@@ -132,7 +133,7 @@ def run_equilibrium_branch(context: Context, step: PlannedStep[ContinueSettings]
             states[way] = _restore(start, recorded, row)
             passed = {way} if _has_passed(recorded, row) else passed
     meta: dict[str, Any] = {
-        **make_equilibrium_meta(context.plan, {**NAMES, **CURVE_NAMES}),
+        **make_equilibrium_meta(context.plan, step, {**NAMES, **CURVE_NAMES}),
         "free": list(settings.free),
         "directions": len(settings.ways),
         "curve": start.at.system.critical.label if isinstance(start.at, CriticalEvaluation) else "",
@@ -175,7 +176,7 @@ def _restore(start: CurvePoint[Any], recorded: Step, row: int) -> BranchState[An
     before = (points["arclength"][: row + 1] * way > 0) & (points["kind"][: row + 1] == b"")
     system = start.system
     if isinstance(start.at, EquilibriumEvaluation):
-        assert isinstance(system, FixedUnknowns), "equilibria have no mesh"
+        assert isinstance(system, FixedUnknowns) and isinstance(system.system, EquilibriumSystem), "it has no mesh"
         system = FixedUnknowns(system.system.enter(rows["signature"].tobytes().decode()))
     point = replace(start, system=system, at=system.at(np.array(rows["unknowns"])), direction=np.array(rows["tangent"]))
     return BranchState(point, arclength, float(points["step"][row]), int(np.sum(before)) + 1, is_start=False)

@@ -33,7 +33,7 @@ from pddecont.runfile import PlannedStep
 from pddecont.steps.context import Context
 from pddecont.steps.continuation import ContinueSettings, in_range
 from pddecont.steps.execution.equilibrium import find_equilibrium
-from pddecont.steps.execution.equilibrium_rows import equilibrium_from_row
+from pddecont.steps.execution.equilibrium_rows import equilibrium_from_row, has_same_delays
 
 # Special points that are followed in two parameters.
 FOLLOWED = (FOLD, HOPF, BOUNDARY)
@@ -68,8 +68,8 @@ class EquilibriumStart:
 def find_start(context: Context, step: PlannedStep[ContinueSettings]) -> EquilibriumStart:
     """Return where a branch or curve of equilibria starts."""
     recorded, row = find_equilibrium(context, step)
-    guess = equilibrium_from_row(context.plan, step.delay, recorded, row)
-    guess = replace(guess, parameters=context.plan.set_parameters(step, guess.parameters))
+    found = equilibrium_from_row(context.plan, step.delay, recorded, row)
+    guess = replace(found, parameters=context.plan.set_parameters(step, found.parameters))
     if len(step.settings.free) == 2:
         start = _start_curve(context, step, recorded, row, guess)
     elif step.settings.switches:
@@ -77,9 +77,9 @@ def find_start(context: Context, step: PlannedStep[ContinueSettings]) -> Equilib
     else:
         start = _start_along(context, step, guess)
     curve = start.at.system.critical.label if isinstance(start.at, CriticalEvaluation) else ""
-    kind, at = recorded.kind_of(row), start.at.equilibrium
-    rate = at.motion.linearise(at.states, at.parameters).find_norm(measure_sizes(at.states))
-    if not has_critical(start.at.roots, curve, kind, rate):
+    kind = recorded.kind_of(row)
+    same = np.array_equal(guess.parameters, found.parameters) and has_same_delays(recorded, step)
+    if not (same and has_critical(curve, kind)):
         return EquilibriumStart(start)
     return EquilibriumStart(start, kind, recorded.reason(row))
 

@@ -13,13 +13,13 @@ from pddecont.equilibrium import ConstantMotion, Equilibrium, Roots, find_passed
 from pddecont.errors import ResultsError
 from pddecont.orbit import Monitor, make_resting_orbit
 from pddecont.results import Step
-from pddecont.runfile import Plan
+from pddecont.runfile import Plan, PlannedStep
 from pddecont.steps.execution.units import find_units
 
 Array = NDArray[np.float64]
 
 
-def make_equilibrium_meta(plan: Plan, kinds: dict[str, str]) -> dict[str, Any]:
+def make_equilibrium_meta(plan: Plan, step: PlannedStep[Any], kinds: dict[str, str]) -> dict[str, Any]:
     """Return what a step that records equilibria says of itself; ``kinds`` are its special points by label."""
     return {
         "monitors": list(plan.monitors),
@@ -27,7 +27,13 @@ def make_equilibrium_meta(plan: Plan, kinds: dict[str, str]) -> dict[str, Any]:
         "units": find_units(plan),
         "modes": list(plan.model.modes),
         "asked": ["stable"],
+        "delay_method": repr(step.delay),
     }
+
+
+def has_same_delays(recorded: Step, step: PlannedStep[Any]) -> bool:
+    """Return whether delays were discretised as this step does, so that characteristic roots are the same."""
+    return bool(recorded.meta.get("delay_method") == repr(step.delay))
 
 
 def equilibrium_to_row(
