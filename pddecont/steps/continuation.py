@@ -1,4 +1,4 @@
-"""The ``continue`` step: a branch of periodic orbits in one free parameter, or a curve of special points in two."""
+"""The ``continue`` step: a branch of orbits or equilibria in one free parameter, a curve of special points in two."""
 
 from __future__ import annotations
 
@@ -37,9 +37,9 @@ class StepSize(Strict):
 
 
 class Continue(Strict):
-    """Follow an orbit in one free parameter, or a special point in two."""
+    """Follow an orbit or an equilibrium in one free parameter, or a special point in two."""
 
-    from_: From = Field(alias="from", description="an orbit or a special point")
+    from_: From = Field(alias="from", description="an orbit, an equilibrium or a special point")
     free: list[Identifier] = Field(
         min_length=1, max_length=2, description="parameter to vary; two to follow a special point"
     )
@@ -52,7 +52,10 @@ class Continue(Strict):
     signature_change: Literal["follow", "stop"] = Field(
         "follow", description="what to do where an orbit grazes, a segment vanishes or a condition changes"
     )
-    branch: Literal["same", "switch"] = Field("same", description="switch: onto the other branch at a PD or BP point")
+    branch: Literal["same", "switch"] = Field(
+        "same",
+        description="switch: onto the other branch at a PD or BP point, onto the orbits born at an HB, GH or HH point",
+    )
     signature: list[SegmentName] | None = Field(
         None, min_length=1, description=("segments that the orbit must have; at a GR point those after it")
     )
