@@ -114,9 +114,9 @@ def find_passed(
 def find_reached(
     boundaries: Sequence[Boundary[E]], point: CurvePoint[E], direction: Array
 ) -> tuple[str, Reason] | None:
-    """Return the end and the reason of a boundary that ``point`` lies on, where the branch crosses it beyond."""
+    """Return the end and the reason of a boundary that steps come up to, reached at ``point`` and crossed beyond."""
     for boundary in boundaries:
-        if boundary.approach is not Approach.TOWARDS:
+        if boundary.approach is Approach.UP_TO:
             small = boundary.margins(point.at) <= _zeros(boundary, point.system, point.at)
             ending = np.flatnonzero(small & (boundary.gradients(point.at) @ direction < 0.0))
             if len(ending):

@@ -150,6 +150,10 @@ def follow_branch(
             return Termination(exc.end, exc.reason, n_unexplained)
         except ConvergenceError as exc:
             return Termination(End.STEP_TOO_SMALL, make_reason("message", text=str(exc)), n_unexplained)
+        if passed is not None and np.array_equal(reached.x, start.x):
+            # The branch starts on the end of its range.
+            emit(BranchPoint(state, END_POINT, reached.n_iterations))
+            return Termination(passed[0].end, passed[0].reason(reached.at, passed[1]), n_unexplained)
         reached, length, cosine = _turn_forward(start, reached)
         after = evaluate_tests(reached, functions)
         segment = BranchSegment(start, reached, settings.newton)

@@ -143,9 +143,9 @@ def test_a_branch_that_starts_where_a_margin_is_used_up_has_no_other_point():
     assert (end.end, points) == (End.LIMIT, [])
 
 
-def test_a_branch_that_starts_on_the_end_of_its_range_has_no_other_point_beyond():
-    points, end = follow(line(0.0), (0.5, 0.0), (1.0, 0.0), [Range(0, 0.0, 0.5)])
-    assert points == [] and end.end == End.RANGE
+def test_a_branch_that_starts_on_the_end_of_its_range_ends_at_that_very_point():
+    (point,), end = follow(line(0.0), (0.5, 0.0), (1.0, 0.0), [Range(0, 0.0, 0.5)])
+    assert (point.kind, point.state.x.tolist(), end.end) == (END_POINT, [0.5, 0.0], End.RANGE)
     points, end = follow(line(0.0), (0.5, 0.0), (-1.0, 0.0), [Range(0, 0.0, 0.5)])
     assert points[-1].state.x[0] == 0.0 and end.end == End.RANGE
 
