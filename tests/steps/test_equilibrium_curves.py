@@ -204,7 +204,7 @@ def follow(case, name, source, point, **more):
 
 @pytest.mark.parametrize("name", CASES)
 def test_the_point_is_where_the_closed_form_says(name, tmp_path):
-    """From each curve that it lies on, to rounding; with the other curve through it, the point is found again there."""
+    """From each curve that it lies on, to rounding; no root is unstable there."""
     case = CASES[name]
     curves = [follow(case, start, "along", start) for start in case.starts]
     results = run(make_model(case, curves), tmp_path / "r.h5")
