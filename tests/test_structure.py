@@ -32,7 +32,17 @@ ALLOWED = {
     "equilibrium": {"codegen", "collocation", "continuation", "delay", "intervals", "model"},
     "bifurcation": {"collocation", "continuation", "equilibrium", "model", "orbit", "stability"},
     "runfile": {"codegen", "collocation", "data", "delay", "model", "orbit"},
-    "steps": {"bifurcation", "codegen", "collocation", "model", "orbit", "results", "runfile", "simulate"},
+    "steps": {
+        "bifurcation",
+        "codegen",
+        "collocation",
+        "equilibrium",
+        "model",
+        "orbit",
+        "results",
+        "runfile",
+        "simulate",
+    },
     "tables": {"results", "simulate"},
     "steps.execution": {
         "bifurcation",

@@ -38,11 +38,14 @@ LEAST, MOST = 1e-2, 10.0
 
 @dataclass(frozen=True, eq=False)
 class _SmallOrbits:
-    """Orbits next to a Hopf point: their equations, the equilibrium in their unknowns, and the way that they grow."""
+    """Orbits next to a Hopf point: their equations, and in their unknowns the equilibrium and one that is larger.
+
+    Both are orbits, which another mesh takes over; the way that orbits grow is the difference.
+    """
 
     system: PeriodicOrbitSystem
     rest: Array
-    direction: Array
+    largest: Array
 
 
 def start_at_hopf(birth: Birth, settings: BranchSettings) -> BranchStart:
@@ -58,11 +61,12 @@ def start_at_hopf(birth: Birth, settings: BranchSettings) -> BranchStart:
     small = _make_small(birth, settings, float(np.clip(grown, LEAST * own, MOST * own)) if np.isfinite(grown) else own)
 
     def solve(on_mesh: PeriodicOrbitSystem, guess: Array, carried: list[Array]) -> Solution[OrbitEvaluation]:
-        along, resting = carried
-        return correct(on_mesh, resting + FIRST * along, along, NewtonSettings(), guess)
+        rest, largest = carried
+        along = largest - rest
+        return correct(on_mesh, rest + FIRST * along, along, NewtonSettings(), guess)
 
-    guess = small.rest + FIRST * small.direction
-    found, solution = solve_adaptively(small.system, guess, solve, (small.direction, small.rest))
+    guess = small.rest + FIRST * (small.largest - small.rest)
+    found, solution = solve_adaptively(small.system, guess, solve, (small.rest, small.largest))
     tangent = tangent_at(solution, found.scaling, _find_growth(solution.at.orbit, birth))
     return BranchStart(CurvePoint(found, solution.at, None, tangent), one_way=True)
 
@@ -84,15 +88,14 @@ def start_curve_at_hopf(
     failure: ConvergenceError | None = None
     for part in ON_CURVES:
         small = _make_small(birth, settings, part * own)
-        guess = small.rest + small.direction
-        system = extend_system(small.system, define(small.system.at(guess)))
+        system = extend_system(small.system, define(small.system.at(small.largest)))
 
         def solve(on_mesh: ExtendedSystem, x: Array, carried: list[Array]) -> Solution[ExtendedEvaluation]:
-            along, resting = carried
-            return correct(on_mesh, resting + along, along, NewtonSettings(), x)
+            rest, largest = carried
+            return correct(on_mesh, largest, largest - rest, NewtonSettings(), x)
 
         try:
-            found, solution = solve_adaptively(system, guess, solve, (small.direction, small.rest))
+            found, solution = solve_adaptively(system, small.largest, solve, (small.rest, small.largest))
         except ConvergenceError as exc:
             failure = exc
             continue
@@ -103,7 +106,7 @@ def start_curve_at_hopf(
 
 
 def _make_small(birth: Birth, settings: BranchSettings, amplitude: float) -> _SmallOrbits:
-    """Return the orbits next to a Hopf point; their direction is that of one of an ``amplitude``."""
+    """Return the orbits next to a Hopf point up to one of an ``amplitude``, to the first order."""
     at = birth.equilibrium
     motion, q = at.motion, birth.vector / np.max(np.abs(birth.vector))
     period = 2.0 * np.pi / birth.frequency
@@ -115,10 +118,10 @@ def _make_small(birth: Birth, settings: BranchSettings, amplitude: float) -> _Sm
     # The phase is fixed along the profile: an orbit at rest has none.
     problem = replace(rest.problem, reference=at.states + profile)
     sizes = np.maximum(amplitude * np.abs(q), SMALLEST * amplitude)
-    direction = np.zeros(len(rest.x))
-    direction[problem.unknowns.values] = amplitude * profile.ravel()
+    largest = rest.x.copy()
+    largest[problem.unknowns.values] += amplitude * profile.ravel()
     system = PeriodicOrbitSystem(problem, Sizes(sizes, period, settings.widths), settings.rule)
-    return _SmallOrbits(system, rest.x, direction)
+    return _SmallOrbits(system, rest.x, largest)
 
 
 def _find_growth(orbit: Orbit, birth: Birth) -> Array:

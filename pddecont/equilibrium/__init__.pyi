@@ -16,7 +16,9 @@ from .characteristic import CharacteristicMatrix as CharacteristicMatrix
 from .constant_motion import ConstantMotion as ConstantMotion
 from .critical import BoundaryCondition as BoundaryCondition
 from .critical import CriticalEvaluation as CriticalEvaluation
-from .critical import make_critical_start as make_critical_start
+from .critical_roots import has_critical as has_critical
+from .critical_roots import remove_critical as remove_critical
+from .critical_start import make_critical_start as make_critical_start
 from .curve_tests import CURVE_NAMES as CURVE_NAMES
 from .curve_tests import make_curve_tests as make_curve_tests
 from .delayed_switching import DelayedSwitching as DelayedSwitching

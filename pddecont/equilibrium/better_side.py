@@ -17,14 +17,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.equilibrium.critical import (
-    BoundaryCondition,
-    CriticalEvaluation,
-    FoldCondition,
-    HopfCondition,
-    split_pair,
-)
+from pddecont.equilibrium.critical import BoundaryCondition, CriticalEvaluation, FoldCondition
 from pddecont.equilibrium.equations import Equilibrium, EquilibriumEvaluation
+from pddecont.equilibrium.hopf_condition import HopfCondition, find_frequency
 from pddecont.equilibrium.normal_forms import Forms, find_root_speed
 from pddecont.equilibrium.sides import list_sides
 from pddecont.errors import ConvergenceError
@@ -64,7 +59,7 @@ def _find_growth(at: CriticalEvaluation) -> Array:
     moves, speeds = _find_moves(at.inner), []
     if not np.all(np.isfinite(moves)):
         return UNKNOWN
-    root = Forms(at.equilibrium).find_critical(1j * abs(split_pair(at.own)[1]))
+    root = Forms(at.equilibrium).find_critical(1j * find_frequency(at.own))
     for move, width in zip(moves.T, at.system.inner.widths, strict=True):
         before, after = (_shift(at.inner, sign * DIFFERENCE * width * move) for sign in (-1.0, 1.0))
         speeds.append(find_root_speed(root, before, after, 2.0 * DIFFERENCE * width).real)

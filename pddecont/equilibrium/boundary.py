@@ -15,13 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.continuation import CurvePoint, FixedUnknowns, find_tangent
-from pddecont.equilibrium.equations import (
-    Equilibrium,
-    EquilibriumEvaluation,
-    EquilibriumProblem,
-    EquilibriumSystem,
-    solve_equilibrium,
-)
+from pddecont.equilibrium.equations import Equilibrium, EquilibriumEvaluation, EquilibriumSystem, solve_equilibrium
 from pddecont.equilibrium.sides import list_sides
 from pddecont.errors import ConvergenceError
 from pddecont.model import IDENTITY
@@ -65,16 +59,14 @@ def find_way_on(point: CurvePoint[EquilibriumEvaluation], event: str) -> WayOn |
 
 def _enter(inner: EquilibriumSystem, at: Equilibrium, mode: str) -> CurvePoint[EquilibriumEvaluation] | None:
     """Return the equilibrium of a mode at the same point with its tangent into the mode; None where it has none."""
-    motion = replace(at.motion, mode=mode)
+    system = inner.enter(mode)
     try:
-        found, _, _ = solve_equilibrium(replace(at, motion=motion))
+        found, _, _ = solve_equilibrium(replace(at, motion=system.problem.motion))
     except ConvergenceError:
         return None
     if np.max(np.abs(found.states - at.states) / inner.sizes) > SAME:
         return None
-    problem = EquilibriumProblem(motion, at.parameters, inner.problem.free)
-    system = EquilibriumSystem(problem, inner.sizes, inner.widths)
-    x = problem.join(found)
+    x = system.problem.join(found)
     here, towards = system.at(x), np.zeros(len(x))
     towards[-1] = 1.0
     try:

@@ -17,7 +17,8 @@ import numpy as np
 
 from pddecont.continuation import CountFunction, Counts, CurvePoint, End, TestFunction, TestFunctions
 from pddecont.equilibrium.branch_tests import PairTest
-from pddecont.equilibrium.critical import CriticalEvaluation, HopfCondition, split_pair
+from pddecont.equilibrium.critical import CriticalEvaluation
+from pddecont.equilibrium.hopf_condition import find_frequency
 from pddecont.equilibrium.normal_forms import Forms, find_cubic_coefficient
 from pddecont.equilibrium.stability import count_unstable
 from pddecont.errors import ConvergenceError
@@ -50,7 +51,7 @@ def make_curve_tests(
         tests = [TestFunction(CUSP, _measure_cusp), TestFunction(TAKENS, _measure_takens, reason=HOMOCLINIC)]
         labels = ("", ZERO_HOPF)
     elif kind == "HB":
-        # Beyond omega = 0 the curve is its own mirror image.
+        # Beyond omega = 0 the roots are real.
         tests = [TestFunction(TAKENS, lambda point: float(point.at.own[-1]), End.SPECIAL, HOMOCLINIC)]
         tests += [TestFunction(BAUTIN, _measure_bautin)] if smooth else []
         labels = (ZERO_HOPF, DOUBLE_HOPF)
@@ -109,10 +110,11 @@ def _find_left(at: CriticalEvaluation) -> Any:
 def _measure_bautin(point: Point) -> float:
     """Return the first Lyapunov coefficient."""
     at = point.at
-    assert isinstance(at.system.critical, HopfCondition), "asked of Hopf points alone"
-    _, omega = split_pair(at.own)
+    omega = find_frequency(at.own)
+    if omega == 0.0:
+        return float("nan")
     try:
         forms = Forms(at.equilibrium)
-        return find_cubic_coefficient(forms, forms.find_critical(1j * abs(omega))).real / abs(omega)
+        return find_cubic_coefficient(forms, forms.find_critical(1j * omega)).real / omega
     except ConvergenceError:
         return float("nan")

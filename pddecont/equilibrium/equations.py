@@ -138,6 +138,10 @@ class EquilibriumSystem:
         """Return the equations at the unknowns ``x``."""
         return EquilibriumEvaluation(self.problem, x)
 
+    def enter(self, mode: str) -> EquilibriumSystem:
+        """Return the equations of another mode."""
+        return replace(self, problem=replace(self.problem, motion=replace(self.problem.motion, mode=mode)))
+
 
 def measure_sizes(states: Array) -> Array:
     """Return the typical size of each state (n_states,): its own, or where it is small that of the largest."""

@@ -8,7 +8,8 @@ With Delta the characteristic matrix, B and C the second and third derivatives o
             l1 = Re c1 / omega,                        Delta(i omega) q = 0,  p Delta'(i omega) q = 1,  |q| = 1
 
 On the centre manifold y' = a y^2 + ..., and z' = i omega z + c1 z |z|^2 + ... with x = x_0 + 2 Re(z q e^(i omega t)).
-Orbits are born stable, beside a stable equilibrium, where l1 < 0. The size of a and l1 depends on |q| = 1.
+Orbits are born stable, beside a stable equilibrium, where l1 < 0. The size of a and l1 depends on |q| = 1, the sign of
+a on that of q: its largest component is positive.
 
 References: Kuznetsov, Elements of Applied Bifurcation Theory (2004), section 5.4; Janssens, On a normalization
 technique for codimension two bifurcations of equilibria of delay differential equations (Utrecht, 2010); Bosschaert,
@@ -31,6 +32,8 @@ from pddecont.equilibrium.partials import Partials
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
+# Components of a vector that differ by less than this part are as large as each other.
+AS_LARGE = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,8 +102,12 @@ class Forms:
 
 
 def _make_real(vector: Complex) -> Complex:
-    """Return a vector turned so that its largest component is real; its imaginary part is rounding."""
-    largest = vector[int(np.argmax(np.abs(vector)))]
+    """Return a vector turned so that its largest component is positive; its imaginary part is rounding.
+
+    Of several that are as large as each other it is the first.
+    """
+    sizes = np.abs(vector)
+    largest = vector[int(np.argmax(sizes >= (1.0 - AS_LARGE) * np.max(sizes)))]
     return np.asarray((vector * np.conj(largest) / abs(largest)).real, dtype=complex)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,8 +11,9 @@ from pddecont.continuation import BranchPoint
 from pddecont.equilibrium.birth import find_birth
 from pddecont.equilibrium.branch_tests import FOLD, HOPF
 from pddecont.equilibrium.critical import CriticalEvaluation
-from pddecont.equilibrium.curve_tests import HOMOCLINIC
+from pddecont.equilibrium.curve_tests import TAKENS, ZERO_HOPF
 from pddecont.equilibrium.equations import EquilibriumEvaluation
+from pddecont.equilibrium.hopf_condition import find_frequency
 from pddecont.equilibrium.normal_forms import Forms, find_cubic_coefficient, find_fold_coefficient
 from pddecont.errors import ConvergenceError
 from pddecont.reasons import Reason, make_reason
@@ -19,6 +21,8 @@ from pddecont.reasons import Reason, make_reason
 HOPF_CODE, LINEAR_HOPF_CODE, FOLD_CODE = "hopf_normal_form", "linear_hopf", "fold_normal_form"
 # What a Hopf point is by the sign of its first Lyapunov coefficient.
 SUPERCRITICAL, SUBCRITICAL = "supercritical", "subcritical"
+# Points of curves at which the coefficient is infinite: another root is zero there.
+UNDEFINED = {(FOLD, TAKENS), (HOPF, TAKENS), (HOPF, ZERO_HOPF)}
 
 
 @dataclass(frozen=True)
@@ -65,20 +69,25 @@ def _describe_hopf(point: BranchPoint[EquilibriumEvaluation], parameter: str, wi
     return SpecialValues(birth.frequency, birth.coefficient, reason)
 
 
-def find_curve_values(at: CriticalEvaluation, reason: Reason) -> SpecialValues:
+def find_curve_values(point: BranchPoint[CriticalEvaluation]) -> SpecialValues:
     """Return what is recorded of a point of a curve: the frequency and the coefficient of its normal form."""
-    kind, smooth = at.system.critical.label, not at.system.problem.n_forces
-    try:
-        if kind == FOLD and smooth:
-            return SpecialValues(np.nan, find_fold_coefficient(at.equilibrium), reason)
-        if kind == HOPF:
-            omega = abs(float(at.own[-1]))
-            if reason.code == HOMOCLINIC.code:
-                # The pair meets at zero: there are no orbits to be born.
-                return SpecialValues(omega, np.nan, reason)
-            forms = Forms(at.equilibrium)
-            cubic = find_cubic_coefficient(forms, forms.find_critical(1j * omega)) if smooth else complex(np.nan)
-            return SpecialValues(omega, cubic.real / omega, reason)
-    except ConvergenceError:
-        pass
-    return SpecialValues(np.nan, np.nan, reason)
+    at = point.state.point.at
+    curve, defined = at.system.critical.label, not at.system.problem.n_forces
+    frequency = np.nan
+    if curve == HOPF:
+        frequency = 0.0 if point.kind == TAKENS else find_frequency(at.own)
+    coefficient = np.nan
+    if defined and (curve, point.kind) not in UNDEFINED:
+        with contextlib.suppress(ConvergenceError):
+            coefficient = _find_coefficient(at, curve, frequency)
+    return SpecialValues(frequency, coefficient, point.reason)
+
+
+def _find_coefficient(at: CriticalEvaluation, curve: str, frequency: float) -> float:
+    """Return the coefficient of the normal form of a fold or a Hopf point; NaN of others."""
+    if curve == FOLD:
+        return find_fold_coefficient(at.equilibrium)
+    if curve != HOPF or frequency == 0.0:
+        return np.nan
+    forms = Forms(at.equilibrium)
+    return find_cubic_coefficient(forms, forms.find_critical(1j * frequency)).real / frequency

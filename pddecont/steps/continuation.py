@@ -1,4 +1,4 @@
-"""The ``continue`` step: a branch of periodic orbits in one free parameter, or a curve of special points in two."""
+"""The ``continue`` step: a branch of orbits or equilibria in one free parameter, a curve of special points in two."""
 
 from __future__ import annotations
 
@@ -37,9 +37,9 @@ class StepSize(Strict):
 
 
 class Continue(Strict):
-    """Follow an orbit in one free parameter, or a special point in two."""
+    """Follow an orbit or an equilibrium in one free parameter, or a special point in two."""
 
-    from_: From = Field(alias="from", description="an orbit or a special point")
+    from_: From = Field(alias="from", description="an orbit, an equilibrium or a special point")
     free: list[Identifier] = Field(
         min_length=1, max_length=2, description="parameter to vary; two to follow a special point"
     )
@@ -52,7 +52,10 @@ class Continue(Strict):
     signature_change: Literal["follow", "stop"] = Field(
         "follow", description="what to do where an orbit grazes, a segment vanishes or a condition changes"
     )
-    branch: Literal["same", "switch"] = Field("same", description="switch: onto the other branch at a PD or BP point")
+    branch: Literal["same", "switch"] = Field(
+        "same",
+        description="switch: onto the other branch at a PD or BP point, onto the orbits born at an HB, GH or HH point",
+    )
     signature: list[SegmentName] | None = Field(
         None, min_length=1, description=("segments that the orbit must have; at a GR point those after it")
     )
@@ -161,14 +164,19 @@ def _check_source(given: StepInput[Continue]) -> None:
 def _check_detect(given: StepInput[Continue]) -> None:
     """Check that the kinds of special points asked for can be found in this step."""
     from pddecont.bifurcation import list_kinds
+    from pddecont.equilibrium import CURVE_NAMES, NAMES
 
     on_curve = len(given.body.free) == 2
     kinds = {kind.label: kind for kind in list_kinds() if (kind.on_curves if on_curve else kind.on_branches)}
+    # A branch above may be one of orbits or of equilibria, and from equilibria orbits are born.
+    of_orbits = given.source_holds != Holding.EQUILIBRIA
+    at_rest = () if given.source_holds == Holding.ORBIT else (CURVE_NAMES if on_curve else NAMES)
+    known = dict.fromkeys([*(kinds if of_orbits else ()), *at_rest])
     where = "two free parameters" if on_curve else "one free parameter"
     for k, label in enumerate(given.body.detect or ()):
-        if label not in kinds:
-            given.add_error(("detect", k), f"'{label}' is not found with {where} (there are: {', '.join(kinds)})")
-        elif kinds[label].needs_multipliers and not given.body.stability:
+        if label not in known:
+            given.add_error(("detect", k), f"'{label}' is not found with {where} (there are: {', '.join(known)})")
+        elif label not in at_rest and kinds[label].needs_multipliers and not given.body.stability:
             given.add_error(("detect", k), f"'{label}' is seen from multipliers; add 'stability: true' to this step")
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from pddecont.bifurcation import list_kinds
+from pddecont.equilibrium import CURVE_NAMES, NAMES
 from pddecont.model import ModelFile
 from pddecont.runfile import RunBlock, RunFile, make_run_types
 from pddecont.steps.registry import BUILTIN
@@ -23,7 +24,7 @@ def make_schemas() -> dict[str, dict[str, Any]]:
     block, run = block_type.model_json_schema(by_alias=True), file_type.model_json_schema(by_alias=True)
     for schema, title, describes in ((block, "RunBlock", RunBlock), (run, "RunFile", RunFile)):
         schema |= {"title": title, "description": inspect.getdoc(describes)}
-        labels = [kind.label for kind in list_kinds()]
+        labels = list(dict.fromkeys([*(kind.label for kind in list_kinds()), *NAMES, *CURVE_NAMES]))
         detect = schema["$defs"]["Continue"]["properties"]["detect"]["anyOf"][0]
         detect["items"] = {"enum": labels, "type": "string"}
     # The run block of a model file has the run file's keys.

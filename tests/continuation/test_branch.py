@@ -143,6 +143,13 @@ def test_a_branch_that_starts_where_a_margin_is_used_up_has_no_other_point():
     assert (end.end, points) == (End.LIMIT, [])
 
 
+def test_a_branch_that_starts_on_the_end_of_its_range_ends_at_that_very_point():
+    (point,), end = follow(line(0.0), (0.5, 0.0), (1.0, 0.0), [Range(0, 0.0, 0.5)])
+    assert (point.kind, point.state.x.tolist(), end.end) == (END_POINT, [0.5, 0.0], End.RANGE)
+    points, end = follow(line(0.0), (0.5, 0.0), (-1.0, 0.0), [Range(0, 0.0, 0.5)])
+    assert points[-1].state.x[0] == 0.0 and end.end == End.RANGE
+
+
 def test_where_the_equations_fail_it_comes_near_and_says_what_fails():
     """Steps before such a boundary become no smaller than 0.02 of the first: near to it, and not beyond."""
     pole = Margins(lambda x: [0.3 - x[0]], lambda x: [[-1.0, 0.0]], Approach.TOWARDS, End.IMPOSSIBLE)

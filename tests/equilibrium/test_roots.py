@@ -45,6 +45,12 @@ def test_a_double_root_counts_twice():
     assert np.sum(near) == 2
 
 
+def test_where_all_derivatives_are_zero_all_roots_are():
+    """As at the cusp of an equation of one state."""
+    roots = find_roots(make_matrix([[0.0]], [[[0.0]]], [0.4]))
+    assert roots.values.tolist() == [0.0] and roots.counted and roots.n_unstable == 0
+
+
 def test_without_delays_they_are_the_eigenvalues():
     rng = np.random.default_rng(3)
     present = rng.normal(size=(7, 7))

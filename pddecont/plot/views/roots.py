@@ -42,7 +42,7 @@ def draw_figure(steps: list[Step], request: ViewRequest) -> Figure:
 
 
 def choose_steps(steps: list[Step], results: Results, request: ViewRequest) -> list[Step]:
-    """Return the last step that has roots, a branch before a curve: a curve's points leave out those on the axis."""
+    """Return the last step that has roots, a branch before a curve, along which some stay on the axis."""
     full = [step for step in steps if has_roots(step)]
     return ([step for step in full if len(list_free_parameters(step)) < 2] or full or steps)[-1:]
 

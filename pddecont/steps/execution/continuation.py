@@ -30,7 +30,7 @@ from pddecont.continuation import (
     Termination,
     follow_branch,
 )
-from pddecont.errors import ConvergenceError
+from pddecont.errors import ConvergenceError, RunError
 from pddecont.orbit import (
     DelayBoundary,
     DurationBoundary,
@@ -161,6 +161,7 @@ def run_continue(context: Context, step: PlannedStep[ContinueSettings], recorded
     if follows_equilibria(context, step):
         run_equilibrium_branch(context, step, recorded)
         return
+    _check_detect(context, step)
     settings = BranchSettings(
         body.free,
         body.ranges,
@@ -221,6 +222,17 @@ def _make_home(start: BranchState[Any], widths: tuple[float, ...]) -> Home[Any]:
 
 def _turn(start: BranchState[Any], way: int) -> BranchState[Any]:
     return replace(start, point=replace(start.point, direction=way * start.tangent))
+
+
+def _check_detect(context: Context, step: PlannedStep[ContinueSettings]) -> None:
+    """Check that orbits have the multipliers from which special points are seen: known once the start is one."""
+    for label in step.settings.detect or ():
+        kind = find_kind(label)
+        if kind is not None and kind.needs_multipliers and not step.settings.multipliers.wanted:
+            text = (
+                f"step '{step.name}': '{label}' is seen from multipliers of orbits; add 'stability: true' to this step"
+            )
+            raise RunError.at(context.plan.source, 0, 0, text)
 
 
 def _count_unexplained(recorded: Step, way: int, kept: int) -> int:

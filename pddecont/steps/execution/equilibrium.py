@@ -43,7 +43,7 @@ MODES_TRIED = 50
 
 def run_equilibrium(context: Context, step: PlannedStep[EquilibriumSettings], recorded: Step | None) -> None:
     """Find and record the equilibria that a step asks for."""
-    settings, meta = step.settings, make_equilibrium_meta(context.plan, KINDS)
+    settings, meta = step.settings, make_equilibrium_meta(context.plan, step, KINDS)
     if settings.box is None:
         guess = _make_guess(context, step)
         guess = guess if settings.mode is None else replace(guess, motion=replace(guess.motion, mode=settings.mode))

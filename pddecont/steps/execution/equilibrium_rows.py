@@ -13,13 +13,13 @@ from pddecont.equilibrium import ConstantMotion, Equilibrium, Roots, find_passed
 from pddecont.errors import ResultsError
 from pddecont.orbit import Monitor, make_resting_orbit
 from pddecont.results import Step
-from pddecont.runfile import Plan
+from pddecont.runfile import Plan, PlannedStep
 from pddecont.steps.execution.units import find_units
 
 Array = NDArray[np.float64]
 
 
-def make_equilibrium_meta(plan: Plan, kinds: dict[str, str]) -> dict[str, Any]:
+def make_equilibrium_meta(plan: Plan, step: PlannedStep[Any], kinds: dict[str, str]) -> dict[str, Any]:
     """Return what a step that records equilibria says of itself; ``kinds`` are its special points by label."""
     return {
         "monitors": list(plan.monitors),
@@ -27,7 +27,13 @@ def make_equilibrium_meta(plan: Plan, kinds: dict[str, str]) -> dict[str, Any]:
         "units": find_units(plan),
         "modes": list(plan.model.modes),
         "asked": ["stable"],
+        "delay_method": repr(step.delay),
     }
+
+
+def has_same_delays(recorded: Step, step: PlannedStep[Any]) -> bool:
+    """Return whether delays were discretised as this step does, so that characteristic roots are the same."""
+    return bool(recorded.meta.get("delay_method") == repr(step.delay))
 
 
 def equilibrium_to_row(
@@ -47,13 +53,15 @@ def equilibrium_to_row(
     n_unexplained: int = 0,
     side: Array | None = None,
     on_surface: str = "",
+    others: Roots | None = None,
 ) -> tuple[dict[str, Any], dict[str, Array]]:
     """Return the row of points and the rows of arrays that record an equilibrium.
 
-    ``on_surface`` is the event on whose surface a boundary equilibrium lies.
+    ``on_surface`` is the event on whose surface a boundary equilibrium lies; ``others`` are the ``roots`` without those
+    that it has on the imaginary axis by its nature (None: it has none).
     """
     admissible = find_passed_side(at, on_surface) is None
-    known = roots.counted
+    known, n_unstable = roots.counted, (roots if others is None else others).n_unstable
     motion, period = at.motion, 2.0 * np.pi / frequency if frequency > 0.0 else 1.0
     resting = make_resting_orbit(motion.numeric, motion.mode, at.states, at.parameters, motion.method, period)
     points: dict[str, Any] = {
@@ -61,10 +69,10 @@ def equilibrium_to_row(
         "arclength": arclength,
         "parameters": at.motion.numeric.with_fixed(at.parameters),
         "states": at.states,
-        "stable": int(roots.n_unstable == 0 and admissible) if known else -1,
+        "stable": int(n_unstable == 0 and admissible) if known else -1,
         "admissible": admissible,
         "counted": roots.counted,
-        "n_unstable": roots.n_unstable if known else -1,
+        "n_unstable": n_unstable if known else -1,
         "frequency": frequency,
         "coefficient": coefficient,
         "error_estimate": error,
