@@ -29,9 +29,9 @@ from pddecont.continuation import (
     scale_matrix,
 )
 from pddecont.equilibrium.characteristic import DENSE
+from pddecont.equilibrium.crossings import count_unstable, hides_crossings
 from pddecont.equilibrium.equations import EquilibriumEvaluation
 from pddecont.equilibrium.sides import Side, list_sides
-from pddecont.equilibrium.stability import count_unstable, hides_crossings
 from pddecont.reasons import make_reason
 
 FOLD, HOPF, BRANCH, BOUNDARY = "LP", "HB", "BP", "BE"
@@ -51,7 +51,7 @@ def make_tests(
         TestFunction(BRANCH, _measure_branching, crosses=True),
         *(_test_side(side) for side in list_sides(motion.numeric.model, motion.mode)),
     ]
-    counts = CountFunction(lambda point: count_unstable(point.at.roots), _explain, hides_crossings)
+    counts = CountFunction(count_unstable, _explain, hides_crossings)
     wanted = [test for test in tests if detect is None or test.kind in detect]
     return TestFunctions(wanted, counts if detect is None or HOPF in detect else None)
 

@@ -18,9 +18,9 @@ import numpy as np
 from pddecont.continuation import CountFunction, Counts, CurvePoint, End, TestFunction, TestFunctions
 from pddecont.equilibrium.branch_tests import PairTest
 from pddecont.equilibrium.critical import CriticalEvaluation
+from pddecont.equilibrium.crossings import count_unstable, hides_crossings
 from pddecont.equilibrium.hopf_condition import find_frequency
 from pddecont.equilibrium.normal_forms import Forms, find_cubic_coefficient
-from pddecont.equilibrium.stability import count_unstable
 from pddecont.errors import ConvergenceError
 from pddecont.reasons import make_reason
 
@@ -57,7 +57,7 @@ def make_curve_tests(
         labels = (ZERO_HOPF, DOUBLE_HOPF)
     else:
         return TestFunctions([])
-    counts = CountFunction(lambda point: count_unstable(point.at.roots), _make_explain(labels))
+    counts = CountFunction(count_unstable, _make_explain(labels), hides_crossings)
     return TestFunctions([test for test in tests if wants(test.kind)], counts if any(map(wants, labels)) else None)
 
 

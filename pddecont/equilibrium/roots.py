@@ -29,7 +29,7 @@ Complex = NDArray[np.complex128]
 # Roots that are found, if not more are unstable.
 N_ROOTS = 12
 # Beside all unstable ones so many stable ones are found, which may cross the axis next.
-NEXT = 4
+NEXT = 8
 # Points of the past: so many, and more for each radian that the fastest mode turns in the longest delay, up to many.
 FEW_POINTS, PER_RADIAN, MANY_POINTS = 16, 0.7, 160
 # Discretisations of more equations are not made whole.
