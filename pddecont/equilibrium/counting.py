@@ -33,7 +33,7 @@ CHANGE = 0.7
 # Points at most, of small matrices and of sparse ones; a step over which rates are taken, as a part of the whole way.
 MAX_POINTS, MAX_SPARSE, STEP = 200_000, 20_000, 1e-8
 # How far to the right of the axis Q is taken, as a part of the whole way: a root on the axis is no zero to divide by.
-ASIDE = 1e-10
+ASIDE = 1e-7
 # Neighbours nearer than this part of the whole way: the axis goes through a root that is not in the list.
 NEAREST = 1e-12
 # The least point beside zero, as a part of the whole way; and places where a root may be, at most.
