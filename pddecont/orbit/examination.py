@@ -54,6 +54,11 @@ class Examination:
         return measure_states(self.orbit.values)
 
     @cached_property
+    def remoteness(self) -> float:
+        """How many times larger a state is than what it moves by, at most; one or more."""
+        return float(max(1.0, np.max(np.max(np.abs(self.orbit.values), axis=0) / self.sizes)))
+
+    @cached_property
     def error(self) -> float:
         """The orbit's estimated error, relative to its size."""
         return float(np.max(estimate_interval_errors(self.orbit)))

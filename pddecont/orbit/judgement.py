@@ -65,8 +65,11 @@ def _meets(signature: Signature, s: int, found: Sequence[str]) -> bool:
 
 
 def find_allowed(examined: Examination) -> float:
-    """Return how far simulation and orbit may be apart, if errors are not carried farther."""
-    return SIMULATED + ESTIMATED * examined.error
+    """Return how far simulation and orbit may be apart, if errors are not carried farther.
+
+    A simulation is exact to a part of the states, whatever they move by.
+    """
+    return SIMULATED * examined.remoteness + ESTIMATED * examined.error
 
 
 def measure_deviation(examined: Examination, window: Window, record: MotionRecord) -> float:

@@ -30,8 +30,6 @@ def born(request, tmp_path_factory):
             "continue": {
                 "from": {"step": "orbits", "point": "EP1"},
                 "direction": "down" if birth.growth > 0 else "up",
-                # Simulations are exact to a part of the states, of which the last orbits are a millionth.
-                "verify": False,
                 **follow,
             },
         },
