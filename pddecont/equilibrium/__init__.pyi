@@ -24,6 +24,7 @@ from .curve_tests import make_curve_tests as make_curve_tests
 from .delayed_switching import DelayedSwitching as DelayedSwitching
 from .delayed_switching import find_delayed_switchings as find_delayed_switchings
 from .equations import Equilibrium as Equilibrium
+from .equations import EquilibriumCurve as EquilibriumCurve
 from .equations import EquilibriumEvaluation as EquilibriumEvaluation
 from .equations import EquilibriumProblem as EquilibriumProblem
 from .equations import EquilibriumSystem as EquilibriumSystem

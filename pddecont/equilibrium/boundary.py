@@ -14,8 +14,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.continuation import CurvePoint, FixedUnknowns, find_tangent
-from pddecont.equilibrium.equations import Equilibrium, EquilibriumEvaluation, EquilibriumSystem, solve_equilibrium
+from pddecont.continuation import CurvePoint, find_tangent
+from pddecont.equilibrium.equations import (
+    Equilibrium,
+    EquilibriumCurve,
+    EquilibriumEvaluation,
+    EquilibriumSystem,
+    solve_equilibrium,
+)
 from pddecont.equilibrium.sides import list_sides
 from pddecont.errors import ConvergenceError
 from pddecont.model import IDENTITY
@@ -40,8 +46,8 @@ def find_way_on(point: CurvePoint[EquilibriumEvaluation], event: str) -> WayOn |
     """Return where the branch goes on at a boundary equilibrium on the surface of an event; None where it ends."""
     at = point.at.equilibrium
     model, system = at.motion.numeric.model, point.system
-    assert isinstance(system, FixedUnknowns) and isinstance(system.system, EquilibriumSystem), "equilibria have no mesh"
-    inner = system.system
+    assert isinstance(system, EquilibriumCurve), "equilibria have no mesh"
+    inner = system.inner
     ending = [s for s in model.list_segments(at.motion.mode) if s.event == event]
     others = dict.fromkeys(s.to for s in ending if s.reset == IDENTITY and s.to != at.motion.mode)
     onward = float(np.sign(point.tangent[-1])) or 1.0
@@ -76,7 +82,7 @@ def _enter(inner: EquilibriumSystem, at: Equilibrium, mode: str) -> CurvePoint[E
     ways = [way for way in (1.0, -1.0) if _is_inside(system, x + way * AHEAD * tangent)]
     if len(ways) != 1:
         return None
-    return CurvePoint(FixedUnknowns(system), here, None, ways[0] * tangent)
+    return CurvePoint(EquilibriumCurve(system), here, None, ways[0] * tangent)
 
 
 def _is_inside(system: EquilibriumSystem, x: Array) -> bool:

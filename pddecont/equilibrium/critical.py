@@ -217,8 +217,9 @@ class CriticalSystem(FixedUnknowns[CriticalEvaluation]):
         return CriticalEvaluation(self, x)
 
     def update_reference(self, at: CriticalEvaluation) -> CriticalSystem:
-        """Return the system with the normal of the vector taken from a point."""
-        return CriticalSystem(self.inner, self.critical.update(at.own), self.start)
+        """Return the system with the normal of the vector and the sizes of the states taken from a point."""
+        inner = self.inner.measure(at.equilibrium.states)
+        return CriticalSystem(inner, self.critical.update(at.own), self.start)
 
 
 def make_dense(matrix: Any) -> NDArray[Any]:

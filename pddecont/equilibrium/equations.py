@@ -12,7 +12,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from pddecont.continuation import Matrix, NewtonSettings, Scaling, solve_newton
+from pddecont.continuation import FixedUnknowns, Matrix, NewtonSettings, Scaling, solve_newton
 from pddecont.equilibrium.constant_motion import ConstantMotion
 from pddecont.equilibrium.roots import Roots
 from pddecont.equilibrium.stability import find_own_roots
@@ -120,11 +120,15 @@ class EquilibriumEvaluation:
 
 @dataclass(frozen=True, eq=False)
 class EquilibriumSystem:
-    """The equations with sizes of the unknowns: ``sizes`` (n_states,) and the ``widths`` of the parameters' ranges."""
+    """The equations with sizes of the unknowns: ``sizes`` (n_states,) and the ``widths`` of the parameters' ranges.
+
+    ``least`` are the sizes where a branch begins; they do not become smaller along it (None: ``sizes``).
+    """
 
     problem: EquilibriumProblem
     sizes: Array
     widths: tuple[float, ...] = ()
+    least: Array | None = None
 
     @cached_property
     def scaling(self) -> Scaling:
@@ -141,6 +145,23 @@ class EquilibriumSystem:
     def enter(self, mode: str) -> EquilibriumSystem:
         """Return the equations of another mode."""
         return replace(self, problem=replace(self.problem, motion=replace(self.problem.motion, mode=mode)))
+
+    def measure(self, states: Array) -> EquilibriumSystem:
+        """Return the system with sizes of the unknowns as large as ``states`` have become."""
+        least = self.sizes if self.least is None else self.least
+        return replace(self, sizes=np.maximum(least, measure_sizes(states)), least=least)
+
+
+class EquilibriumCurve(FixedUnknowns[EquilibriumEvaluation]):
+    """Equilibria along a branch, in sizes that grow with them."""
+
+    def __init__(self, inner: EquilibriumSystem):
+        self.inner = inner
+        super().__init__(inner)
+
+    def update_reference(self, at: EquilibriumEvaluation) -> EquilibriumCurve:
+        """Return the branch with sizes taken from a point."""
+        return EquilibriumCurve(self.inner.measure(at.equilibrium.states))
 
 
 def measure_sizes(states: Array) -> Array:

@@ -200,3 +200,22 @@ def test_a_guess_from_which_nothing_is_found_says_what_helps(tmp_path):
     model = {**CROSSING, "modes": {"m": {"x'": "1 + x**2 + 0*r*x(t - tau)"}}}
     with pytest.raises(ConvergenceError, match=r"no equilibrium near the guess.*What usually helps"):
         run({**model, "run": {"steps": [{"name": "rest", "equilibrium": {"from": {"x": 1}}}]}}, tmp_path / "r.h5")
+
+
+def test_states_that_grow_thousandfold_do_not_shorten_the_steps(tmp_path):
+    """r = (x^3 - 6 x^2 + 9.3 x)/20 begins at x = 0 and has its folds at 2 -+ sqrt(0.9)."""
+    model = {
+        "name": "growth",
+        "states": ["x"],
+        "parameters": {"r": 0.001},
+        "equations": {"x'": "r - (x**3 - 6*x**2 + 9.3*x)/20"},
+    }
+    steps = [
+        {"name": "rest", "equilibrium": {"from": {"x": 0.002}}},
+        {"name": "in_r", "continue": {"from": "rest", "free": ["r"], "range": {"r": [0, 1]}}},
+    ]
+    step = run({**model, "run": {"steps": steps}}, tmp_path / "r.h5").step("in_r")
+    x = step.points["states"][:, 0]
+    assert np.min(x) < 1e-10 and np.max(x) > 5
+    assert len(step) < 150
+    assert sorted(x[step.points["kind"] == b"LP"]) == pytest.approx([2 - np.sqrt(0.9), 2 + np.sqrt(0.9)], abs=1e-10)

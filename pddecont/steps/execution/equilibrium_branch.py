@@ -7,15 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from pddecont.continuation import BranchPoint, BranchState, CurvePoint, FixedUnknowns, Home, StepSettings, follow_branch
+from pddecont.continuation import BranchPoint, BranchState, CurvePoint, Home, StepSettings, follow_branch
 from pddecont.equilibrium import (
     BOUNDARY,
     CURVE_NAMES,
     NAMES,
     BoundaryCondition,
     CriticalEvaluation,
+    EquilibriumCurve,
     EquilibriumEvaluation,
-    EquilibriumSystem,
     WayOn,
     find_better_side,
     find_curve_values,
@@ -187,8 +187,8 @@ def _restore(start: CurvePoint[Any], recorded: Step, row: int) -> BranchState[An
     before = (points["arclength"][: row + 1] * way > 0) & (points["kind"][: row + 1] == b"")
     system = start.system
     if isinstance(start.at, EquilibriumEvaluation):
-        assert isinstance(system, FixedUnknowns) and isinstance(system.system, EquilibriumSystem), "it has no mesh"
-        system = FixedUnknowns(system.system.enter(rows["signature"].tobytes().decode()))
+        assert isinstance(system, EquilibriumCurve), "it has no mesh"
+        system = EquilibriumCurve(system.inner.enter(rows["signature"].tobytes().decode()))
     point = replace(start, system=system, at=system.at(np.array(rows["unknowns"])), direction=np.array(rows["tangent"]))
     return BranchState(point, arclength, float(points["step"][row]), int(np.sum(before)) + 1, is_start=False)
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from pddecont.continuation import CurvePoint, FixedUnknowns, NewtonSettings, correct, find_tangent, tangent_at
+from pddecont.continuation import CurvePoint, NewtonSettings, correct, find_tangent, tangent_at
 from pddecont.equilibrium import (
     BOUNDARY,
     BOUNDARY_CODE,
@@ -17,6 +17,7 @@ from pddecont.equilibrium import (
     BoundaryCondition,
     CriticalEvaluation,
     Equilibrium,
+    EquilibriumCurve,
     EquilibriumProblem,
     EquilibriumSystem,
     find_other_frequency,
@@ -95,7 +96,7 @@ def _start_along(context: Context, step: PlannedStep[ContinueSettings], guess: E
     system = _make_system(context, step, found)
     at, towards = system.at(system.problem.join(found)), np.zeros(system.problem.n_unknowns)
     towards[-1] = 1.0
-    return CurvePoint(FixedUnknowns(system), at, None, find_tangent(at, system.scaling, towards))
+    return CurvePoint(EquilibriumCurve(system), at, None, find_tangent(at, system.scaling, towards))
 
 
 def find_curve_reason(start: CurvePoint[Any]) -> str:
@@ -126,7 +127,7 @@ def _start_crossing(
         raise ConvergenceError(f"step '{step.name}': the branch that the point was found on has other unknowns")
     other = find_other_tangent(system, x, tangent)
     forward = float(np.sign(other[-1])) or 1.0
-    return CurvePoint(FixedUnknowns(system), system.at(x), None, forward * other)
+    return CurvePoint(EquilibriumCurve(system), system.at(x), None, forward * other)
 
 
 def _make_system(context: Context, step: PlannedStep[ContinueSettings], at: Equilibrium) -> EquilibriumSystem:
