@@ -216,6 +216,6 @@ def test_states_that_grow_thousandfold_do_not_shorten_the_steps(tmp_path):
     ]
     step = run({**model, "run": {"steps": steps}}, tmp_path / "r.h5").step("in_r")
     x = step.points["states"][:, 0]
-    assert np.min(x) < 1e-10 and np.max(x) > 5
+    assert np.min(x) < 1e-10 and np.max(x) > 4.9
     assert len(step) < 150
     assert sorted(x[step.points["kind"] == b"LP"]) == pytest.approx([2 - np.sqrt(0.9), 2 + np.sqrt(0.9)], abs=1e-10)
