@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.plot.branch_parts import Family, LineStyle, split_branch
+from pddecont.plot.smooth_lines import slice_part, smooth_branch
 from pddecont.results import Step
 from pddecont.tables import holds_equilibria
 
@@ -34,14 +35,16 @@ def draw_parts(
     Unstable parts are dashed, those that are not admissible dotted and thinner than the ``width`` in points; one or two
     points alone are marked, and so are points that lie on no branch (:data:`MARKS`).
     """
+    line = smooth_branch(step, np.vstack([xs, heights])) if step.format.has_branch else None
     for part in split_branch(step):
         style: dict[str, Any] = {"ls": part.style, "marker": "." if len(xs) < 3 else None}
         if not step.format.has_branch and holds_equilibria(step):
             style = {"ls": "", **MARKS[part.style]}
-        for ys in heights:
+        shown_xs, *shown = np.vstack([xs, heights])[:, part.rows] if line is None else line[:, slice_part(part)]
+        for ys in shown:
             axes.plot(
-                xs[part.rows],
-                ys[part.rows],
+                shown_xs,
+                ys,
                 color=find_colour(step, part.family),
                 lw=width - THINNER * (part.style == LineStyle.DOTTED),
                 **style,

@@ -60,10 +60,11 @@ def name_counts(sort: CurveSort, n: int) -> tuple[str, ...]:
 def _choose_place(axes: Axes, sides: Sides, stretch: list[int]) -> tuple[Array, Array]:
     """Return a place of a stretch in pixels, far from all other curves and in the axes, and the way to its side."""
     unit = axes.figure.dpi / POINTS_PER_INCH
-    curve = sides.curve[stretch]
+    shown = sides.slice_line(stretch[0], stretch[-1] + 1)
+    curve = sides.curve[shown]
     along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(curve, axis=0).T))])
     share = np.linspace(0.0, 1.0, N_PLACES)[1:-1]
-    values = np.column_stack([curve, sides.signs[stretch, None] * sides.normals[stretch]])
+    values = np.column_stack([curve, sides.signs[stretch[0]] * sides.normals[shown]])
     fine = np.column_stack([np.interp(share * along[-1], along, column) for column in values.T])
     places, ways = fine[:, :2], GAP * unit * fine[:, 2:]
     others = _find_obstacles(axes) * unit - np.array([axes.bbox.x0, axes.bbox.y0])

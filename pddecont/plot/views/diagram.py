@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from pddecont.plot.axis_labels import format_axis_label
 from pddecont.plot.branch_colours import assign_branch_colours, make_style_handles
 from pddecont.plot.branch_lines import draw_parts
-from pddecont.plot.columns import keep_same_free, list_free_parameters, read_column
+from pddecont.plot.columns import keep_comparable, list_free_parameters, read_column
 from pddecont.plot.heights import choose_columns, read_heights
 from pddecont.plot.layouts import MAX_BESIDE, finish_figure, make_panel_beside_orbits
 from pddecont.plot.limits import widen_for_columns
@@ -34,8 +34,8 @@ def draw_figure(steps: list[Step], request: ViewRequest) -> Figure:
 
 
 def choose_steps(steps: list[Step], results: Results, request: ViewRequest) -> list[Step]:
-    """Return the branches in the last one's parameter; curves only where there are no branches."""
-    return keep_same_free([step for step in steps if len(list_free_parameters(step)) == 1] or steps)
+    """Return the branches in the last one's parameter, at its values of the others; curves only without branches."""
+    return keep_comparable([step for step in steps if len(list_free_parameters(step)) == 1] or steps)
 
 
 def draw_diagram(axes: Axes, steps: Sequence[Step], x: str, y: str) -> tuple[list[PointLabel], list[Artist]]:
