@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.plot.branch_parts import Family, LineStyle, split_branch
-from pddecont.plot.smooth_lines import slice_part, smooth_branch
+from pddecont.plot.smooth_lines import PIECES, slice_part, smooth_branch
 from pddecont.results import Step
 from pddecont.tables import holds_equilibria
 
@@ -49,3 +49,30 @@ def draw_parts(
                 lw=width - THINNER * (part.style == LineStyle.DOTTED),
                 **style,
             )
+
+
+def draw_birth(
+    axes: Axes,
+    step: Step,
+    place: tuple[float, float],
+    xs: Array,
+    heights: Array,
+    find_colour: Callable[[Step, Family], str],
+    width: float,
+) -> None:
+    """Join the first orbits of a branch to the Hopf point at ``place`` at which they are born.
+
+    Their extent, lines ``heights`` (n_lines, n_points), differs from the equilibrium as the amplitude does, the
+    parameter ``xs`` (n_points,) as its square.
+    """
+    part = split_branch(step)[0]
+    row = part.rows[0]
+    share = np.linspace(0.0, 1.0, PIECES + 1)
+    for height in heights[:, row]:
+        axes.plot(
+            place[0] + share**2 * (xs[row] - place[0]),
+            place[1] + share * (height - place[1]),
+            color=find_colour(step, part.family),
+            ls=part.style,
+            lw=width,
+        )

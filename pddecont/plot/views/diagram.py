@@ -6,8 +6,10 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from pddecont.plot.axis_labels import format_axis_label
+from pddecont.plot.births import find_birth
 from pddecont.plot.branch_colours import assign_branch_colours, make_style_handles
-from pddecont.plot.branch_lines import draw_parts
+from pddecont.plot.branch_lines import draw_birth, draw_parts
+from pddecont.plot.branch_parts import Family
 from pddecont.plot.columns import keep_comparable, list_free_parameters, read_column
 from pddecont.plot.heights import choose_columns, read_heights
 from pddecont.plot.layouts import MAX_BESIDE, finish_figure, make_panel_beside_orbits
@@ -23,6 +25,9 @@ if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+# Of lines, in points.
+WIDTH = 1.6
 
 
 def draw_figure(steps: list[Step], request: ViewRequest) -> Figure:
@@ -45,10 +50,19 @@ def draw_diagram(axes: Axes, steps: Sequence[Step], x: str, y: str) -> tuple[lis
     the labels of special points, which go in last, and the handles of the legend.
     """
     colours = assign_branch_colours(steps)
+
+    def find_colour(step: Step, family: Family) -> str:
+        return colours.of_parts[step.name, family]
+
     labels: list[PointLabel] = []
     columns, heights = [read_column(step, x) for step in steps], [read_heights(step, y) for step in steps]
     for step, xs, lines in zip(steps, columns, heights, strict=True):
-        draw_parts(axes, step, xs, lines, lambda step, family: colours.of_parts[step.name, family], 1.6)
+        draw_parts(axes, step, xs, lines, find_colour, WIDTH)
+        birth = find_birth(step, steps)
+        if birth and len(lines) > 1:
+            source, row = birth
+            place = float(read_column(source, x)[row]), float(read_heights(source, y)[0, row])
+            draw_birth(axes, step, place, xs, lines, find_colour, WIDTH)
         labels += mark_special_points(axes, step, xs, lines)
     widen_for_columns(axes, steps, {"x": columns, "y": heights})
     axes.set_xlabel(format_axis_label(steps, x))
