@@ -12,6 +12,8 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import tempfile
 import time
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -46,7 +48,8 @@ def chain_text(n_masses: int) -> str:
     names = range(1, n_masses + 1)
     inside = {0: "0", n_masses + 1: "0"} | {i: f"x{i}" for i in names}
     lines = [
-        f"  x{i}': v{i}\n  v{i}': -c*v{i} - x{i} - K*tanh(v{i}(t - tau)) + e*({inside[i - 1]} - 2*x{i} + {inside[i + 1]})\n"
+        f"  x{i}': v{i}\n"
+        f"  v{i}': -c*v{i} - x{i} - K*tanh(v{i}(t - tau)) + e*({inside[i - 1]} - 2*x{i} + {inside[i + 1]})\n"
         for i in names
     ]
     states = ", ".join(f"x{i}, v{i}" for i in names)
@@ -68,8 +71,8 @@ def points() -> None:
             p[-1] = tau
             guess = Equilibrium(motion, np.full(2 * n_masses, 1e-2), p)
             at = solve_equilibrium(guess)[0]
-            newton = least(lambda guess=guess: solve_equilibrium(guess))
-            seconds = least(lambda at=at: find_own_roots(motion, at.states, at.parameters))
+            newton = least(partial(solve_equilibrium, guess))
+            seconds = least(partial(find_own_roots, motion, at.states, at.parameters))
             roots = find_own_roots(motion, at.states, at.parameters)
             counted = str(roots.n_unstable) if roots.counted else "?"
             print(
@@ -99,7 +102,7 @@ def curves() -> None:
     print()
 
 
-def least(call) -> float:
+def least(call: Callable[[], object]) -> float:
     """Return the least CPU time of some calls."""
     call()
     found = []
