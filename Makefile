@@ -47,6 +47,7 @@ bench: setup         ## ratios, each measured in one process
 	$(BIN)/python -m pip install --quiet -e ".[bench]"
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.run
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.continuation
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.equilibria
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.simulator
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.effects
 

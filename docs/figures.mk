@@ -1,5 +1,6 @@
 # Every panel of the paper's figures, drawn into $(OUT)/figures: `make figures`. What is there already is not computed again;
-# `make -B figures` does it anew. docs/paper.md says which picture is which panel, and how long each takes.
+# `make -B figures` does it anew. docs/paper.md says which picture is which panel, and how long each takes. Beside them the
+# pictures of equilibria in docs/pictures.md.
 FIGURES := $(OUT)/figures
 PLOT = $(BIN)/pddecont plot $< -o $@
 WORKERS := 2
@@ -7,14 +8,20 @@ WORKERS := 2
 PANELS := fig4_1_diagram fig4_1_basins fig4_2_diagram fig4_2_basins fig4_2_delay_equation fig4_3a fig4_3b fig4_4_phase \
   fig4_4a_time fig4_4b_time fig4_4c_time fig4_4d_time fig4_5 fig4_6 fig4_6_points fig4_7 fig4_7_points \
   fig4_8a fig4_8b fig4_8cde
+EQUILIBRIA := mackey_glass turning_lobes
 
-figures: $(PANELS:%=$(FIGURES)/%.png)   ## every panel of the paper's figures, in out/figures
+figures: $(PANELS:%=$(FIGURES)/%.png) $(EQUILIBRIA:%=$(FIGURES)/%.png)   ## every panel of the paper's figures, in out/figures
 
 # A run that is broken off leaves only its unfinished file.
-$(FIGURES)/%.h5: configs/%.yaml | setup
+define COMPUTE
 	mkdir -p $(FIGURES)
 	$(BIN)/pddecont run $< -o $(FIGURES)/$*_unfinished.h5 --overwrite --workers $(WORKERS)
 	mv $(FIGURES)/$*_unfinished.h5 $@
+endef
+$(FIGURES)/%.h5: configs/%.yaml | setup
+	$(COMPUTE)
+$(FIGURES)/%.h5: models/%.yaml | setup
+	$(COMPUTE)
 .PRECIOUS: $(FIGURES)/%.h5
 
 $(FIGURES)/fig4_1_diagram.png: $(FIGURES)/fig4_1.h5
@@ -55,3 +62,8 @@ $(FIGURES)/fig4_8b.png: $(FIGURES)/fig4_8.h5
 	$(PLOT) --step grazing --view manifold -x v -y "v(t - tau_d)" -z tau_d
 $(FIGURES)/fig4_8cde.png: $(FIGURES)/fig4_8_points.h5
 	$(PLOT) --view orbit $(foreach point,P1 P2 P3,--step chain_$(point) --step delay_$(point))
+
+$(FIGURES)/mackey_glass.png: $(FIGURES)/mackey_glass.h5
+	$(PLOT) --step at_rest --step in_delay --step doubled
+$(FIGURES)/turning_lobes.png: $(FIGURES)/turning_lobes.h5
+	$(PLOT) --view plane

@@ -7,10 +7,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pddecont.plot.branch_lines import MARKS
-from pddecont.plot.branch_parts import Family, LineStyle, find_family, split_branch
+from pddecont.plot.branch_parts import INNER_KINDS, Family, LineStyle, find_family, split_branch
 from pddecont.plot.legend import make_line_handle, shorten_list
+from pddecont.plot.special_points import read_kind
 from pddecont.plot.style import COLOURS
 from pddecont.results import Step
 from pddecont.tables import find_signature, shorten_signature
@@ -75,11 +77,17 @@ def make_style_handles(steps: Sequence[Step], color: str = NEUTRAL, **style: Any
     used = {part.style for _, part in parts}
     if used == {LineStyle.SOLID}:
         return []
-    known = np.concatenate([step.points.get("stable", np.full(len(step), -1)) >= 0 for step in steps])
-    solid = "stable" if known.all() else "stable, or not computed" if known.any() else "admissible"
+    known = np.concatenate([_find_known(step) for step in steps])
+    solid = "stable" if known.all() else "stable, or not known" if known.any() else "admissible"
     rest = all(part.family.rests for _, part in parts if part.style == LineStyle.DOTTED)
     dotted = "virtual" if rest else "not admissible"
     words = {LineStyle.SOLID: solid, LineStyle.DASHED: "unstable", LineStyle.DOTTED: dotted}
     if not any(has_branch for has_branch, _ in parts) and all(part.family.rests for _, part in parts):
         return [make_line_handle(words[ls], color=color, ls="", **mark) for ls, mark in MARKS.items() if ls in used]
     return [make_line_handle(text, color=color, ls=ls, **style) for ls, text in words.items() if ls in used]
+
+
+def _find_known(step: Step) -> NDArray[np.bool_]:
+    """Return for each point, but those where stability changes, whether it is known, shape (n,)."""
+    inner = [i for i in range(len(step)) if read_kind(step, i) in INNER_KINDS]
+    return np.asarray(step.points.get("stable", np.full(len(step), -1))[inner] >= 0)

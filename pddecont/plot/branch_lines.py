@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.plot.branch_parts import Family, LineStyle, split_branch
+from pddecont.plot.smooth_lines import PIECES, slice_part, smooth_branch
 from pddecont.results import Step
 from pddecont.tables import holds_equilibria
 
@@ -34,15 +35,44 @@ def draw_parts(
     Unstable parts are dashed, those that are not admissible dotted and thinner than the ``width`` in points; one or two
     points alone are marked, and so are points that lie on no branch (:data:`MARKS`).
     """
+    line = smooth_branch(step, np.vstack([xs, heights])) if step.format.has_branch else None
     for part in split_branch(step):
         style: dict[str, Any] = {"ls": part.style, "marker": "." if len(xs) < 3 else None}
         if not step.format.has_branch and holds_equilibria(step):
             style = {"ls": "", **MARKS[part.style]}
-        for ys in heights:
+        shown_xs, *shown = np.vstack([xs, heights])[:, part.rows] if line is None else line[:, slice_part(part)]
+        for ys in shown:
             axes.plot(
-                xs[part.rows],
-                ys[part.rows],
+                shown_xs,
+                ys,
                 color=find_colour(step, part.family),
                 lw=width - THINNER * (part.style == LineStyle.DOTTED),
                 **style,
             )
+
+
+def draw_birth(
+    axes: Axes,
+    step: Step,
+    place: tuple[float, float],
+    xs: Array,
+    heights: Array,
+    find_colour: Callable[[Step, Family], str],
+    width: float,
+) -> None:
+    """Join the first orbits of a branch to the Hopf point at ``place`` at which they are born.
+
+    Their extent, lines ``heights`` (n_lines, n_points), differs from the equilibrium as the amplitude does, the
+    parameter ``xs`` (n_points,) as its square.
+    """
+    part = split_branch(step)[0]
+    row = part.rows[0]
+    share = np.linspace(0.0, 1.0, PIECES + 1)
+    for height in heights[:, row]:
+        axes.plot(
+            place[0] + share**2 * (xs[row] - place[0]),
+            place[1] + share * (height - place[1]),
+            color=find_colour(step, part.family),
+            ls=part.style,
+            lw=width,
+        )

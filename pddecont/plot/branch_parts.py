@@ -42,11 +42,15 @@ class Family:
 
 @dataclass(frozen=True)
 class BranchPart:
-    """Consecutive points of a branch, ``rows`` of shape (n,), whose connecting lines are drawn alike."""
+    """Consecutive points of a branch, ``rows`` of shape (n,), whose connecting lines are drawn alike.
+
+    ``start`` counts the points that lie before them along the branch.
+    """
 
     rows: NDArray[np.intp]
     style: LineStyle
     family: Family
+    start: int
 
 
 def split_branch(step: Step) -> list[BranchPart]:
@@ -58,13 +62,16 @@ def split_branch(step: Step) -> list[BranchPart]:
     """
     order = step.order
     if len(order) == 1 or not step.format.has_branch:
-        return [BranchPart(row, _choose_style(step, row), find_family(step, int(row[0]))) for row in order[:, None]]
+        return [
+            BranchPart(row, _choose_style(step, row), find_family(step, int(row[0])), k)
+            for k, row in enumerate(order[:, None])
+        ]
     lines = [_describe_line(step, a, b) for a, b in pairwise(order)]
     parts, start = [], 0
     for line, same in groupby(lines):
         n = len(list(same))
         if line is not None:
-            parts.append(BranchPart(order[start : start + n + 1], *line))
+            parts.append(BranchPart(order[start : start + n + 1], *line, start))
         start += n
     return parts
 

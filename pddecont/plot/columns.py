@@ -90,9 +90,11 @@ def choose_plane(steps: Sequence[Step], x: str | None, y: str | None) -> tuple[s
     return x, y or next(name for name in free if name != x)
 
 
-def keep_same_free(steps: Sequence[Step]) -> list[Step]:
-    """Return those of ``steps`` that have the free parameters of the last one, in whatever order."""
-    return [step for step in steps if set(list_free_parameters(step)) == set(list_free_parameters(steps[-1]))]
+def keep_comparable(steps: Sequence[Step]) -> list[Step]:
+    """Return those of ``steps`` with the last one's free parameters, in whatever order, and values of the others."""
+    free = set(list_free_parameters(steps[-1]))
+    others = [name for name in steps[-1].meta["parameters"] if name not in free]
+    return [s for s in steps if set(list_free_parameters(s)) == free and share_values(s, steps[-1], others)]
 
 
 def describe_point(step: Step, row: int) -> str:

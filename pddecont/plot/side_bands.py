@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.plot.columns import list_free_parameters, read_column
+from pddecont.plot.smooth_lines import PIECES, smooth_branch
 from pddecont.plot.special_points import read_curve_sort
 from pddecont.results import Step
 
@@ -32,9 +33,10 @@ SAMPLES_PER_WIDTH, MAX_SAMPLES = 8.0, 20_000.0
 
 @dataclass(frozen=True, eq=False)
 class Sides:
-    """A curve in the picture, by its points in order: places in pixels (n, 2), unit normals (n, 2), and signs (n,).
+    """A curve in the picture: its points' rows in order (n,), its line in pixels (m, 2) with unit normals (m, 2).
 
-    The signs say on which side of the curve, as its normals go, a point's ``side`` lies; 0 where it is not known.
+    The line is that of :func:`smooth_branch`. The signs (n,) say on which side of the curve, as its normals go, a
+    point's ``side`` lies; 0 where it is not known.
     """
 
     rows: NDArray[np.intp]
@@ -42,6 +44,10 @@ class Sides:
     normals: Array
     signs: Array
     scale: Array
+
+    def slice_line(self, first: int, last: int) -> slice:
+        """Return the part of the line from the point ``first`` to the one before ``last``."""
+        return slice(PIECES * first, PIECES * (last - 1) + 1)
 
 
 def find_sides(axes: Axes, step: Step, x: str, y: str) -> Sides | None:
@@ -55,10 +61,10 @@ def find_sides(axes: Axes, step: Step, x: str, y: str) -> Sides | None:
     rows = step.order
     limits = np.array([axes.get_xlim(), axes.get_ylim()])
     scale = np.array([axes.bbox.width, axes.bbox.height]) / (limits[:, 1] - limits[:, 0])
-    curve = np.column_stack([read_column(step, x), read_column(step, y)])[rows] * scale
+    curve = smooth_branch(step, np.vstack([read_column(step, x), read_column(step, y)])).T * scale
     normals = _find_normals(curve)
     side = step.points["side"][rows][:, [free.index(x), free.index(y)]] * scale
-    return Sides(rows, curve, normals, np.sign(np.nan_to_num(np.sum(normals * side, axis=1))), scale)
+    return Sides(rows, curve, normals, np.sign(np.nan_to_num(np.sum(normals[::PIECES] * side, axis=1))), scale)
 
 
 def draw_side_band(axes: Axes, step: Step, x: str, y: str, shown: NDArray[np.bool_] | None = None) -> bool:
@@ -75,7 +81,8 @@ def draw_side_band(axes: Axes, step: Step, x: str, y: str, shown: NDArray[np.boo
     ranges = find_ranges(signs)
     width = BAND_WIDTH * min(axes.bbox.width, axes.bbox.height)
     for first, last in ranges:
-        edge, directions = sides.curve[first:last], signs[first:last, None] * sides.normals[first:last]
+        along = sides.slice_line(first, last)
+        edge, directions = sides.curve[along], signs[first] * sides.normals[along]
         for share in SHADES:
             outer = _offset_edge(edge, directions, share * width, sides.curve)
             outline = np.vstack([edge, outer[::-1]]) / sides.scale

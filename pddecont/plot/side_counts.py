@@ -24,6 +24,12 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 # Sizes and distances are in points: of a number, and between its middle and the curve.
 FONT_SIZE, GAP, COLOUR = 8.0, 8.5, "0.2"
+# What is nearer to the middle of a number, a curve or another number, covers it.
+ROOM = 6.5
+# Of numbers that are the same one.
+SAME_PLACE = 1.0
+# From the curve to the side that is recorded, and to the other.
+WAYS = (1.0, -1.0)
 # Places tried along each stretch of a curve with one number.
 N_PLACES = 41
 # What a place half a stretch away from its middle may be better by, in points of distance from all curves.
@@ -45,9 +51,12 @@ def write_side_counts(axes: Axes, step: Step, x: str, y: str) -> int:
         texts = name_counts(sort, int(n))
         if n < 0 or not texts or len(stretch) < 2:
             continue
-        place = _choose_place(axes, sides, stretch)
-        for text, way in zip(texts, (1.0, -1.0), strict=False):
-            _write(axes, text, place[0] + way * place[1], sides.scale)
+        line, ways = _offset_stretch(axes, sides, stretch)
+        if all(_stands(axes, text, line + way * ways, sides.scale) for text, way in zip(texts, WAYS, strict=False)):
+            continue
+        best = _choose_place(axes, line, ways, sides.scale)
+        for text, way in zip(texts, WAYS, strict=False) if best is not None else ():
+            _write(axes, text, line[best] + way * ways[best], sides.scale)
             numbers += 1
     return numbers
 
@@ -57,24 +66,38 @@ def name_counts(sort: CurveSort, n: int) -> tuple[str, ...]:
     return {"HB": (f"{n}", f"{n + 2}"), "LP": (f"{n}, {n + 1}",)}.get(sort.kind, ())
 
 
-def _choose_place(axes: Axes, sides: Sides, stretch: list[int]) -> tuple[Array, Array]:
-    """Return a place of a stretch in pixels, far from all other curves and in the axes, and the way to its side."""
+def _offset_stretch(axes: Axes, sides: Sides, stretch: list[int]) -> tuple[Array, Array]:
+    """Return places along a stretch in pixels, and from each the way to the middle of a number on its recorded side."""
     unit = axes.figure.dpi / POINTS_PER_INCH
-    curve = sides.curve[stretch]
+    shown = sides.slice_line(stretch[0], stretch[-1] + 1)
+    curve = sides.curve[shown]
     along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(curve, axis=0).T))])
-    share = np.linspace(0.0, 1.0, N_PLACES)[1:-1]
-    values = np.column_stack([curve, sides.signs[stretch, None] * sides.normals[stretch]])
-    fine = np.column_stack([np.interp(share * along[-1], along, column) for column in values.T])
-    places, ways = fine[:, :2], GAP * unit * fine[:, 2:]
+    values = np.column_stack([curve, sides.signs[stretch[0]] * sides.normals[shown]])
+    places = np.linspace(0.0, along[-1], N_PLACES)[1:-1]
+    fine = np.column_stack([np.interp(places, along, column) for column in values.T])
+    return fine[:, :2], GAP * unit * fine[:, 2:]
+
+
+def _stands(axes: Axes, text: str, places: Array, scale: Array) -> bool:
+    """Whether a text is at one of ``places`` in pixels already: curves of symmetric equilibria are one line."""
+    same = [np.array(note.get_position()) * scale for note in axes.texts if note.get_text() == text]
+    near = SAME_PLACE * axes.figure.dpi / POINTS_PER_INCH + np.max(np.hypot(*np.diff(places, axis=0).T))
+    return any(np.min(np.hypot(*(places - place).T)) < near for place in same)
+
+
+def _choose_place(axes: Axes, line: Array, ways: Array, scale: Array) -> int | None:
+    """Return the number of a place, far from all other curves and in the axes; None where there is no room."""
+    unit = axes.figure.dpi / POINTS_PER_INCH
     others = _find_obstacles(axes) * unit - np.array([axes.bbox.x0, axes.bbox.y0])
-    corner = np.array([axes.get_xlim()[0], axes.get_ylim()[0]]) * sides.scale
-    worth = np.full(len(places), np.inf)
-    for ends in (places + ways - corner, places - ways - corner):
+    corner = np.array([axes.get_xlim()[0], axes.get_ylim()[0]]) * scale
+    worth = np.full(len(line), np.inf)
+    for ends in (line + ways - corner, line - ways - corner):
         gaps = np.hypot(*(ends[:, None] - others[None]).transpose(2, 0, 1)).min(axis=1, initial=np.inf)
         inside = np.all((ends > 0.0) & (ends < [axes.bbox.width, axes.bbox.height]), axis=1)
         worth = np.minimum(worth, np.where(inside, np.minimum(gaps, GAP * unit), -np.inf))
-    best = int(np.argmax(worth - 2.0 * OFF_MIDDLE * unit * np.abs(share - 0.5)))
-    return places[best], ways[best]
+    off_middle = np.abs(np.linspace(-1.0, 1.0, N_PLACES)[1:-1])
+    best = int(np.argmax(worth - OFF_MIDDLE * unit * off_middle))
+    return best if worth[best] > ROOM * unit else None
 
 
 def _find_obstacles(axes: Axes) -> Array:

@@ -79,12 +79,12 @@ MARKERS: dict[str, Any] = {
     "BE": (3, 1, 0),
     "BT": (3, 1, 180),
     "ZH": (4, 1, 45),
-    "GH": (9, 1, 0),
+    "GH": (6, 2, 0),
 }
 # Of kinds of special points that are not listed, somebody's own among them.
 OTHER_MARKER = "8"
 # Markers without an inside to fill.
-LINES_ONLY = ("x", "+", "|", "1", "2", "3", "4")
+LINES_ONLY = ("x", "+", "|", "1", "2", "3", "4", (6, 2, 0))
 
 
 def make_palette(n: int) -> list[str]:

@@ -41,7 +41,7 @@ def test_families_are_called_as_they_are_first_found(every, made):
         ([(1, 1)] * 3, []),
         ([(1, 1), (1, 1), (0, 1), (0, 1)], ["stable", "unstable"]),
         ([(-1, 1), (-1, 1), (-1, 0), (-1, 0)], ["admissible", "not admissible"]),
-        ([(1, 1), (-1, 1), (-1, 0), (-1, 0)], ["stable, or not computed", "not admissible"]),
+        ([(1, 1), (-1, 1), (-1, 0), (-1, 0)], ["stable, or not known", "not admissible"]),
     ],
 )
 def test_line_styles_are_named_where_there_are_several(made, rows, words):

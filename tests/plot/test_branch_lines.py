@@ -5,6 +5,7 @@ import pytest
 
 from pddecont.plot.branch_lines import THINNER, draw_parts
 from pddecont.plot.columns import read_column
+from pddecont.plot.smooth_lines import PIECES
 from tests.plot.drawn import lines
 from tests.plot.synthetic import point
 
@@ -16,7 +17,7 @@ def test_parts_are_drawn_in_their_style_and_the_colour_of_their_family(every, ax
     drawn = {(line.get_linestyle(), line.get_color(), line.get_linewidth()) for line in axes.lines}
     assert drawn == {("-", "red", 2.0), ("--", "red", 2.0), ("--", "blue", 2.0), (":", "blue", 2.0 - THINNER)}
     places = np.concatenate([xy for style in ("-", "--", ":") for xy in lines(axes, style)])
-    assert places[:, 1] == pytest.approx(np.sqrt(places[:, 0]), abs=1e-12)
+    assert places[:, 1] == pytest.approx(np.sqrt(places[:, 0]), rel=1e-3)
     assert {line.get_marker() for line in axes.lines} == {"None"}
 
 
@@ -29,7 +30,7 @@ def test_a_few_points_are_marked(made, axes):
 def test_two_lines_are_drawn_for_each_part(made, axes):
     step = made(b=([point(float(k), 0.1 * k, 3, 1, stable=int(k < 2)) for k in range(5)], {})).step("b")
     draw_parts(axes, step, np.arange(5.0), np.array([np.ones(5), -np.ones(5)]), lambda step, family: "red", 2.0)
-    drawn = sorted((line.get_linestyle(), *line.get_ydata()) for line in axes.lines)
+    drawn = sorted((line.get_linestyle(), *line.get_ydata()[::PIECES]) for line in axes.lines)
     assert drawn == [("-", -1.0, -1.0), ("-", 1.0, 1.0), ("--", *[-1.0] * 4), ("--", *[1.0] * 4)]
 
 

@@ -11,7 +11,7 @@ from pddecont.plot.columns import (
     describe_differences,
     describe_point,
     find_state,
-    keep_same_free,
+    keep_comparable,
     list_columns,
     read_column,
     read_parameter,
@@ -56,7 +56,14 @@ def test_a_plane_is_that_of_the_first_curve(every):
     assert choose_plane(steps[:1], "omega", "K") == ("omega", "K")
     with pytest.raises(ResultsError, match="give -x and -y"):
         choose_plane(steps[:1], "K", None)
-    assert keep_same_free(steps) == steps[1:]
+    assert keep_comparable(steps) == steps[1:]
+    assert keep_comparable(steps[:1]) == steps[:1]
+
+
+def test_branches_at_other_values_are_another_picture(made):
+    rows = {tau_d: [point(float(k), 0.1 * k, tau_d, 1.0) for k in range(4)] for tau_d in (3.8, 4.2)}
+    file = made(a=(rows[3.8], {}), b=(rows[4.2], {}), c=(rows[3.8], {}))
+    assert [step.name for step in keep_comparable(list(file.steps.values()))] == ["a", "c"]
 
 
 def test_points_are_called_by_label_and_free_parameters(every):

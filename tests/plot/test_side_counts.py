@@ -51,3 +51,15 @@ def test_curves_of_orbits_and_of_boundary_equilibria_have_none(resting, axes):
     assert draw(axes, resting.step("orbit_folds")) == []
     assert draw(axes, resting.step("boundaries")) == []
     assert name_counts(CurveSort("HB", of_equilibria=True), 3) == ("3", "5")
+
+
+def test_a_curve_that_lies_on_another_adds_no_numbers(resting, axes):
+    found = draw(axes, resting.step("hopf"))
+    assert write_side_counts(axes, resting.step("hopf"), "K", "tau_d") == 0
+    assert len(axes.texts) == len(found)
+
+
+def test_numbers_without_room_are_left_out(resting, axes):
+    for gap in np.linspace(-0.3, 0.3, 25):
+        axes.plot([0.0, 1.0], [3.0 + gap, 4.0 + gap])
+    assert draw(axes, resting.step("hopf")) == []

@@ -6,9 +6,11 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from pddecont.plot.axis_labels import format_axis_label
+from pddecont.plot.births import find_birth
 from pddecont.plot.branch_colours import assign_branch_colours, make_style_handles
-from pddecont.plot.branch_lines import draw_parts
-from pddecont.plot.columns import keep_same_free, list_free_parameters, read_column
+from pddecont.plot.branch_lines import draw_birth, draw_parts
+from pddecont.plot.branch_parts import Family
+from pddecont.plot.columns import keep_comparable, list_free_parameters, read_column
 from pddecont.plot.heights import choose_columns, read_heights
 from pddecont.plot.layouts import MAX_BESIDE, finish_figure, make_panel_beside_orbits
 from pddecont.plot.limits import widen_for_columns
@@ -24,6 +26,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+# Of lines, in points.
+WIDTH = 1.6
+
 
 def draw_figure(steps: list[Step], request: ViewRequest) -> Figure:
     """Return the diagram with phase plots of chosen or special points beside it."""
@@ -34,8 +39,8 @@ def draw_figure(steps: list[Step], request: ViewRequest) -> Figure:
 
 
 def choose_steps(steps: list[Step], results: Results, request: ViewRequest) -> list[Step]:
-    """Return the branches in the last one's parameter; curves only where there are no branches."""
-    return keep_same_free([step for step in steps if len(list_free_parameters(step)) == 1] or steps)
+    """Return the branches in the last one's parameter, at its values of the others; curves only without branches."""
+    return keep_comparable([step for step in steps if len(list_free_parameters(step)) == 1] or steps)
 
 
 def draw_diagram(axes: Axes, steps: Sequence[Step], x: str, y: str) -> tuple[list[PointLabel], list[Artist]]:
@@ -45,10 +50,19 @@ def draw_diagram(axes: Axes, steps: Sequence[Step], x: str, y: str) -> tuple[lis
     the labels of special points, which go in last, and the handles of the legend.
     """
     colours = assign_branch_colours(steps)
+
+    def find_colour(step: Step, family: Family) -> str:
+        return colours.of_parts[step.name, family]
+
     labels: list[PointLabel] = []
     columns, heights = [read_column(step, x) for step in steps], [read_heights(step, y) for step in steps]
     for step, xs, lines in zip(steps, columns, heights, strict=True):
-        draw_parts(axes, step, xs, lines, lambda step, family: colours.of_parts[step.name, family], 1.6)
+        draw_parts(axes, step, xs, lines, find_colour, WIDTH)
+        birth = find_birth(step, steps)
+        if birth and len(lines) > 1:
+            source, row = birth
+            place = float(read_column(source, x)[row]), float(read_heights(source, y)[0, row])
+            draw_birth(axes, step, place, xs, lines, find_colour, WIDTH)
         labels += mark_special_points(axes, step, xs, lines)
     widen_for_columns(axes, steps, {"x": columns, "y": heights})
     axes.set_xlabel(format_axis_label(steps, x))

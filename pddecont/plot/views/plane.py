@@ -13,7 +13,7 @@ from pddecont.plot.axis_labels import format_axis_label
 from pddecont.plot.branch_colours import make_style_handles
 from pddecont.plot.branch_lines import draw_parts
 from pddecont.plot.branch_parts import find_family, split_branch
-from pddecont.plot.columns import choose_plane, keep_same_free, list_free_parameters, read_column
+from pddecont.plot.columns import choose_plane, keep_comparable, list_free_parameters, read_column
 from pddecont.plot.layouts import finish_figure, make_panel_beside_orbits
 from pddecont.plot.legend import make_area_handle, make_line_handle
 from pddecont.plot.point_labels import PointLabel
@@ -55,8 +55,8 @@ def draw_figure(steps: list[Step], request: ViewRequest) -> Figure:
 
 
 def choose_steps(steps: list[Step], results: Results, request: ViewRequest) -> list[Step]:
-    """Return the curves in the last one's two parameters."""
-    return keep_same_free(steps)
+    """Return the curves in the last one's two parameters, at its values of the others."""
+    return keep_comparable(steps)
 
 
 def check_steps(steps: list[Step]) -> None:
