@@ -107,6 +107,20 @@ def test_the_tutorials_grazing_has_its_closed_form():
     assert float(printed_) == pytest.approx(exact, abs=1e-8)
 
 
+def test_the_tutorials_hopf_points_have_their_closed_form():
+    """They solve w^2 - 1 = +-w sqrt(K^2 - c^2) with cos(w tau) = -c/K; with the plus pairs come to be unstable."""
+    text = (DOCS / "tutorial.md").read_text()
+    c, damping = 0.05, 0.3
+    late = np.sqrt(damping**2 - c**2)
+    up, down = (np.sqrt(1.0 + late**2 / 4.0) + sign * late / 2.0 for sign in (1, -1))
+    angle = np.arccos(-c / damping)
+    exact = [angle / up, (2 * np.pi - angle) / down, (2 * np.pi + angle) / up]
+    printed_ = re.findall(r"^\d+,HB\d,HB,stop_below,0.05,1.0,10.0,0.3,([\d.]+)\.\.\.", text, re.M)
+    assert [float(tau) for tau in printed_] == pytest.approx(exact, abs=1e-10)
+    (stated,) = re.findall(r"so tau =\n([\d.]+)\. From there", text)
+    assert float(stated) == pytest.approx(exact[0], abs=1e-12)
+
+
 @pytest.mark.parametrize("page", PAGES, ids=name_of)
 def test_every_model_and_run_on_a_page_is_run(page):
     for kind, title, text in BLOCK.findall(page.read_text()):

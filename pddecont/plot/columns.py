@@ -91,10 +91,11 @@ def choose_plane(steps: Sequence[Step], x: str | None, y: str | None) -> tuple[s
 
 
 def keep_comparable(steps: Sequence[Step]) -> list[Step]:
-    """Return those of ``steps`` with the last one's free parameters, in whatever order, and values of the others."""
-    free = set(list_free_parameters(steps[-1]))
-    others = [name for name in steps[-1].meta["parameters"] if name not in free]
-    return [s for s in steps if set(list_free_parameters(s)) == free and share_values(s, steps[-1], others)]
+    """Return the last of ``steps`` and those with its free parameters, in whatever order, and values of the others."""
+    *before, last = steps
+    free = set(list_free_parameters(last))
+    others = [name for name in last.meta["parameters"] if name not in free]
+    return [*(s for s in before if set(list_free_parameters(s)) == free and share_values(s, last, others)), last]
 
 
 def describe_point(step: Step, row: int) -> str:

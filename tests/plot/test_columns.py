@@ -64,6 +64,8 @@ def test_branches_at_other_values_are_another_picture(made):
     rows = {tau_d: [point(float(k), 0.1 * k, tau_d, 1.0) for k in range(4)] for tau_d in (3.8, 4.2)}
     file = made(a=(rows[3.8], {}), b=(rows[4.2], {}), c=(rows[3.8], {}))
     assert [step.name for step in keep_comparable(list(file.steps.values()))] == ["a", "c"]
+    unknown = made(a=(rows[3.8], {}), b=([point(float(k), 0.1 * k, np.nan, 1.0) for k in range(4)], {}))
+    assert [step.name for step in keep_comparable(list(unknown.steps.values()))] == ["b"]
 
 
 def test_points_are_called_by_label_and_free_parameters(every):
