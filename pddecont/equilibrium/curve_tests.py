@@ -20,6 +20,7 @@ from pddecont.equilibrium.branch_tests import PairTest
 from pddecont.equilibrium.critical import CriticalEvaluation
 from pddecont.equilibrium.crossings import count_unstable, hides_crossings
 from pddecont.equilibrium.hopf_condition import find_frequency
+from pddecont.equilibrium.mirrored import find_mirrored
 from pddecont.equilibrium.normal_forms import Forms, find_cubic_coefficient
 from pddecont.errors import ConvergenceError
 from pddecont.reasons import make_reason
@@ -32,6 +33,8 @@ CURVE_NAMES = {
     DOUBLE_HOPF: "Hopf-Hopf",
     BAUTIN: "generalised Hopf",
 }
+# Next to where it is zero the square of a frequency is less than this part of what is typical of it.
+SMALL = 0.3
 # What is said of a Bogdanov-Takens point.
 HOMOCLINIC = make_reason("homoclinic")
 Point = CurvePoint[CriticalEvaluation]
@@ -51,8 +54,11 @@ def make_curve_tests(
         tests = [TestFunction(CUSP, _measure_cusp), TestFunction(TAKENS, _measure_takens, reason=HOMOCLINIC)]
         labels = ("", ZERO_HOPF)
     elif kind == "HB":
-        # Beyond omega = 0 the roots are real.
-        tests = [TestFunction(TAKENS, lambda point: float(point.at.own[-1]), End.SPECIAL, HOMOCLINIC)]
+        # Beyond omega = 0 the roots are real, or the curve comes back on the mirror image of its way.
+        tests = [
+            TestFunction(TAKENS, lambda point: float(point.at.own[-1]), End.SPECIAL, HOMOCLINIC),
+            TestFunction(TAKENS, _measure_turning, End.SPECIAL, HOMOCLINIC, find_meeting=find_mirrored),
+        ]
         tests += [TestFunction(BAUTIN, _measure_bautin)] if smooth else []
         labels = (ZERO_HOPF, DOUBLE_HOPF)
     else:
@@ -105,6 +111,15 @@ def _find_left(at: CriticalEvaluation) -> Any:
     left = np.linalg.svd(square)[0][:, -1]
     bordered = np.block([[square, left[:, None]], [at.own[None, :], np.zeros((1, 1))]])
     return left if np.linalg.slogdet(bordered)[0] > 0.0 else -left
+
+
+def _measure_turning(point: Point) -> float:
+    """Return the frequency, relative to what is typical, on the side to which it changes; NaN where it is not small.
+
+    Where omega^2 is zero to the second order along the curve that function changes its sign.
+    """
+    square = abs(float(point.at.own[-1])) / float(point.system.scaling.scale[-3])
+    return float(np.copysign(np.sqrt(square), point.tangent[-3])) if square < SMALL else float("nan")
 
 
 def _measure_bautin(point: Point) -> float:
