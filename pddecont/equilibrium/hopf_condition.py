@@ -3,10 +3,11 @@
 With the parts of Delta(lambda) = R(-lambda^2) + lambda S(-lambda^2), R and S real, and q = u + i omega w the equation
 Delta(i omega) q = 0 is
 
-    R(s) u - s S(s) w = 0,    R(s) w + S(s) u = 0,    c . u = 1,  c . w = 0,        s = omega^2
+    R(s) u - s S(s) w = 0,    R(s) w + S(s) u = 0,    c . u = 1,  c . w = d,        s = omega^2
 
-where c is u of the point before. At a Bogdanov-Takens point s = 0, u is the null vector and w the generalised one; no
-fold but this one solves the equations. Beyond, where s < 0, the roots are +-sqrt(-s), and no orbits are born.
+where c and d are those that u and w of the point before have. At a Bogdanov-Takens point s = 0, u is the null vector
+and w the generalised one; no fold but this one solves the equations. Beyond, where s < 0, the roots are +-sqrt(-s), and
+no orbits are born.
 
 Reference: Kuznetsov, Elements of Applied Bifurcation Theory (2004), section 10.2.2; Govaerts, Numerical Methods for
 Bifurcations of Dynamical Equilibria (2000), section 4.3.
@@ -38,10 +39,14 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(4)
 
 @dataclass(frozen=True, eq=False)
 class HopfCondition(Critical):
-    """A pair of roots +-i omega; the unknowns are u, w and omega^2. ``pace`` is a frequency that is typical of it."""
+    """A pair of roots +-i omega; the unknowns are u, w and omega^2. ``pace`` is a frequency that is typical of it.
+
+    ``normal`` c and ``offset`` d choose one of the vectors, which all are multiples of each other.
+    """
 
     normal: Array
     pace: float
+    offset: float = 0.0
 
     @property
     def label(self) -> str:
@@ -58,10 +63,10 @@ class HopfCondition(Critical):
         return np.concatenate([np.ones(n), np.full(n, 1.0 / self.pace), [self.pace**2]])
 
     def evaluate(self, inner: EquilibriumEvaluation, own: Array) -> Array:
-        """Return R u - s S w, R w + S u, c . u - 1 and c . w."""
+        """Return R u - s S w, R w + S u, c . u - 1 and c . w - d."""
         u, w, square = _split(own)
         even, odd = _split_parity(_linearise(inner), square)
-        conditions = [self.normal @ u - 1.0, self.normal @ w]
+        conditions = [self.normal @ u - 1.0, self.normal @ w - self.offset]
         return np.concatenate([even @ u - square * (odd @ w), even @ w + odd @ u, conditions])
 
     def differentiate(self, inner: EquilibriumEvaluation, own: Array) -> Array:
@@ -87,9 +92,9 @@ class HopfCondition(Critical):
         return result
 
     def update(self, own: Array) -> Critical:
-        """Return the condition with the present vector as normal."""
-        u, _, _ = _split(own)
-        return replace(self, normal=u / (u @ u))
+        """Return the condition with the present vector as normal; it solves that one too."""
+        u, w, _ = _split(own)
+        return replace(self, normal=u / (u @ u), offset=float(u @ w / (u @ u)))
 
     def remove_own(self, roots: Roots, own: Array) -> Roots:
         """Return the roots without the pair."""

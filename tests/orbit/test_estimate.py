@@ -86,8 +86,15 @@ MODELS = {
     "thermostat": 60,
     "two_blocks": 300,
 }
-# Falls over; needs a kick on the way; has no damping to settle by.
-WITHOUT_ORBIT = {"suitcase", "theta_neuron", "linear_oscillator"}
+# Falls over; needs a kick on the way; has no damping to settle by; the others rest.
+WITHOUT_ORBIT = {
+    "suitcase",
+    "theta_neuron",
+    "linear_oscillator",
+    "two_neurons",
+    "delayed_predator_prey",
+    "duffing_feedback",
+}
 # A jump of the state comes back through the delay: without tracking it lies anywhere in an interval, and the estimate
 # may not see it.
 JUMPS_COME_BACK = {"bolus"}
