@@ -34,7 +34,7 @@ def find_non_finite(
     name, expr = named[row]
     here = t[point : point + 1], x[:, point : point + 1], xd[:, point : point + 1], p
     model = numeric.model
-    symbols = (TIME, *model.state_symbols, *model.delayed_symbols, *model.parameter_symbols)
+    symbols = (TIME, *model.state_symbols, *model.read_symbols, *model.parameter_symbols)
     numbers = dict(zip(symbols, [float(here[0][0]), *here[1][:, 0], *here[2][:, 0], *p], strict=True))
     broken = [f"{s} = {v:g}" for s, v in numbers.items() if s in expr.free_symbols and not np.isfinite(v)]
     if broken:

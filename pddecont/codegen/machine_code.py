@@ -21,7 +21,7 @@ from sympy.logic.boolalg import Boolean
 from pddecont.codegen.cache import find_cache_folder
 from pddecont.codegen.compilation import compiler_settings
 from pddecont.codegen.printer import Names, ScalarPrinter, name_symbols, print_assignments
-from pddecont.model import TIME, Model
+from pddecont.model import TIME, Model, differentiate
 
 _make_pointer: Callable[[Any], Any] = types.CPointer
 DOUBLE_POINTER = _make_pointer(types.float64)
@@ -101,20 +101,20 @@ class ModelFunctions:
     @cached_property
     def fields(self) -> Pages:
         """The vector fields f, "value", and df/dx, row by row, then df/dxd, "jacobian"."""
-        symbols = self.model.state_symbols, self.model.delayed_symbols
-        return self._pages(lambda f: [slope for s in symbols for slope in _matrix(f, s)])
+        symbols = self.model.state_symbols, self.model.read_symbols
+        return self._pages(lambda f: [slope for s in symbols for slope in self._matrix(f, s)])
 
     @cached_property
     def events(self) -> Pages:
         """The event functions h, "value", and dh/dx, dh/dxd and dh/dt, "jacobian"."""
-        symbols = (*self.model.state_symbols, *self.model.delayed_symbols, TIME)
-        return self._pages(lambda h: _matrix(h, symbols))
+        symbols = (*self.model.state_symbols, *self.model.read_symbols, TIME)
+        return self._pages(lambda h: self._matrix(h, symbols))
 
     @cached_property
     def resets(self) -> Pages:
         """The resets g, "value", and dg/dx, dg/dxd and dg/dt, each row by row, "jacobian"."""
-        symbols = self.model.state_symbols, self.model.delayed_symbols, (TIME,)
-        return self._pages(lambda g: [slope for s in symbols for slope in _matrix(g, s)])
+        symbols = self.model.state_symbols, self.model.read_symbols, (TIME,)
+        return self._pages(lambda g: [slope for s in symbols for slope in self._matrix(g, s)])
 
     @cached_property
     def rules(self) -> Pages:
@@ -130,9 +130,12 @@ class ModelFunctions:
     def _pages(self, differentiate: Derive) -> Pages:
         return Pages(lambda page: self._address(page, self.digits), {"value": list, "jacobian": differentiate})
 
+    def _matrix(self, exprs: Sequence[sympy.Expr], symbols: Sequence[sympy.Symbol]) -> list[sympy.Expr]:
+        return [differentiate(e, s, self.model.chain) for e in exprs for s in symbols]
+
     def _address(self, cases: Sequence[Sequence[sympy.Expr]], digits: Sequence[sympy.Symbol] = ()) -> int:
         model = self.model
-        names = name_symbols(model.state_symbols, model.delayed_symbols, model.parameter_symbols)
+        names = name_symbols(model.state_symbols, model.read_symbols, model.parameter_symbols)
         code = load_machine_code(write_machine_source(cases, names, digits))
         self._loaded.append(code)
         return code.address
@@ -142,10 +145,6 @@ class ModelFunctions:
 def write_rule(rule: Boolean) -> Exprs:
     """Return a condition as a number that is 1 where it holds and 0 elsewhere."""
     return (sympy.Piecewise((1, rule), (0, True)),)
-
-
-def _matrix(exprs: Sequence[sympy.Expr], symbols: Sequence[sympy.Symbol]) -> list[sympy.Expr]:
-    return [e.diff(s) for e in exprs for s in symbols]
 
 
 def write_machine_source(

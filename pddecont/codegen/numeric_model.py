@@ -85,7 +85,7 @@ class NumericModel:
     def function(self, exprs: Sequence[sympy.Expr]) -> ArrayFunction:
         """Return any expressions over this model as a function of arrays."""
         model = self.model
-        return self._array_function(tuple(exprs), model.state_symbols, model.delayed_symbols)
+        return self._array_function(tuple(exprs), model.state_symbols, model.read_symbols)
 
     def mode(self, name: str) -> ArrayFunction:
         """Return the vector field f of a mode, n_out = n_states."""
@@ -143,5 +143,6 @@ class NumericModel:
     def _array_function(self, exprs: tuple[sympy.Expr, ...], states: Any, delayed: Any) -> ArrayFunction:
         key = exprs, states
         if key not in self._functions:
-            self._functions[key] = ArrayFunction(exprs, states, delayed, self.model.parameter_symbols)
+            chain = self.model.chain if states else {}
+            self._functions[key] = ArrayFunction(exprs, states, delayed, self.model.parameter_symbols, chain)
         return self._functions[key]

@@ -19,7 +19,7 @@ import sympy
 from numpy.typing import NDArray
 
 from pddecont.codegen.printer import ArrayPrinter, Names, Symbols, name_symbols, print_assignments
-from pddecont.model import TIME
+from pddecont.model import TIME, ChainRule, differentiate, find_reading_symbols
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
@@ -84,12 +84,16 @@ class Structure:
 
 @dataclass(frozen=True, eq=False)
 class ArrayFunction:
-    """Expressions as functions over arrays of points; each source is made and compiled when first needed."""
+    """Expressions as functions over arrays of points; each source is made and compiled when first needed.
+
+    Derivatives go through what ``chain`` says of values that are read by delays that vary.
+    """
 
     exprs: tuple[sympy.Expr, ...]
     states: tuple[sympy.Symbol, ...]
     delayed: tuple[sympy.Symbol, ...]
     parameters: tuple[sympy.Symbol, ...]
+    chain: ChainRule = field(default_factory=dict, repr=False)
     _compiled: dict[tuple[int, ...] | None, Callable[..., None]] = field(default_factory=dict, repr=False)
     _structures: dict[tuple[int, ...], Structure] = field(default_factory=dict, repr=False)
 
@@ -132,9 +136,9 @@ class ArrayFunction:
         places = [
             (i, number[s])
             for i, e in enumerate(self.exprs)
-            for s in sorted(e.free_symbols & set(number), key=number.__getitem__)
+            for s in sorted(find_reading_symbols(e, self.chain) & set(number), key=number.__getitem__)
         ]
-        slopes = {(i, k): self.exprs[i].diff(symbols[k]) for i, k in places}
+        slopes = {(i, k): differentiate(self.exprs[i], symbols[k], self.chain) for i, k in places}
         return {place: slope for place, slope in slopes.items() if slope != 0}
 
     @cached_property

@@ -26,6 +26,11 @@ from .identities import find_rate as find_rate
 from .identities import vanishes_identically as vanishes_identically
 from .initial_digits import find_start_digits as find_start_digits
 from .initial_digits import find_start_mode as find_start_mode
+from .lagged import ChainRule as ChainRule
+from .lagged import DelayedValue as DelayedValue
+from .lagged import Integral as Integral
+from .lagged import differentiate as differentiate
+from .lagged import find_reading_symbols as find_reading_symbols
 from .left_out import LeftOut as LeftOut
 from .parts import IDENTITY as IDENTITY
 from .parts import Event as Event
@@ -46,7 +51,6 @@ from .switches import WORDS as WORDS
 from .switches import Digits as Digits
 from .switches import find_bits as find_bits
 from .syntax import ExpressionError as ExpressionError
-from .system import DelayedValue as DelayedValue
 from .system import Model as Model
 from .system import check_signature as check_signature
 from .transitions import WAYS as WAYS

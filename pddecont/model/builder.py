@@ -6,7 +6,7 @@ Expressions are parsed, names resolved, cross-references checked, and all proble
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -23,6 +23,7 @@ from pddecont.model.evaluation import evaluate
 from pddecont.model.expression import TIME, Scope
 from pddecont.model.findings import Findings
 from pddecont.model.initial_digits import find_start_mode
+from pddecont.model.lagged import find_reading_symbols, make_symbol
 from pddecont.model.names import (
     collect_from_equations,
     collect_symbols,
@@ -33,13 +34,14 @@ from pddecont.model.names import (
 )
 from pddecont.model.nonsmooth import SwitchCollector
 from pddecont.model.parts import IDENTITY, Event, Segment
+from pddecont.model.past_reads import INTEGRAL, PastReads
 from pddecont.model.periodicity import explain_non_periodic
 from pddecont.model.rest import find_resets_to_rest
 from pddecont.model.schema import DelayedEvent, ModelFile
 from pddecont.model.segments import check_segments, make_segments
 from pddecont.model.sliding import UndecidedSlidingError
-from pddecont.model.syntax import ExpressionError, find_names
-from pddecont.model.system import DelayedValue, Effect, Model, make_delayed_symbol, make_symbol
+from pddecont.model.syntax import find_names
+from pddecont.model.system import Effect, Model
 from pddecont.model.validation import validate
 
 Exprs = tuple[sympy.Expr, ...]
@@ -70,8 +72,6 @@ class _Builder(Findings):
     def __init__(self, document: Document, file: ModelFile):
         super().__init__(document)
         self.file = file
-        self.delays: list[sympy.Expr] = []
-        self.delayed: list[DelayedValue] = []
         # What changes along a motion, with the state it belongs to.
         self.variables: dict[sympy.Symbol, str] = {}
         names = {*file.states, *file.parameters, *file.definitions}
@@ -80,6 +80,7 @@ class _Builder(Findings):
         )
         self.defined: dict[str, sympy.Expr] = {}
         self.numbers = {make_symbol(k): v for k, v in file.parameters.items()}
+        self.past = PastReads(file.states, self.numbers, self.variables)
 
     def build(self) -> Model | None:
         """Return the model, or None where its names clash."""
@@ -105,26 +106,28 @@ class _Builder(Findings):
             return None
         modes, events, resets, segments, derived = parts
         effects = {name: self.effect(name, body.set, body.drop) for name, body in file.effects.items()}
-        history = (*self.history(), *(clock.at_start for clock in self.collector.clocks.values()))
+        history = self.add_histories(self.history())
         mode = self.initial_mode(modes) if derived is None else self.start_of(derived, history)
         used = (
             collect_symbols(modes, events, resets, segments.values(), period)
             if derived is None
             else collect_from_equations(derived.equations.leave_out_contacts(), period)
         )
+        chain = self.past.make_chain_rule()
+        used = {path: set().union(*(find_reading_symbols(s, chain) for s in read)) for path, read in used.items()}
         self.check_time(period, used)
-        for path, message in find_unused_parameters(
-            file, set().union(*used.values(), *(d.free_symbols for d in self.delays))
-        ):
+        for path, message in find_unused_parameters(file, set().union(*used.values(), self.past.list_symbols())):
             self.add_warning(path, message)
+        lags = [(f"the delay {delay}", delay) for delay in self.past.delays]
         if derived is None:
-            self.check_repeats(period, self.list_by_hand(modes, events, resets, segments))
+            self.check_repeats(period, self.list_by_hand(modes, events, resets, segments) + lags)
         else:
-            self.check_repeats(period, list_equations(derived.equations.leave_out_contacts()))
+            self.check_repeats(period, list_equations(derived.equations.leave_out_contacts()) + lags)
+        delays, varying, delayed = self.past.arrange()
         return Model(
             file.name,
             file.reference,
-            (*file.states, *(clock.state.name for clock in self.collector.clocks.values())),
+            (*file.states, *(symbol.name for symbol in self.list_added_states())),
             dict(file.parameters),
             period,
             modes,
@@ -132,19 +135,38 @@ class _Builder(Findings):
             resets,
             segments,
             effects,
-            tuple(self.delays),
-            tuple(self.delayed),
+            delays,
+            delayed,
             mode,
             history,
             definitions,
             units=dict(file.units),
             derived=derived,
+            varying=varying,
+            integrals=tuple(self.past.integrals),
         )
+
+    def list_added_states(self) -> list[sympy.Symbol]:
+        """Return the states that the model has besides those of the file: clocks, and memories of all the past."""
+        clocks = (clock.state for clock in self.collector.clocks.values())
+        return [*clocks, *(memory.symbol for memory in self.past.memories)]
+
+    def add_histories(self, history: Exprs) -> Exprs:
+        """Return the histories of all states, those that the file does not name too."""
+        clocks = (clock.at_start for clock in self.collector.clocks.values())
+        memories = []
+        for memory in self.past.memories:
+            with self.noting(("initial",)):
+                memories.append(memory.at_start(self.file.states, history))
+        return (*history, *clocks, *memories)
 
     def make_scope(self, symbols: Mapping[str, sympy.Expr], place: str) -> Scope:
         """Return the names that an expression of the model may use; laws that are not smooth only in equations."""
-        scope = Scope(symbols, states=self.file.states, delayed=self.delayed_value, place=place)
-        return replace(scope, builtins=self.collector.builtins, logical=True) if self.file.equations else scope
+        builtins = {INTEGRAL: self.past.integrate}
+        scope = Scope(symbols, states=self.file.states, delayed=self.past.read, place=place, builtins=builtins)
+        if not self.file.equations:
+            return scope
+        return replace(scope, builtins=builtins | self.collector.builtins, logical=True)
 
     def parts_by_hand(self) -> Parts:
         """Return modes, events, resets and segments as the file writes them."""
@@ -154,11 +176,13 @@ class _Builder(Findings):
         resets = {name: self.reset(name, body) for name, body in file.resets.items()}
         resets.setdefault(IDENTITY, tuple(map(make_symbol, file.states)))
         segments = make_segments(file, self.scope, self)
+        memories = self.past.memories
+        modes = {name: (*body, *(m.equation for m in memories)) for name, body in modes.items()}
+        resets = {name: (*body, *(m.symbol for m in memories)) for name, body in resets.items()}
         check_segments(file, segments, resets, self)
         if not self.problems:
-            symbols = {symbol for symbol, _ in self.list_delayed()}
-            states = tuple(map(make_symbol, file.states))
-            resets |= find_resets_to_rest(states, symbols, modes, events, resets, segments)
+            states = tuple(map(make_symbol, (*file.states, *(m.symbol.name for m in memories))))
+            resets |= find_resets_to_rest(states, self.past.symbols, modes, events, resets, segments)
         return modes, events, resets, segments, None
 
     def derive(self) -> Parts | None:
@@ -171,12 +195,14 @@ class _Builder(Findings):
         equations = read_equations(self.file, self.scope, self.collector, self, delays)
         if self.problems:
             return None
-        for key, why in list_refusals(equations, {symbol for symbol, _ in self.list_delayed()}):
+        memories = self.past.memories
+        equations = equations.add_states(tuple(m.symbol for m in memories), tuple(m.equation for m in memories))
+        for key, why in list_refusals(equations, self.past.symbols):
             self.add_error(("jumps", *key), why)
         if self.problems:
             return None
         try:
-            derived = make_modes(add_drifts(equations, dict(self.list_delayed()), self.delayed_value))
+            derived = make_modes(add_drifts(equations, self.past))
         except (UndecidedSlidingError, TooManySwitchesError) as exc:
             self.add_error(("equations",), str(exc), key=True)
             return None
@@ -207,35 +233,6 @@ class _Builder(Findings):
         """Return an expression's value at the parameters' values; None if it is no real number."""
         result = evaluate(expr, self.numbers)
         return result if math.isfinite(result) else None
-
-    def list_delayed(self) -> Iterator[tuple[sympy.Symbol, tuple[str, sympy.Expr]]]:
-        """Yield each delayed value's symbol, its state and its delay."""
-        for read in self.delayed:
-            state, delay = self.file.states[read.state], self.delays[read.delay]
-            yield make_delayed_symbol(state, delay), (state, delay)
-
-    def delayed_value(self, state: str, delay: sympy.Expr) -> sympy.Expr:
-        """Return the symbol for ``state(t - delay)`` and note the delay."""
-        if delay == 0:
-            return make_symbol(state)
-        strangers = sorted(s.name for s in delay.free_symbols if s not in self.numbers)
-        if strangers:
-            raise ExpressionError(f"a delay is an expression in parameters, but this one holds {', '.join(strangers)}")
-        value = self.value_of(delay)
-        if value is None or value < 0:
-            shown = "not a real number" if value is None else f"{value:g}"
-            raise ExpressionError(
-                f"the delay {delay} is {shown} at the given parameters; a delay is positive or zero "
-                "(a value in the future cannot be read)"
-            )
-        if delay not in self.delays:
-            self.delays.append(delay)
-        read = DelayedValue(self.file.states.index(state), self.delays.index(delay))
-        if read not in self.delayed:
-            self.delayed.append(read)
-        symbol = make_delayed_symbol(state, delay)
-        self.variables[symbol] = state
-        return symbol
 
     def definition(self, name: str, above: tuple[str, ...] = ()) -> sympy.Expr:
         """Return a definition expanded to states and parameters; ``above`` are those whose texts lead to it."""
@@ -319,10 +316,7 @@ class _Builder(Findings):
         known = dict(numbers)
         for symbol, past in zip(derived.equations.states, history, strict=True):
             known[symbol] = evaluate(past, numbers)
-        for read in self.delayed:
-            name, delay = self.file.states[read.state], self.delays[read.delay]
-            then = {**numbers, TIME: -evaluate(delay, numbers)}
-            known[make_delayed_symbol(name, delay)] = evaluate(history[read.state], then)
+        known |= self.past.evaluate_at_start(known, history)
         try:
             return find_start_mode(derived, known)
         except UndecidedSlidingError as exc:
@@ -363,7 +357,7 @@ class _Builder(Findings):
         segments: Mapping[str, Segment],
     ) -> list[tuple[str, sympy.Expr]]:
         """Return what the expressions of a model by hand are called, and the expressions."""
-        states = self.file.states
+        states = [*self.file.states, *(symbol.name for symbol in self.list_added_states())]
         named = [
             (f"{s}' of mode '{name}'", f) for name, body in modes.items() for s, f in zip(states, body, strict=True)
         ]

@@ -15,7 +15,8 @@ from math import factorial
 import sympy
 
 from pddecont.model.derived_modes import make_modes
-from pddecont.model.system import Model, make_symbol
+from pddecont.model.lagged import make_symbol
+from pddecont.model.system import Model
 
 
 def name_stage(state: str, delay: int, stage: int, k: int) -> str:

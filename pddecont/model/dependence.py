@@ -7,9 +7,22 @@ from collections.abc import Collection, Iterable, Mapping
 import sympy
 from sympy.utilities.iterables import strongly_connected_components
 
-from pddecont.model.system import Model, make_symbol
+from pddecont.model.lagged import find_reading_symbols, make_symbol
+from pddecont.model.system import Model
 
 Reads = Mapping[str, set[str]]
+
+
+def find_owners(model: Model) -> dict[sympy.Symbol, set[str]]:
+    """Return the states that each symbol of a model is read from, now or in the past, by delays that vary too."""
+    owners = {make_symbol(name): {name} for name in model.states}
+    owners |= {s: {model.states[d.state]} for d, s in zip(model.delayed, model.delayed_symbols, strict=True)}
+    for integral, symbol in zip(model.integrals, model.integral_symbols, strict=True):
+        owners[symbol] = {name for name in model.states if make_symbol(name) in integral.integrand.free_symbols}
+    for s, ways in model.chain.items():
+        inside = set().union(*(find_reading_symbols(inner, model.chain) for inner, _ in ways))
+        owners[s] = owners[s].union(*(owners[other] for other in inside if other in owners))
+    return owners
 
 
 def find_reads(model: Model) -> tuple[Reads, set[str]]:
@@ -17,11 +30,10 @@ def find_reads(model: Model) -> tuple[Reads, set[str]]:
 
     Those are in event functions and conditions. They are read now or delayed.
     """
-    owner = {make_symbol(name): name for name in model.states}
-    owner |= {s: model.states[d.state] for d, s in zip(model.delayed, model.delayed_symbols, strict=True)}
+    owners = find_owners(model)
 
     def states_in(exprs: Iterable[sympy.Expr]) -> set[str]:
-        return {owner[s] for e in exprs for s in e.free_symbols if s in owner}
+        return set().union(*(owners[s] for e in exprs for s in e.free_symbols if s in owners))
 
     if model.derived is not None:
         reads = model.derived.list_reads()

@@ -9,10 +9,11 @@ import sympy
 
 from pddecont.errors import PddecontError, suggest
 from pddecont.model.expression import substitute
+from pddecont.model.lagged import make_symbol
 from pddecont.model.left_out import LeftOut
 from pddecont.model.reduction import KINDS, Reasons, Reduction, ReferencedNames, check_finite, reduce_model
 from pddecont.model.syntax import ExpressionError
-from pddecont.model.system import Model, make_symbol
+from pddecont.model.system import Model
 
 
 def leave_out_effects(model: Model, off: Iterable[str], named: ReferencedNames | None = None) -> Model:

@@ -10,11 +10,11 @@ import sympy
 from pddecont.errors import suggest
 from pddecont.model.expression import TIME, Scope
 from pddecont.model.findings import Findings
+from pddecont.model.lagged import make_symbol
 from pddecont.model.nonsmooth import Clock, SwitchCollector
 from pddecont.model.schema import Jump as JumpBody
 from pddecont.model.schema import ModelFile
 from pddecont.model.switches import Equations, Jump, Switch
-from pddecont.model.system import make_symbol
 
 # What hand-written models have, and models given by equations have not.
 BY_HAND = ("modes", "events", "resets", "segments")

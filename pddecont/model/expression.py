@@ -10,7 +10,7 @@ import ast
 import math
 import re
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import sympy
@@ -26,7 +26,7 @@ from pddecont.model.evaluation import (
     raise_power,
 )
 from pddecont.model.mistakes import is_infinite, is_moment, suggest_point
-from pddecont.model.syntax import ExpressionError, describe_node, parse_syntax, unmask
+from pddecont.model.syntax import PRIME, ExpressionError, describe_node, parse_syntax, split_primes, unmask
 
 MAX_LENGTH = 20_000
 MAX_NODES = 5_000
@@ -73,15 +73,16 @@ Builtin = Callable[["ast.Call", "Scope"], sympy.Expr]
 class Scope:
     """What an expression may mention.
 
-    ``symbols`` maps names to what they stand for; ``delayed(state, delay)`` returns the symbol of a delayed value, or
-    is None where delays are not allowed; ``time`` says whether ``t`` may appear; ``builtins`` are functions of syntax
-    nodes (of monitors, of laws that are not smooth); ``place`` names the scope in messages; ``missing`` says why a name
-    that once was there is not any more; ``logical`` says whether conditions may stand among arguments.
+    ``symbols`` maps names to what they stand for; ``delayed(state, delay, derivative)`` returns the symbol of a delayed
+    value or rate, or is None where delays are not allowed; ``time`` says whether ``t`` may appear; ``builtins`` are
+    functions of syntax nodes (of monitors, of laws that are not smooth); ``place`` names the scope in messages;
+    ``missing`` says why a name that once was there is not any more; ``logical`` says whether conditions may stand among
+    arguments.
     """
 
     symbols: Mapping[str, sympy.Expr]
     states: Collection[str] = ()
-    delayed: Callable[[str, sympy.Expr], sympy.Expr] | None = None
+    delayed: Callable[[str, sympy.Expr, int], sympy.Expr] | None = None
     time: bool = True
     builtins: Mapping[str, Builtin] = field(default_factory=dict)
     place: str = "this expression"
@@ -301,8 +302,9 @@ class _Translator:
         name = unmask(node.func.id)
         if node.keywords or any(isinstance(a, ast.Starred) for a in node.args):
             raise ExpressionError(f"{name}(...) takes plain arguments only", node.col_offset)
-        if name in self.scope.states:
-            return self.delayed(name, node, depth)
+        state, derivative = split_primes(name)
+        if state in self.scope.states:
+            return self.delayed(state, derivative, node, depth)
         if name in self.scope.builtins:
             return self.scope.builtins[name](node, self.scope)
         if name in FUNCTIONS:
@@ -311,6 +313,8 @@ class _Translator:
                 raise ExpressionError(f"{name} takes {n_args} argument(s), found {len(node.args)}", node.col_offset)
             args = [self.visit(arg, depth + 1) for arg in node.args]
             return self.placed(lambda: apply_symbolic(function, args), node)
+        if name in NONSMOOTH and self.scope.place == "a delay":
+            raise ExpressionError(f"'{name}' is not smooth, and a delay has to be", node.col_offset)
         if name in NONSMOOTH and not self.scope.logical:
             raise ExpressionError(
                 f"'{name}' is not smooth: give the model as 'equations', where it is allowed, or write one mode for "
@@ -332,21 +336,25 @@ class _Translator:
             node.col_offset,
         )
 
-    def delayed(self, state: str, node: ast.Call, depth: int) -> sympy.Expr:
-        """Return a delayed value."""
+    def delayed(self, state: str, derivative: int, node: ast.Call, depth: int) -> sympy.Expr:
+        """Return a delayed value, or rate."""
+        written = f"{state}{derivative * PRIME}(t - delay)"
         if len(node.args) != 1:
-            raise ExpressionError(f"a delayed value is written {state}(t - delay)", node.col_offset)
+            raise ExpressionError(f"a delayed value is written {written}", node.col_offset)
         if self.scope.delayed is None:
             raise ExpressionError(self.scope.no_delay_because, node.col_offset)
-        inner = Scope({**self.scope.symbols, "t": TIME}, time=True, place="a delay")
+        if derivative > 1:
+            raise ExpressionError(
+                f"{written} is a second derivative; only values and first derivatives can be delayed", node.col_offset
+            )
+        inner = replace(self.scope, symbols={**self.scope.symbols, "t": TIME}, time=True, builtins={}, place="a delay")
         argument = _Translator(inner).visit(node.args[0], depth + 1)
         delay = sympy.expand(TIME - argument)
-        if TIME in delay.free_symbols:
+        if derivative and delay == 0:
             raise ExpressionError(
-                f"a delayed value is written {state}(t - delay), with a delay that does not depend on t",
-                node.args[0].col_offset,
+                f"{state}'(t) is the derivative at the present time; write what it is equal to", node.col_offset
             )
         try:
-            return self.scope.delayed(state, delay)
+            return self.scope.delayed(state, delay, derivative)
         except ExpressionError as exc:
             raise ExpressionError(str(exc), node.args[0].col_offset) from exc

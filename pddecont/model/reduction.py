@@ -13,12 +13,14 @@ from dataclasses import dataclass, field, replace
 import sympy
 
 from pddecont.model.conditions import list_differences, substitute_in
-from pddecont.model.dependence import find_unread_states
+from pddecont.model.dependence import find_owners, find_unread_states
 from pddecont.model.derived_modes import DerivedModes, make_modes
 from pddecont.model.expression import TIME, require_finite, substitute
+from pddecont.model.lagged import find_reading_symbols, make_symbol
 from pddecont.model.parts import IDENTITY, Segment
+from pddecont.model.reduced_reads import keep_reads, put_in_reads
 from pddecont.model.syntax import ExpressionError
-from pddecont.model.system import Model, make_delayed_symbol, make_symbol
+from pddecont.model.system import Model
 
 KINDS = ("states", "modes", "events", "resets", "segments", "delayed", "delays", "forcing", "definitions")
 Reasons = dict[str, dict[str, str]]
@@ -67,13 +69,8 @@ def _values(cut: Reduction, fixed: Mapping[str, sympy.Expr], dropped: Collection
     """
     model = cut.model
     values: dict[sympy.Symbol, sympy.Expr] = {make_symbol(name): value for name, value in fixed.items()}
-    taus = [substitute(sympy.sympify(d), values) for d in model.delays]
-    delays = tuple(dict.fromkeys(d for d in taus if d != 0))
-    left = [replace(read, delay=delays.index(taus[read.delay])) for read in model.delayed if taus[read.delay] != 0]
-    delayed = tuple(dict.fromkeys(left))
-    for read, old in zip(model.delayed, model.delayed_symbols, strict=True):
-        state, tau = model.states[read.state], taus[read.delay]
-        values[old] = make_symbol(state) if tau == 0 else make_delayed_symbol(state, tau)
+    reading, symbols = put_in_reads(model, values)
+    values |= symbols
 
     def put_in(expr: sympy.Expr) -> sympy.Expr:
         return substitute(sympy.sympify(expr), values)
@@ -107,8 +104,10 @@ def _values(cut: Reduction, fixed: Mapping[str, sympy.Expr], dropped: Collection
             made,
             fixed=fixed,
             parameters=numbers,
-            delays=delays,
-            delayed=delayed,
+            delays=reading.delays,
+            varying=reading.varying,
+            delayed=reading.delayed,
+            integrals=reading.integrals,
             period=None if model.period is None else put_in(model.period),
             history=tuple(map(put_in, model.history)),
             definitions={k: put_in(v) for k, v in model.definitions.items()},
@@ -145,7 +144,7 @@ def _number(model: Model, value: sympy.Expr) -> float:
 def _events_and_modes(cut: Reduction, dropped: Collection[str]) -> Reduction:
     """Take out the events that cannot happen any more, and the modes that only they led to."""
     model, why = cut.model, cut.reasons
-    changing = {*model.state_symbols, *model.delayed_symbols, TIME}
+    changing = {*model.state_symbols, *model.read_symbols, TIME}
     never = {name: "it never happens" for name in model.events if name in dropped}
     never |= {
         e.name: "its function changes no more"
@@ -214,7 +213,7 @@ def _states(cut: Reduction) -> Reduction:
     model = cut.model
     used = _in_definitions(cut)
     named = {s for s in model.states if s in cut.named.identifiers or make_symbol(s) in used}
-    named |= {model.states[d.state] for d, s in zip(model.delayed, model.delayed_symbols, strict=True) if s in used}
+    named |= set().union(*(names for s, names in find_owners(model).items() if s in used))
     gone = find_unread_states(cut.full, model, named)
     if not gone:
         return cut
@@ -243,21 +242,25 @@ def _states(cut: Reduction) -> Reduction:
 def _delays(cut: Reduction) -> Reduction:
     """Take out the delayed quantities that no expression reads any more, and the definitions that read what is gone."""
     model, full = cut.model, cut.full
-    used = _in_definitions(cut).union(*(e.free_symbols for e in _expressions(model)))
-    reads = [read for read, s in zip(model.delayed, model.delayed_symbols, strict=True) if s in used]
-    kept = sorted({read.delay for read in reads})
-    delayed = tuple(replace(read, delay=kept.index(read.delay)) for read in reads)
-    left = replace(model, delays=tuple(model.delays[k] for k in kept), delayed=delayed)
+    used = _in_definitions(cut) | _in_expressions(model)
+    left = keep_reads(model, used)
     values = {make_symbol(name): value for name, value in model.fixed.items()}
-    now = [substitute(sympy.sympify(delay), values) for delay in full.delays]
-    for read, s in zip(full.delayed, full.delayed_symbols, strict=True):
-        tau = now[read.delay]
-        if make_delayed_symbol(full.states[read.state], tau) not in left.delayed_symbols:
-            cut.reasons["delayed"][s.name] = "its delay is 0" if tau == 0 else "nothing left reads it"
-    for delay, value in zip(full.delays, now, strict=True):
-        if value not in left.delays:
-            cut.reasons["delays"][str(delay)] = "it is 0" if value == 0 else "nothing left is delayed by it"
-    there = {*left.state_symbols, *left.delayed_symbols, *left.parameter_symbols, TIME}
+    _, now = put_in_reads(full, values)
+    written = _in_expressions(full)
+    reads = [(read, s) for read, s in zip(full.delayed, full.delayed_symbols, strict=True) if s in written]
+    zero = {s for read, s in reads if now[s] == make_symbol(full.states[read.state]) or now[s] is sympy.nan}
+    for _, s in reads:
+        if now[s] not in left.delayed_symbols:
+            cut.reasons["delayed"][s.name] = "its delay is 0" if s in zero else "nothing left reads it"
+    kept = {full.find_delay(read) for read, s in reads if now[s] in left.delayed_symbols}
+    for read, s in reads:
+        if full.find_delay(read) not in kept:
+            why = "it is 0" if s in zero else "nothing left is delayed by it"
+            cut.reasons["delays"][str(full.find_delay(read))] = why
+    for s in full.integral_symbols:
+        if s in written and now[s] not in left.integral_symbols:
+            cut.reasons["delayed"][s.name] = "it is 0" if now[s] == 0 else "nothing left reads it"
+    there = {*left.state_symbols, *left.read_symbols, *left.parameter_symbols, TIME}
     lost = [name for name, e in model.definitions.items() if not e.free_symbols <= there]
     cut.reasons["definitions"] |= dict.fromkeys(lost, "it reads what is left out")
     return cut.to(replace(left, definitions={k: v for k, v in model.definitions.items() if k not in lost}))
@@ -277,8 +280,12 @@ def _in_definitions(cut: Reduction) -> set[sympy.Symbol]:
     return set().union(*(e.free_symbols for name, e in cut.model.definitions.items() if name in cut.named.identifiers))
 
 
+def _in_expressions(model: Model) -> set[sympy.Symbol]:
+    return set().union(*(e.free_symbols for e in _expressions(model)))
+
+
 def _timed(model: Model) -> bool:
-    return any(TIME in e.free_symbols for e in _expressions(model))
+    return any(TIME in find_reading_symbols(e, model.chain) for e in _expressions(model))
 
 
 def _expressions(model: Model) -> list[sympy.Expr]:
@@ -299,6 +306,7 @@ def check_finite(model: Model) -> None:
     for expr in [
         *_expressions(model),
         *model.delays,
+        *model.varying,
         *later,
         *model.history,
         *([] if model.period is None else [model.period]),

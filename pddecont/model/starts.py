@@ -8,8 +8,9 @@ import sympy
 
 from pddecont.model.evaluation import evaluate
 from pddecont.model.expression import TIME
+from pddecont.model.lagged import make_symbol
 from pddecont.model.syntax import ExpressionError
-from pddecont.model.system import Model, make_symbol
+from pddecont.model.system import Model
 from pddecont.model.transitions import list_transitions
 
 ROUNDING = 1e-9

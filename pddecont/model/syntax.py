@@ -14,6 +14,9 @@ from pddecont.model.mistakes import find_derivative
 _MASK = {word: word[:-1] + chr(0x250 + i) for i, word in enumerate(keyword.kwlist)}
 _UNMASK = {mask: word for word, mask in _MASK.items()}
 LOGICAL = ("and", "or", "not")
+# The prime of a derivative x'(...) is masked by a letter of the same length.
+PRIME, _PRIME_MASK = "'", chr(0x2B9)
+_DERIVATIVE = re.compile(r"(?<=[A-Za-z0-9_'])'(?=['\s]*\()")
 _KEYWORD = re.compile(r"\b(" + "|".join(keyword.kwlist) + r")\b")
 
 
@@ -34,6 +37,7 @@ def parse_syntax(text: str, *, logical: bool = False) -> ast.expr:
     masked = _KEYWORD.sub(
         lambda m: m.group() if m.group() in kept else _MASK[m.group()], text.replace("\n", " ").replace("\t", " ")
     )
+    masked = _DERIVATIVE.sub(_PRIME_MASK, masked)
     stripped = masked.lstrip()
     shift = len(masked) - len(stripped)
     if not stripped:
@@ -74,7 +78,14 @@ def find_names(text: str | float) -> tuple[str, ...]:
 
 def unmask(name: str) -> str:
     """Return a name as it was written."""
-    return _UNMASK.get(name, name)
+    bare = name.rstrip(_PRIME_MASK)
+    return _UNMASK.get(bare, bare) + PRIME * (len(name) - len(bare))
+
+
+def split_primes(name: str) -> tuple[str, int]:
+    """Return a name without its primes, and how many it has."""
+    bare = name.rstrip(PRIME)
+    return bare, len(name) - len(bare)
 
 
 def describe_node(node: ast.AST) -> str:

@@ -14,18 +14,18 @@ from pddecont.errors import SignatureError, suggest
 from pddecont.model.derived_modes import DerivedModes
 from pddecont.model.evaluation import evaluate
 from pddecont.model.expression import TIME, Scope
+from pddecont.model.lagged import (
+    ChainRule,
+    DelayedValue,
+    Integral,
+    make_chain_rule,
+    make_delayed_symbol,
+    make_integral_symbol,
+    make_symbol,
+)
 from pddecont.model.left_out import LeftOut
 from pddecont.model.parts import Event, Segment
 from pddecont.model.syntax import ExpressionError
-
-
-@dataclass(frozen=True)
-class DelayedValue:
-    """A state read a delay ago: the numbers of both, and how often it is differentiated there."""
-
-    state: int
-    delay: int
-    derivative: int = 0
 
 
 @dataclass(frozen=True)
@@ -40,9 +40,10 @@ class Effect:
 class Model:
     """A piecewise-smooth delay differential equation in symbols.
 
-    ``delays`` are expressions in the parameters; ``delayed`` lists the delayed values that the model reads, in the
-    order of ``delayed_symbols``. ``modes`` and ``resets`` hold one expression for each state. ``fixed`` are parameters
-    that effects left out set, in terms of the others.
+    ``delays`` are expressions in the parameters, ``varying`` those delays that depend on states, delayed values or t
+    too; ``delayed`` lists the delayed values that the model reads, in the order of ``delayed_symbols``, and
+    ``integrals`` the integrals over the past. ``modes`` and ``resets`` hold one expression for each state. ``fixed``
+    are parameters that effects left out set, in terms of the others.
     """
 
     name: str
@@ -65,6 +66,8 @@ class Model:
     units: Mapping[str, str] = field(default_factory=dict)
     # Of a model given by its equations: what its modes, events, resets and segments are made of.
     derived: DerivedModes | None = None
+    varying: tuple[sympy.Expr, ...] = ()
+    integrals: tuple[Integral, ...] = ()
 
     @cached_property
     def forced(self) -> bool:
@@ -116,8 +119,27 @@ class Model:
 
     @cached_property
     def delayed_symbols(self) -> tuple[sympy.Symbol, ...]:
-        """One symbol a delayed quantity."""
-        return tuple(make_delayed_symbol(self.states[d.state], self.delays[d.delay]) for d in self.delayed)
+        """One symbol a delayed value."""
+        return tuple(make_delayed_symbol(self.states[d.state], self.find_delay(d), d.derivative) for d in self.delayed)
+
+    @cached_property
+    def integral_symbols(self) -> tuple[sympy.Symbol, ...]:
+        """One symbol an integral over the past."""
+        return tuple(make_integral_symbol(integral, self.states) for integral in self.integrals)
+
+    @cached_property
+    def read_symbols(self) -> tuple[sympy.Symbol, ...]:
+        """What functions read of the past: the delayed values, then the integrals."""
+        return (*self.delayed_symbols, *self.integral_symbols)
+
+    @cached_property
+    def chain(self) -> ChainRule:
+        """How the values read change with what their delays and limits depend on."""
+        return make_chain_rule(self.states, self.delays, self.varying, self.delayed, self.integrals)
+
+    def find_delay(self, read: DelayedValue) -> sympy.Expr:
+        """Return how long ago a value is read."""
+        return (*self.delays, *self.varying)[read.delay]
 
     @cached_property
     def parameter_values(self) -> dict[str, sympy.Expr]:
@@ -147,18 +169,18 @@ class Model:
         """Return the scope of an expression in the parameters alone."""
         return Scope(self.parameter_values, time=False, place=place)
 
-    def delayed_value(self, state: str, delay: sympy.Expr) -> sympy.Expr:
-        """Return the symbol of a delayed value that the model itself reads.
+    def delayed_value(self, state: str, delay: sympy.Expr, derivative: int = 0) -> sympy.Expr:
+        """Return the symbol of a delayed value, or rate, that the model itself reads.
 
         Raise :class:`ExpressionError` for any other.
         """
-        if delay == 0:
+        if delay == 0 and not derivative:
             return make_symbol(state)
-        for known_value in self.delayed:
-            if self.states[known_value.state] == state and self.delays[known_value.delay] == delay:
-                return make_delayed_symbol(state, delay)
+        wanted = make_delayed_symbol(state, delay, derivative)
+        if wanted in self.delayed_symbols:
+            return wanted
         known = ", ".join(s.name for s in self.delayed_symbols)
-        gone = self.left_out.hint("delayed", make_delayed_symbol(state, delay).name)
+        gone = self.left_out.hint("delayed", wanted.name)
         raise ExpressionError(
             f"only delayed values that the model itself reads can be used here ({known or 'none'}){gone}"
         )
@@ -184,17 +206,6 @@ def _group(named: Iterable[tuple[str, Segment]]) -> dict[str, tuple[Segment, ...
     for name, segment in named:
         groups.setdefault(name, []).append(segment)
     return {name: tuple(group) for name, group in groups.items()}
-
-
-def make_symbol(name: str) -> sympy.Symbol:
-    """Return the symbol of a state or parameter."""
-    return sympy.Symbol(name, real=True)
-
-
-def make_delayed_symbol(state: str, delay: sympy.Expr) -> sympy.Symbol:
-    """Return the symbol of a state's delayed value; its name cannot be typed as an identifier."""
-    written = f"({delay})" if delay.is_Add else str(delay)
-    return sympy.Symbol(f"{state}(t - {written})", real=True)
 
 
 def check_signature(model: Model, signature: Sequence[str]) -> None:

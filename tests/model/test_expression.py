@@ -10,7 +10,7 @@ from pddecont.model.syntax import ExpressionError
 
 NAMES = ["x", "beta", "zeta", "gamma", "N", "S", "E", "I", "lambda", "is"]
 SCOPE = Scope(
-    {n: sympy.Symbol(n, real=True) for n in NAMES}, states=["x"], delayed=lambda s, d: sympy.Symbol(f"{s}|{d}")
+    {n: sympy.Symbol(n, real=True) for n in NAMES}, states=["x"], delayed=lambda s, d, _: sympy.Symbol(f"{s}|{d}")
 )
 
 
