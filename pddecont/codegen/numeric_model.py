@@ -122,6 +122,10 @@ class NumericModel:
         """Return a delay as a function of the parameters, n_out = 1."""
         return self._parameter_function((self.model.delays[number],))
 
+    def varying_delay(self, number: int) -> ArrayFunction:
+        """Return a delay that varies, n_out = 1."""
+        return self._named("delay", str(number), [self.model.varying[number]])
+
     @cached_property
     def period(self) -> ParameterFunction:
         """The forcing period as a function of the parameters, n_out = 1 (0 for autonomous models)."""

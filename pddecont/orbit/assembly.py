@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from pddecont.continuation import Matrix
 from pddecont.delay import DelayOperator, FullWeights, LocalWeights
+from pddecont.model import DelayedValue
 from pddecont.orbit.equations import (
     DelayedEventEquation,
     Equation,
@@ -19,6 +20,7 @@ from pddecont.orbit.equations import (
     PhaseEquation,
     SlopeEquations,
     StateAfter,
+    TimeEquation,
     list_equations,
 )
 from pddecont.orbit.linearisation import ColumnMap, Entries, Linearisation
@@ -146,6 +148,8 @@ class Assembly:
                 self._add(Entries(rows, self.columns.state_after(segment), 1.0))
             case DelayedEventEquation():
                 self._add_delayed_event(equation)
+            case TimeEquation(row, coefficients):
+                self._add_time(row, self.columns.find_time_weights(coefficients))
             case PhaseEquation(row):
                 for entries in self.columns.phase_entries(row):
                     self._add(entries)
@@ -203,9 +207,10 @@ class Assembly:
             read = self.problem.numeric.model.delayed[q]
             weights = self.operators[read.delay].weights
 
-            def values(at: Linearisation, entry: int = entry, delay: int = read.delay) -> Array:
+            def values(at: Linearisation, entry: int = entry, read: DelayedValue = read) -> Array:
                 slope = at.factor(e) * at.derivatives(e).dxd[entry]
-                result: Array = slope[:, None] * at.reads.operators[delay].weights.weights[e.points]
+                reading = at.reads.operators[read.delay].weights_of(read.derivative)
+                result: Array = slope[:, None] * reading.weights[e.points]
                 return result
 
             if isinstance(weights, FullWeights):
@@ -214,6 +219,14 @@ class Assembly:
             else:
                 columns = self.columns.read_columns(weights, e.points, read.state)
                 self._add(Entries(e.rows[out][:, None], columns, values))
+
+    def _add_time(self, row: int, weights: Array) -> None:
+        """Add a sum of durations, breaking times, and delays where those depend on free parameters."""
+        n_moving, place = len(self.columns.moving_columns), self.problem.unknowns.free
+        self._add(Entries(row, self.columns.moving_columns, weights[:n_moving]))
+        if len(self.moving_taus):
+            columns = np.arange(place.start, place.stop)
+            self._add(Entries(row, columns, lambda at: weights[n_moving:] @ at.tau_derivatives))
 
     def _add_delayed_event(self, e: DelayedEventEquation) -> None:
         """Add the equation of a delayed event: durations, and its delay where that depends on free parameters."""

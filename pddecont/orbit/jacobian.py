@@ -50,20 +50,21 @@ class PeriodicColumns:
         self.problem, self.unknowns = problem, problem.unknowns
         mesh = problem.mesh
         moving_taus = problem.numeric.delays.function.structure(problem.free_index).moving
-        self.theta_components = [*range(mesh.n_segments), *(mesh.n_segments + moving_taus).tolist()]
+        n_before = mesh.n_segments + len(problem.numeric.model.delays)
+        breaking = range(n_before, n_before + mesh.n_breaking)
+        self.theta_components = [*range(mesh.n_segments), *breaking, *(mesh.n_segments + moving_taus).tolist()]
         self.shape = (Rows(problem.unknowns).size, problem.unknowns.size)
-        self.moving_columns: Ints = np.arange(self.unknowns.durations.start, self.unknowns.durations.stop)
+        self.moving_columns: Ints = np.arange(self.unknowns.moving.start, self.unknowns.moving.stop)
         self.equation_times: Array = mesh.equation_times[:, self.theta_components]
         self.interval_lengths: Array = mesh.length[:, self.theta_components]
 
     def delayed_derivatives(self, orbit: Orbit, reads: Reads) -> Array:
-        """Return how delayed values move with durations and delays."""
-        delayed = orbit.numeric.model.delayed
-        slopes = np.zeros((len(delayed), orbit.mesh.n_equation_points, len(self.theta_components)))
-        for k, operator in enumerate(reads.operators):
-            rows = [i for i, read in enumerate(delayed) if read.delay == k]
-            states = [delayed[i].state for i in rows]
-            moves = operator.theta_derivative(orbit.values[:, states], self.theta_components)
+        """Return how what is read of the past moves with durations, breaking times and delays."""
+        model = orbit.numeric.model
+        slopes = np.zeros((len(model.read_symbols), orbit.mesh.n_equation_points, len(self.theta_components)))
+        for (k, order), rows in model.read_groups.items():
+            states = [model.delayed[i].state for i in rows]
+            moves = reads.operators[k].theta_derivative(orbit.values[:, states], self.theta_components, order)
             slopes[rows] = np.moveaxis(moves, 1, 0)
         return slopes
 
@@ -79,8 +80,13 @@ class PeriodicColumns:
         return result
 
     def find_elapsed_weights(self, link: DelayedEventLink) -> Array:
-        """Return the weights of the durations between a delayed event and its source."""
-        return find_elapsed_weights(self.problem, link)
+        """Return the weights of durations and breaking times between a delayed event and its source."""
+        weights = find_elapsed_weights(self.problem, link)
+        return np.concatenate([weights, np.zeros(self.problem.mesh.n_breaking)])
+
+    def find_time_weights(self, coefficients: Array) -> Array:
+        """Return the weights of durations, breaking times and moving delays in a sum of theta."""
+        return coefficients[self.theta_components]
 
     def phase_entries(self, row: int) -> list[Entries]:
         """Return the start's column of a forced orbit, all base values of an autonomous one."""
@@ -93,7 +99,7 @@ class PeriodicColumns:
         """Return the sum of the durations less whole forcing periods; nothing for an autonomous model."""
         if not self.unknowns.forced:
             return []
-        entries = [Entries(row, self.moving_columns, 1.0)]
+        entries = [Entries(row, np.arange(self.unknowns.durations.start, self.unknowns.durations.stop), 1.0)]
         place, free = self.unknowns.free, self.problem.free_index
         if free:
             period = self.problem.numeric.period
