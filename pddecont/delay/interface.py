@@ -77,6 +77,13 @@ class DelayOperator:
     theta_derivative: Callable[[Array, Sequence[int], int], Array]
     rates: tuple[LocalWeights, ...] = ()
 
+    def reads_as(self, other: DelayOperator) -> bool:
+        """Return whether delayed values are read from the same unknowns as with ``other``."""
+        a, b = self.weights, other.weights
+        if isinstance(b, FullWeights):
+            return isinstance(a, FullWeights)
+        return isinstance(a, LocalWeights) and a.reads_as(b)
+
     def weights_of(self, order: int) -> LocalWeights | FullWeights:
         """Return what reads a derivative in time; 0: the value."""
         return self.rates[order - 1] if order else self.weights

@@ -73,6 +73,8 @@ class PastReads:
             raise ExpressionError(
                 f"a delay is a smooth expression in states, t and parameters, but this one holds {', '.join(strangers)}"
             )
+        if delay.free_symbols & {make_integral_symbol(integral, self.states) for integral in self.integrals}:
+            raise ExpressionError("a delay cannot hold an integral; make the integral a state with an equation")
         if self.varies(delay):
             return
         value = evaluate(delay, self.numbers)
@@ -136,8 +138,8 @@ class PastReads:
             )
         return expr.xreplace({lag: TIME, **{symbol: make_symbol(state) for state, symbol in past.items()}})
 
-    def _note(self, integral: Integral) -> sympy.Symbol:
-        """Note an integral with all that its derivatives read; return its symbol."""
+    def _note(self, integral: Integral, *, closed: bool = True) -> sympy.Symbol:
+        """Note an integral, ``closed``: with all that its derivatives read; return its symbol."""
         symbol = make_integral_symbol(integral, self.states)
         if integral not in self.integrals:
             self.integrals.append(integral)
@@ -146,8 +148,8 @@ class PastReads:
             for limit in (integral.low, integral.high):
                 for name in read if limit.free_symbols else ():
                     self.read(name, limit)
-            for _, slope in list_parameter_slopes(integral, self.states):
-                self._note(slope)
+            for _, slope in list_parameter_slopes(integral, self.states) if closed else ():
+                self._note(slope, closed=False)
         return symbol
 
     def _remember(self, integrand: sympy.Expr, low: sympy.Expr, node: ast.Call) -> sympy.Expr:

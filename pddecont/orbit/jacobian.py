@@ -31,7 +31,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.continuation import Matrix
-from pddecont.delay import DelayOperator, LocalWeights
+from pddecont.delay import LocalWeights
 from pddecont.orbit.assembly import Assembly
 from pddecont.orbit.linearisation import Entries
 from pddecont.orbit.orbit import Orbit, Reads
@@ -66,6 +66,13 @@ class PeriodicColumns:
             states = [model.delayed[i].state for i in rows]
             moves = reads.operators[k].theta_derivative(orbit.values[:, states], self.theta_components, order)
             slopes[rows] = np.moveaxis(moves, 1, 0)
+        mesh, turns = orbit.mesh, np.zeros(len(self.theta_components))
+        turns[: orbit.mesh.n_segments] = 1.0
+        for i, integral in enumerate(reads.integrals):
+            interval, wraps = integral.window.interval, integral.window.wraps
+            starts = mesh.start[interval][:, self.theta_components] - wraps[:, None] * turns
+            lengths = self.interval_lengths[interval]
+            slopes[len(model.delayed) + i] = integral.moves(self.equation_times, starts, lengths, reads.h[interval])
         return slopes
 
     def read_columns(self, weights: LocalWeights, points: Ints, state: int) -> Ints:
@@ -123,11 +130,11 @@ class JacobianAssembler:
     def make_jacobian(self, orbit: Orbit) -> Matrix:
         """Return d residual / d x, shape (n_equations, n_unknowns)."""
         reads = orbit.equation_reads
-        if self.assembly is None or not self.assembly.reads_as(reads.operators):
-            self.assembly = assemble_periodic(orbit.problem, reads.operators)
+        if self.assembly is None or not self.assembly.reads_as(reads):
+            self.assembly = assemble_periodic(orbit.problem, reads)
         return self.assembly.make_matrix(orbit, reads)
 
 
-def assemble_periodic(problem: OrbitProblem, operators: list[DelayOperator]) -> Assembly:
+def assemble_periodic(problem: OrbitProblem, reads: Reads) -> Assembly:
     """Return the places of the Jacobian's entries."""
-    return Assembly(problem, operators, PeriodicColumns(problem))
+    return Assembly(problem, reads, PeriodicColumns(problem))

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from pddecont.codegen import NumericModel
 from pddecont.collocation import Mesh, MeshPoints
-from pddecont.delay import DelayOperator
+from pddecont.delay import DelayOperator, LocalWeights
+from pddecont.orbit.integrals import IntegralOperator, make_integral_operator
 from pddecont.orbit.problem import OrbitProblem
 from pddecont.orbit.signature import Signature
 
@@ -26,7 +27,7 @@ class Reads:
 
     Shapes: h (n_intervals,) lengths of the intervals, t (n_points,) physical time, x (n_states, n_points), xd
     (n_reads, n_points), lags (n_varying, n_points) the values of delays that vary. ``operators`` are those of constant
-    delays, then of those that vary.
+    delays, then of those that vary; ``integrals`` those of integrals over the past.
     """
 
     points: MeshPoints
@@ -36,6 +37,12 @@ class Reads:
     xd: Array
     operators: list[DelayOperator]
     lags: Array
+    integrals: list[IntegralOperator]
+
+    def list_local_weights(self) -> list[LocalWeights]:
+        """Return what reads single mesh intervals, by delays and in integrals."""
+        delays = (op.weights for op in self.operators if isinstance(op.weights, LocalWeights))
+        return [*delays, *(integral.pairs for integral in self.integrals)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,7 +159,15 @@ class Orbit:
             lags[number] = self.numeric.varying_delay(number).value(t, x, xd, self.parameters)[0]
             operators.append(self.problem.make_varying_operator(theta, lags[number], points, number))
             self._read_delay(len(model.delays) + number, operators[-1], xd)
-        return Reads(points, mesh.length @ theta, t, x, xd, operators, lags)
+        integrals = []
+        for number in range(len(model.integrals) if delays else 0):
+            limits = self.numeric.limits(number).value(t, x, xd, self.parameters)
+            integrand = self.numeric.integrand(number)
+            integrals.append(
+                make_integral_operator(integrand, mesh, theta, self.values, points, limits, self.parameters)
+            )
+            xd[len(model.delayed) + number] = integrals[-1].value
+        return Reads(points, mesh.length @ theta, t, x, xd, operators, lags, integrals)
 
     def _read_delay(self, k: int, operator: DelayOperator, xd: Array) -> None:
         """Write what is read by delay number ``k`` to its rows of ``xd``."""

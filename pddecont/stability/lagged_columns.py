@@ -6,12 +6,12 @@ start, and the state after the reset at its end.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.delay import DelayOperator, LocalWeights
+from pddecont.delay import LocalWeights
 from pddecont.orbit import DelayedEventLink, Entries, Orbit, OrbitProblem, Reads, Rows
 from pddecont.stability.lagged_times import LaggedMesh, find_deepest_lag, spread_over_lags, take_moving
 from pddecont.stability.moving_edges import Edge
@@ -29,14 +29,10 @@ class LaggedColumns:
     """
 
     def __init__(
-        self,
-        problem: OrbitProblem,
-        operators: Sequence[DelayOperator],
-        lines: Mapping[int, PeriodLine],
-        still: Collection[Edge] = (),
+        self, problem: OrbitProblem, reads: Reads, lines: Mapping[int, PeriodLine], still: Collection[Edge] = ()
     ):
         mesh, unknowns = problem.mesh, problem.unknowns
-        wraps = [int(np.max(op.weights.wraps)) for op in operators if isinstance(op.weights, LocalWeights)]
+        wraps = [int(np.max(weights.wraps)) for weights in reads.list_local_weights()]
         linked = [link.wraps for link in problem.links]
         self.n_lags = 2 + max([*wraps, *linked], default=0) + find_deepest_lag(mesh, still)
         self.problem, self.unknowns, self.lines = problem, unknowns, lines
@@ -53,7 +49,23 @@ class LaggedColumns:
         """Return how delayed values move with the durations and breaking times of all periods."""
         n_delayed = len(orbit.numeric.model.delayed)
         moves = [self._derivatives_of(q, orbit, reads).reshape(self.equation_times.shape) for q in range(n_delayed)]
+        moves += [self._integral_moves(i, reads) for i in range(len(reads.integrals))]
         return np.stack(moves) if moves else np.zeros((0, *self.equation_times.shape))
+
+    def _integral_moves(self, number: int, reads: Reads) -> Array:
+        """Return the derivatives of an integral over the past, shape (n_equation_points, n_lags * (S + J))."""
+        integral, lags = reads.integrals[number], self.lags
+        interval, wraps = integral.window.interval, integral.window.wraps
+        lag = np.arange(self.n_lags)
+        starts, lengths = np.zeros((2, len(interval), *lags.start.shape[1:]))
+        n_segments = self.problem.mesh.n_segments
+        starts[:, :, :n_segments] -= ((lag >= 1) & (lag <= wraps[:, None]))[:, :, None]
+        for w in np.unique(wraps):
+            here = wraps == w
+            starts[here, w:] += lags.start[interval[here], : self.n_lags - w]
+            lengths[here, w:] = lags.length[interval[here], : self.n_lags - w]
+        flat = (len(interval), -1)
+        return integral.moves(self.equation_times, starts.reshape(flat), lengths.reshape(flat), reads.h[interval])
 
     def _derivatives_of(self, q: int, orbit: Orbit, reads: Reads) -> Array:
         """Return the derivatives of delayed value ``q``, shape (n_equation_points, n_lags, S + J)."""
