@@ -61,6 +61,7 @@ from .resegmentation import SegmentSpan as SegmentSpan
 from .resegmentation import resegment as resegment
 from .resegmentation import sample_spans as sample_spans
 from .residual import Rows as Rows
+from .residual import group_by_mode as group_by_mode
 from .resting import make_resting_orbit as make_resting_orbit
 from .sampled_cycle import SampledCycle as SampledCycle
 from .sampled_cycle import find_cycle as find_cycle
