@@ -35,6 +35,7 @@ from pddecont.model.names import (
 )
 from pddecont.model.nonsmooth import SwitchCollector
 from pddecont.model.parts import IDENTITY, Event, Segment
+from pddecont.model.past_checks import list_negative_delays, measure_rates
 from pddecont.model.past_reads import INTEGRAL, PastReads
 from pddecont.model.periodicity import explain_non_periodic
 from pddecont.model.rest import find_resets_to_rest
@@ -129,6 +130,7 @@ class _Builder(Findings):
             self.check_repeats(period, self.list_by_hand(modes, events, resets, segments) + lags)
         else:
             self.check_repeats(period, list_equations(derived.equations.leave_out_contacts()) + lags)
+        self.check_past(modes if derived is None else {"": derived.equations.field}, used, history)
         delays, varying, delayed = self.past.arrange()
         return Model(
             file.name,
@@ -151,6 +153,26 @@ class _Builder(Findings):
             varying=varying,
             integrals=tuple(self.past.integrals),
         )
+
+    def check_past(
+        self, fields: Mapping[str, Exprs], used: Mapping[KeyPath, set[sympy.Symbol]], history: Exprs
+    ) -> None:
+        """Check that no delay reads the future at the start, and that what rates make of rates fades."""
+        states = tuple(map(make_symbol, (*self.file.states, *(s.name for s in self.list_added()))))
+        symbols = {delay: symbol for symbol, (_, delay, _) in self.past.list_delayed()}
+        for delay, message in list_negative_delays(self.past, states, history) if not self.problems else ():
+            readers = [path for path, read in used.items() if symbols[delay] in read]
+            self.add_error(readers[0] if readers else ("initial",), message, key=True)
+        for name, field in fields.items():
+            size = measure_rates(field, self.past)
+            if size >= 1.0:
+                path = ("modes", name) if name else ("equations",)
+                self.add_error(
+                    path,
+                    f"the coefficients of delayed rates add up to {size:g} at the given parameters; expected less than "
+                    "1: from there on perturbations of any frequency never decay",
+                    key=True,
+                )
 
     def list_added(self) -> list[sympy.Symbol]:
         """Return the states that the model has besides those of the file."""

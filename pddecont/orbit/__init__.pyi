@@ -11,6 +11,7 @@ from .assembly import Assembly as Assembly
 from .boundaries import DelayBoundary as DelayBoundary
 from .boundaries import DurationBoundary as DurationBoundary
 from .boundaries import RangeBoundary as RangeBoundary
+from .boundaries import VaryingDelayBoundary as VaryingDelayBoundary
 from .carried_events import CarriedEvent as CarriedEvent
 from .carried_events import list_carried_events as list_carried_events
 from .carried_events import list_unlisted_carried_events as list_unlisted_carried_events
