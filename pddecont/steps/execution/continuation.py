@@ -21,6 +21,7 @@ from pddecont.bifurcation import (
 )
 from pddecont.continuation import (
     END_POINT,
+    Boundary,
     BranchPoint,
     BranchState,
     CurvePoint,
@@ -127,13 +128,13 @@ class _Branch:
         first = self.first.point.at.orbit
         delays = DelayBoundary(first.numeric, first.parameters, first.problem.free_index)
         varying = [VaryingDelayBoundary(first.numeric)] if first.numeric.model.varying else []
-        boundaries = (
+        boundaries: list[Boundary[Any]] = [
             RangeBoundary(self.settings.free, self.settings.ranges),
             delays,
             *varying,
             DurationBoundary(),
             amplitude,
-        )
+        ]
         home = _make_home(_turn(self.first, way), self.settings.widths)
         horizon = OrbitHorizon(self.first.point.at.orbit.free)
         for _ in range(MAX_SIGNATURES):
