@@ -5,6 +5,7 @@ from __future__ import annotations
 from pddecont.simulate.integrator.calls import call, internal
 from pddecont.simulate.integrator.history import read_delayed, read_delayed_slopes, time_tolerance
 from pddecont.simulate.integrator.rhs import evaluate_rhs
+from pddecont.simulate.integrator.state import ZERO
 
 # Rounding in the terms of an event function, relative to them, and in the time, in tolerances of it; both leave some
 # room above what a few operations make.
@@ -18,7 +19,8 @@ def evaluate_event(c, event, t, y):
         read_delayed(c, t, y, c.xd, 0)
     c.gradient[0] = 0.0
     call(c.event[event], c.event_case[event], t, y, c.xd, c.p, c.gradient)
-    return c.gradient[0]
+    # Functions beyond those of events are those of lags, whose zero is where something that they read begins or ends.
+    return c.gradient[0] if event < c.n_events else c.gradient[0] - c.lag_time[ZERO]
 
 
 @internal
