@@ -65,6 +65,7 @@ def make_system(
         n_varying=len(plan.varying),
         n_integrals=len(model.integrals),
         n_turns=len(turns),
+        n_first_turns=plan.n_first,
         pair_derivative=np.ascontiguousarray(pairs[:, 2]),
         is_rate=integers(is_rate),
         turn_kind=np.ascontiguousarray(turns[:, 0]),

@@ -120,7 +120,7 @@ class PartTables:
         stick: Mapping[str, str] | None = None,
     ) -> None:
         self.model, self.functions, self.section, self.stick = model, functions, section, stick or {}
-        self.plan = make_past_plan(model)
+        self.plan = make_past_plan(model, set() if section is None else section.free_symbols)
         self.n_keys = max(1, len(functions.digits))
         self.modes: dict[str, int] = {}
         self.events: dict[str, int] = {}

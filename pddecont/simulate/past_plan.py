@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -40,6 +41,8 @@ class PastPlan:
         The slots of each integral's limits (n_integrals,); PRESENT for zero.
     turns
         What to evaluate, in order: (kind, number), a lag by its number among ``varying``.
+    n_first
+        So many turns come first; nothing but derivatives by lags that vary reads the values of the others.
     """
 
     constant: tuple[sympy.Expr, ...]
@@ -48,16 +51,20 @@ class PastPlan:
     low: tuple[int, ...]
     high: tuple[int, ...]
     turns: tuple[tuple[Turn, int], ...]
+    n_first: int
 
 
-def make_past_plan(model: Model) -> PastPlan:
-    """Return how to evaluate what a model reads of the past."""
+def make_past_plan(model: Model, more_reads: Collection[sympy.Symbol] = ()) -> PastPlan:
+    """Return how to evaluate what a model, and ``more_reads`` besides, read of the past."""
     limits = dict.fromkeys(limit for i in model.integrals for limit in (i.low, i.high) if limit != 0)
     known = set(model.parameter_symbols)
     more = [limit for limit in limits if limit not in (*model.delays, *model.varying)]
     constant = (*model.delays, *(e for e in more if e.free_symbols <= known))
     varying = (*model.varying, *(e for e in more if not e.free_symbols <= known))
     slot = {expr: k for k, expr in enumerate((*constant, *varying))}
+    turns = _put_in_order(model, varying)
+    inner = {s for e in (*varying, *limits) for s in e.free_symbols}
+    late = [turn for turn in turns if _is_late(model, turn, more_reads, inner)]
 
     def find_slot(limit: sympy.Expr) -> int:
         return PRESENT if limit == 0 else slot[limit]
@@ -68,8 +75,28 @@ def make_past_plan(model: Model) -> PastPlan:
         tuple(slot[model.find_delay(read)] for read in model.delayed),
         tuple(find_slot(i.low) for i in model.integrals),
         tuple(find_slot(i.high) for i in model.integrals),
-        _put_in_order(model, varying),
+        (*(turn for turn in turns if turn not in late), *late),
+        len(turns) - len(late),
     )
+
+
+def _is_late(model: Model, turn: tuple[Turn, int], read: Collection[sympy.Symbol], inner: set[sympy.Symbol]) -> bool:
+    """Return whether a turn is that of a rate or an integral that nothing but derivatives reads.
+
+    What modes given by equations read is not known before they are reached.
+    """
+    kind, i = turn
+    if model.derived is not None or kind == Turn.LAG or (kind == Turn.VALUE and not model.delayed[i].derivative):
+        return False
+    symbol = model.read_symbols[i if kind == Turn.VALUE else len(model.delayed) + i]
+    return symbol not in inner and symbol not in read and symbol not in _list_read(model)
+
+
+def _list_read(model: Model) -> set[sympy.Symbol]:
+    """Return the symbols that the modes, events and resets of a model hold."""
+    exprs = [*(e for body in (*model.modes.values(), *model.resets.values()) for e in body)]
+    exprs += [event.function for event in model.events.values() if event.function is not None]
+    return set().union(*(e.free_symbols for e in exprs))
 
 
 def _put_in_order(model: Model, varying: tuple[sympy.Expr, ...]) -> tuple[tuple[Turn, int], ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pddecont.simulate.integrator.calls import call, internal
 from pddecont.simulate.integrator.history import read_delayed, time_tolerance
+from pddecont.simulate.integrator.past_reads import read_for_derivatives
 from pddecont.simulate.integrator.pieces import begin_piece
 from pddecont.simulate.integrator.state import MODE, N_BREAKING, N_PENDING
 
@@ -130,6 +131,7 @@ def measure_rates(c, t):
     for i in range(n * (n + m)):
         c.jacobian[i] = 0.0
     read_delayed(c, t, c.y, c.xd, 0)
+    read_for_derivatives(c, t, c.y, c.xd)
     mode = c.count[MODE]
     call(c.field_jacobian[mode], c.field_case[mode], t, c.y, c.xd, c.p, c.jacobian)
     largest = 0.0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pddecont.simulate.integrator.calls import call, internal
 from pddecont.simulate.integrator.history import read_delayed, read_delayed_slopes, time_tolerance
+from pddecont.simulate.integrator.past_reads import read_for_derivatives
 from pddecont.simulate.integrator.rhs import evaluate_rhs
 from pddecont.simulate.integrator.state import ZERO
 
@@ -35,6 +36,8 @@ def evaluate_event_slope(c, event, mode, t, y):
     for i in range(n + m + 1):
         gradient[i] = 0.0
     read_delayed(c, t, y, c.xd, 0)
+    if c.is_general == 1:
+        read_for_derivatives(c, t, y, c.xd)
     call(c.event_jacobian[event], c.event_case[event], t, y, c.xd, c.p, gradient)
     slope, moving = gradient[n + m], abs(gradient[n + m])
     size = moving * abs(t)

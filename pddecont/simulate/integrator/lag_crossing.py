@@ -31,8 +31,9 @@ from pddecont.simulate.integrator.state import (
 from pddecont.simulate.integrator.status import Status
 from pddecont.simulate.integrator.variational import jump_at_lag
 
-# A read time whose middle is farther from the end of a piece than so many half widths of its range does not reach it.
-FAR = 4.0
+# Beyond the range of times that the stages of a step read, a lag reads no more than this part of it: between two stages,
+# a fifth of a step apart or less, a read time that turns goes beyond both by a twenty-fifth of the range.
+BEYOND = 0.25
 # What a lag passes: the end of its piece, its beginning, or the present.
 NOTHING, END, BEGIN, PRESENT = 0, 1, 2, 3
 # More ends passed at one moment than lags that stand still on one pass by rounding.
@@ -103,8 +104,8 @@ def _may_reach(c, k, end):
     """Return whether the times that lag ``k`` read in the present step may reach the end of a piece."""
     if not math.isfinite(end):
         return False
-    middle, half = 0.5 * (c.lag_least[k] + c.lag_most[k]), 0.5 * (c.lag_most[k] - c.lag_least[k])
-    return abs(middle - end) <= FAR * half + time_tolerance(end)
+    margin = BEYOND * (c.lag_most[k] - c.lag_least[k]) + time_tolerance(end)
+    return c.lag_least[k] - margin <= end <= c.lag_most[k] + margin
 
 
 @internal

@@ -7,7 +7,7 @@ of itself is an extension of it that is held: :mod:`overlap` repeats the step un
 from __future__ import annotations
 
 from pddecont.simulate.integrator.buffers import N_COEFFICIENTS
-from pddecont.simulate.integrator.calls import call, internal, offset
+from pddecont.simulate.integrator.calls import call, inlined, internal, offset
 from pddecont.simulate.integrator.pieces import HISTORY, has_steps, stay_in_piece
 from pddecont.simulate.integrator.quadrature import (
     DERIVATIVE_IN_LAG,
@@ -16,7 +16,13 @@ from pddecont.simulate.integrator.quadrature import (
     evaluate_integrand_at,
     integrate_past,
 )
-from pddecont.simulate.integrator.ring import evaluate_extension_derivative, evaluate_history, time_tolerance
+from pddecont.simulate.integrator.ring import (
+    evaluate_extension,
+    evaluate_extension_derivative,
+    evaluate_extension_slope,
+    evaluate_history,
+    time_tolerance,
+)
 from pddecont.simulate.integrator.state import (
     FIRST,
     HELD,
@@ -32,7 +38,7 @@ from pddecont.simulate.integrator.state import (
 )
 
 # What is evaluated in turn.
-LAG, VALUE = 0, 1
+LAG, VALUE, INTEGRAL = 0, 1, 2
 # The past is kept as far as so many of the longest lags so far reach, and never fewer steps than this: a lag that grows
 # faster ends the integration. Both are far more than lags that stay bounded need.
 KEPT_LAGS, KEPT_STEPS = 4.0, 4096
@@ -44,42 +50,58 @@ def read_past(c, t, y, xd, part):
 
     The tangent is read by the lags that the states were read by before.
     """
-    for place in range(c.n_turns):
-        kind, i = c.turn_kind[place], c.turn_number[place]
-        if kind == VALUE:
-            xd[i] = _read_value(c, t, y, y, i, 0, part)
-        elif kind == LAG:
-            if part == 0:
-                _evaluate_lag(c, t, y, xd, i)
-        else:
-            low, high = _find_limit(c, c.low[i]), _find_limit(c, c.high[i])
-            xd[c.n_values + i] = integrate_past(c, t, y, i, low, high, INTEGRAND if part == 0 else TANGENT)
+    for place in range(c.n_first_turns):
+        _take_turn(c, t, y, xd, place, part)
+
+
+@internal
+def read_for_derivatives(c, t, y, xd):
+    """Write what only derivatives need of what is read at ``t`` to ``xd``, after :func:`read_past`."""
+    for place in range(c.n_first_turns, c.n_turns):
+        _take_turn(c, t, y, xd, place, 0)
+
+
+@inlined
+def _take_turn(c, t, y, xd, place, part):
+    kind, i = c.turn_kind[place], c.turn_number[place]
+    if kind == VALUE:
+        xd[i] = _read_value(c, t, y, y, i, 0, part)
+    elif kind == LAG:
+        if part == 0:
+            _evaluate_lag(c, t, y, xd, i)
+    else:
+        low, high = _find_limit(c, c.low[i]), _find_limit(c, c.high[i])
+        xd[c.n_values + i] = integrate_past(c, t, y, i, low, high, INTEGRAND if part == 0 else TANGENT)
 
 
 @internal
 def read_past_slopes(c, t, y, dy, slopes):
     """Write the time derivatives, by lags that stand still, of what is read at ``t``; ``dy`` are those of ``y``."""
-    for i in range(c.n_values):
-        slopes[i] = _read_value(c, t, y, dy, i, 1, 0)
-    for q in range(c.n_integrals):
+    for place in range(c.n_first_turns):
+        kind, i = c.turn_kind[place], c.turn_number[place]
+        if kind == VALUE:
+            slopes[i] = _read_value(c, t, y, dy, i, 1, 0)
+        if kind != INTEGRAL:
+            continue
+        q = i
         low, high = _find_limit(c, c.low[q]), _find_limit(c, c.high[q])
         slope = integrate_past(c, t, y, q, low, high, DERIVATIVE_IN_LAG)
         slope += evaluate_integrand_at(c, t, y, q, low) - evaluate_integrand_at(c, t, y, q, high)
         slopes[c.n_values + q] = slope
 
 
-@internal
+@inlined
 def find_lag(c, slot):
     """Return the lag of a slot, as it was evaluated last."""
     return c.tau[slot] if slot < c.n_delays else c.lag[slot - c.n_delays]
 
 
-@internal
+@inlined
 def _find_limit(c, slot):
     return 0.0 if slot < 0 else find_lag(c, slot)
 
 
-@internal
+@inlined
 def _evaluate_lag(c, t, y, xd, k):
     """Evaluate lag ``k`` of those that vary; within a step note the times that it reads, else choose its piece."""
     c.integrand[0] = 0.0
@@ -120,16 +142,14 @@ def _read_value(c, t, y, dy, i, more, part):
             return c.y[first + state] if order == 0 else c.fresh_slope[first + state] if order == 1 else 0.0
     n_past, column = c.n_kept * (1 + c.tangent), part * c.n_kept + c.place[state]
     j = find_step(c, there, slot) & c.mask
-    return (
-        evaluate_extension_derivative(
-            c.past_value[j * n_past + column],
-            offset(c.past_coefficients, j * N_COEFFICIENTS * n_past + column),
-            n_past,
-            (there - c.past_time[j]) / c.past_length[j],
-            order,
-        )
-        / c.past_length[j] ** order
-    )
+    value, length = c.past_value[j * n_past + column], c.past_length[j]
+    coefficients = offset(c.past_coefficients, j * N_COEFFICIENTS * n_past + column)
+    s = (there - c.past_time[j]) / length
+    if order == 0:
+        return evaluate_extension(value, coefficients, n_past, s)
+    if order == 1:
+        return evaluate_extension_slope(coefficients, n_past, s) / length
+    return evaluate_extension_derivative(value, coefficients, n_past, s, order) / length**order
 
 
 @internal
@@ -141,7 +161,7 @@ def _evaluate_held(c, variable, t, order):
     return evaluate_extension_derivative(c.y[variable], held, c.dimension, s, order) / length**order
 
 
-@internal
+@inlined
 def find_step(c, t, slot):
     """Return the number of the step that a lag reads at ``t``, in the arc, or the piece, that was chosen for it.
 

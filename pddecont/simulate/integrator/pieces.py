@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from pddecont.simulate.integrator.calls import internal
+from pddecont.simulate.integrator.calls import inlined, internal
 from pddecont.simulate.integrator.ring import find_step_before, time_tolerance
 from pddecont.simulate.integrator.state import (
     FIRST,
@@ -121,7 +121,7 @@ def begin_piece(c, t, level, size):
             c.reading[c.n_delays + k] = before + 1
 
 
-@internal
+@inlined
 def has_steps(c, piece):
     """Return whether the last step in the ring belongs to ``piece`` (the present one)."""
     if c.count[USED] == 0:

@@ -88,8 +88,9 @@ class System(NamedTuple):
         delays ago. What follows is read only where it is 1.
     n_values
         Delayed values; integrals come after them. The state and delay of an integral are -1.
-    n_varying, n_integrals, n_turns
-        Lags that vary (their slots come after those of the constant ones), integrals, and turns.
+    n_varying, n_integrals, n_turns, n_first_turns
+        Lags that vary (their slots come after those of the constant ones), integrals, turns, and those of them that come
+        first: only derivatives need the others.
     pair_derivative, is_rate
         How often each value that is read is differentiated, and 1 for a rate that fields depend on (n_pairs,).
     turn_kind, turn_number
@@ -165,6 +166,7 @@ class System(NamedTuple):
     n_varying: int
     n_integrals: int
     n_turns: int
+    n_first_turns: int
     pair_derivative: Integers
     is_rate: Integers
     turn_kind: Integers

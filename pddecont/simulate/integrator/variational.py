@@ -13,6 +13,7 @@ from __future__ import annotations
 from pddecont.simulate.integrator.calls import call, internal, offset
 from pddecont.simulate.integrator.event_functions import evaluate_event_slope
 from pddecont.simulate.integrator.history import choose_arcs, find_step_before, read_delayed, read_delayed_slopes
+from pddecont.simulate.integrator.past_reads import read_for_derivatives
 from pddecont.simulate.integrator.pieces import find_first_step
 from pddecont.simulate.integrator.rhs import evaluate_rhs
 from pddecont.simulate.integrator.state import FIRST, MODE, SHIFT, T_START, USED
@@ -42,6 +43,8 @@ def map_tangent(c, reset, mode, t, shift):
     flow, moved, result = c.slope, offset(c.slope, 2 * c.dimension), offset(c.slope, c.dimension)
     evaluate_rhs(c, mode, t, y, flow)
     read_delayed(c, t, y, c.xd, 0)
+    if c.is_general == 1:
+        read_for_derivatives(c, t, y, c.xd)
     for i in range(n * (n + m + 1)):
         c.jacobian[i] = 0.0
     call(c.reset_jacobian[reset], c.reset_case[reset], t, y, c.xd, c.p, c.jacobian)
