@@ -129,7 +129,7 @@ class NumericModel:
         limits = [limit for integral in model.integrals for limit in (integral.low, integral.high)]
         if model.varying or any(not limit.free_symbols <= known for limit in limits):
             return np.inf
-        found: list[float] = self._parameter_function(tuple(limits)).value(p).tolist()
+        found: list[float] = self.parameter_function(tuple(limits)).value(p).tolist()
         return max([longest, *found])
 
     def varying_delay(self, number: int) -> ArrayFunction:

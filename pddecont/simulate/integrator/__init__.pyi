@@ -19,8 +19,8 @@ from .restart import begin_inside_arc as begin_inside_arc
 from .state import ADVANCED as ADVANCED
 from .state import CONSTANT as CONSTANT
 from .state import FIRST as FIRST
-from .state import LAST_EVENT as LAST_EVENT
 from .state import KNOWN_FROM as KNOWN_FROM
+from .state import LAST_EVENT as LAST_EVENT
 from .state import LAST_EVENT_TIME as LAST_EVENT_TIME
 from .state import LAST_TURN as LAST_TURN
 from .state import LONGEST as LONGEST

@@ -12,16 +12,8 @@ from pddecont.simulate.integrator.ring import (
     find_step_before,
     time_tolerance,
 )
-from pddecont.simulate.integrator.state import (
-    ARC,
-    FIRST,
-    PIECE,
-    PIECE_LEVEL,
-    PIECE_SIZE,
-    SHIFT,
-    T_START,
-    USED,
-)
+from pddecont.simulate.integrator.state import ARC, FIRST, PIECE, PIECE_LEVEL, PIECE_SIZE, SHIFT, T_START, USED
+
 
 @internal
 def choose_arcs(c, middle):
