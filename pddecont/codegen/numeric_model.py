@@ -122,6 +122,19 @@ class NumericModel:
         """Return a delay as a function of the parameters, n_out = 1."""
         return self._parameter_function((self.model.delays[number],))
 
+    def varying_delay(self, number: int) -> ArrayFunction:
+        """Return a delay that varies, n_out = 1."""
+        return self._named("delay", str(number), [self.model.varying[number]])
+
+    def integrand(self, number: int) -> ArrayFunction:
+        """Return what is integrated over the past, n_out = 1; its t is the lag, its states those at that lag."""
+        return self._named("integrand", str(number), [self.model.integrals[number].integrand])
+
+    def limits(self, number: int) -> ArrayFunction:
+        """Return the lags from which and to which is integrated, n_out = 2."""
+        integral = self.model.integrals[number]
+        return self._named("limits", str(number), [integral.low, integral.high])
+
     @cached_property
     def period(self) -> ParameterFunction:
         """The forcing period as a function of the parameters, n_out = 1 (0 for autonomous models)."""

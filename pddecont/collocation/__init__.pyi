@@ -4,6 +4,7 @@ from .basis import make_basis as make_basis
 from .interpolation import raise_degree as raise_degree
 from .interpolation import resample as resample
 from .interpolation import transfer as transfer
+from .mesh import BreakingTime as BreakingTime
 from .mesh import Mesh as Mesh
 from .mesh import MeshPoints as MeshPoints
 from .mesh import Piece as Piece

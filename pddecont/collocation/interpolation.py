@@ -59,7 +59,7 @@ def _read_folded(mesh: Mesh, theta: Array, values: Array, s: int, times: Array) 
 
 def raise_degree(mesh: Mesh, reference_theta: Array) -> Mesh:
     """Return the mesh with the same intervals and polynomials of one degree more."""
-    return replace(mesh, degree=mesh.degree + 1, reference_theta=reference_theta)
+    return replace(mesh, degree=mesh.degree + 1, reference_theta=reference_theta, reference_lags=None)
 
 
 def resample(mesh: Mesh, values: Array, other: Mesh) -> Array:

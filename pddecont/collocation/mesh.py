@@ -1,8 +1,9 @@
-"""Mesh intervals whose edges are affine in the segment durations and the delays.
+"""Mesh intervals whose edges are affine in segment durations, delays and breaking times.
 
-With theta = (T_1, ..., T_S, tau_1, ..., tau_K) every edge is ``coefficients @ theta``, counted from the start of the
-first segment. A piece lies between two neighbouring breaking points and is cut into intervals at fixed fractions, so
-the mesh moves with theta and all its derivatives are the coefficients themselves.
+With theta = (T_1, ..., T_S, tau_1, ..., tau_K, b_1, ..., b_J) every edge is ``coefficients @ theta``, counted from the
+start of the first segment. The b are breaking times that no sum of delays gives: those of delays that vary. A piece
+lies between two neighbouring breaking points and is cut into intervals at fixed fractions, so the mesh moves with theta
+and all its derivatives are the coefficients themselves.
 """
 
 from __future__ import annotations
@@ -48,8 +49,8 @@ class MeshPoints:
 class Piece:
     """A smooth part of a segment.
 
-    ``start`` and ``end`` are integer coefficients of theta, shape (S + K,); ``cuts`` the edges of its mesh intervals as
-    increasing fractions from 0 to 1.
+    ``start`` and ``end`` are integer coefficients of theta, shape (n_theta,); ``cuts`` the edges of its mesh intervals
+    as increasing fractions from 0 to 1.
     """
 
     segment: int
@@ -59,18 +60,34 @@ class Piece:
 
 
 @dataclass(frozen=True, eq=False)
+class BreakingTime:
+    """A breaking time b among the components of theta: what delay number ``delay`` reads there is a jump.
+
+    With the delay's value tau there, b - tau = ``source`` @ theta, coefficients of shape (n_theta,); ``level`` is the
+    derivative that jumps at b.
+    """
+
+    delay: int
+    source: Array
+    level: int
+
+
+@dataclass(frozen=True, eq=False)
 class Mesh:
-    """The mesh intervals of one orbit, in order of time; ``n_theta`` = S + K.
+    """The mesh intervals of one orbit, in order of time; ``n_theta`` = S + K + J.
 
     Base points are numbered through the orbit: ``degree`` a mesh interval and one more at the end of each segment,
     since neighbours inside a segment share the point between them and segments do not. ``reference_theta`` is the theta
-    that the mesh was made for, where it matters which interval a delayed value is read from.
+    that the mesh was made for, where it matters which interval a delayed value is read from; ``reference_lags``
+    (n_varying, n_equation_points) are the values that delays that vary had there.
     """
 
     degree: int
     n_segments: int
     pieces: tuple[Piece, ...]
     reference_theta: Array | None = None
+    breaking: tuple[BreakingTime, ...] = ()
+    reference_lags: Array | None = None
     _found: dict[Hashable, Any] = field(default_factory=dict, init=False, repr=False)
 
     def once(self, key: Hashable, find: Callable[[], Found]) -> Found:
@@ -143,18 +160,40 @@ class Mesh:
         """Last interval of each segment, shape (n_segments,)."""
         return np.searchsorted(self.segment, np.arange(self.n_segments), side="right") - 1
 
+    @property
+    def n_breaking(self) -> int:
+        """Number J of breaking times in theta, its last components."""
+        return len(self.breaking)
+
+    @property
+    def reference_breaking(self) -> Array:
+        """The breaking times that the mesh was made for, shape (J,)."""
+        if not self.breaking:
+            return np.zeros(0)
+        assert self.reference_theta is not None, "a mesh with breaking times is made for a theta"
+        return self.reference_theta[-self.n_breaking :]
+
+    @cached_property
+    def breaking_interval(self) -> Ints:
+        """The interval that ends at each breaking time, shape (J,)."""
+        last = np.cumsum([len(p.cuts) - 1 for p in self.pieces]) - 1
+        n_theta = len(self.pieces[0].end)
+        ends = np.array([p.end for p in self.pieces])
+        own = np.eye(n_theta)[n_theta - self.n_breaking :]
+        return np.array([last[np.flatnonzero(np.all(ends == b, axis=1))[0]] for b in own], dtype=np.intp)
+
     @cached_property
     def equation_points(self) -> MeshPoints:
-        """Where equations hold: the collocation points, interval by interval, then the segments' ends."""
-        points, ends = self.grid(self.basis.nodes), np.ones(self.n_segments)
+        """Where equations hold: the collocation points interval by interval, segments' ends, breaking times."""
+        points, ends = self.grid(self.basis.nodes), np.ones(self.n_segments + self.n_breaking)
         weights = np.concatenate([self.local_weights(points), self.basis.lagrange(ends)])
-        interval = np.concatenate([points.interval, self.last_interval])
+        interval = np.concatenate([points.interval, self.last_interval, self.breaking_interval])
         return MeshPoints(interval, np.concatenate([points.sigma, ends]), weights)
 
     @cached_property
     def n_equation_points(self) -> int:
-        """Number of equation points: collocation points and segment ends."""
-        return self.n_collocation + self.n_segments
+        """Number of equation points: collocation points, segment ends and breaking times."""
+        return self.n_collocation + self.n_segments + self.n_breaking
 
     @cached_property
     def equation_times(self) -> Array:

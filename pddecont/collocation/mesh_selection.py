@@ -107,4 +107,5 @@ def refine_evenly(mesh: Mesh) -> Mesh:
     def finer(cuts: Array) -> Array:
         return np.interp(np.linspace(0.0, 1.0, len(cuts) + 1), np.linspace(0.0, 1.0, len(cuts)), cuts)
 
-    return replace(mesh, pieces=tuple(replace(piece, cuts=finer(piece.cuts)) for piece in mesh.pieces))
+    pieces = tuple(replace(piece, cuts=finer(piece.cuts)) for piece in mesh.pieces)
+    return replace(mesh, pieces=pieces, reference_lags=None)

@@ -14,4 +14,5 @@ from .interface import DelayOperator as DelayOperator
 from .interface import FullWeights as FullWeights
 from .interface import LineStages as LineStages
 from .interface import LocalWeights as LocalWeights
+from .tracked_points import TrackedPoints as TrackedPoints
 from .transfer_factor import find_transfer_factor as find_transfer_factor

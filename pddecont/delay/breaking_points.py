@@ -10,14 +10,14 @@ Reference: Bellen, Zennaro, Numerical Methods for Delay Differential Equations (
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from itertools import combinations_with_replacement
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.model import Model, Segment
+from pddecont.model import Model, Segment, find_reading_symbols
 
 Array = NDArray[np.float64]
 # Breaking points closer than this, in periods, count as one: rounding decides on their order.
@@ -32,21 +32,46 @@ MAX_POINTS = 2000
 class DiscontinuitySources:
     """What decides an orbit's breaking points.
 
-    ``jumps`` is the derivative that jumps at the end of each segment, ``delays`` are the numbers of the delays through
-    which the vector fields read those jumps again.
+    ``jumps`` is the derivative that jumps at the end of each segment, ``delays`` are the numbers of the constant delays
+    through which the vector fields read those jumps again, ``varying`` those of delays that vary. A jump becomes one in
+    the next derivative where it is read, but for delays with ``gains`` of their own: a rate keeps its derivative, the
+    limit of an integral smooths twice.
     """
 
     jumps: tuple[int, ...]
     delays: tuple[int, ...]
+    varying: tuple[int, ...] = ()
+    gains: Mapping[int, int] = field(default_factory=dict)
+
+    @property
+    def are_sums(self) -> bool:
+        """Whether all breaking points are events and sums of delays later, one derivative higher each."""
+        return not self.varying and not self.gains
+
+    def gain(self, delay: int) -> int:
+        """Return by how much the derivative that jumps grows through a delay."""
+        return self.gains.get(delay, 1)
 
 
 def find_discontinuity_sources(model: Model, segments: Sequence[Segment]) -> DiscontinuitySources:
     """Return the sources of a signature's breaking points, from its resets and vector fields."""
     ends = [segment for segment in segments if segment.event]
     jumps = tuple(0 if model.resets[segment.reset] != model.state_symbols else 1 for segment in ends)
-    used = set().union(*(e.free_symbols for segment in segments for e in model.modes[segment.mode]))
-    read = {d.delay for d, symbol in zip(model.delayed, model.delayed_symbols, strict=True) if symbol in used}
-    return DiscontinuitySources(jumps, tuple(sorted(read)))
+    fields = [e for segment in segments for e in model.modes[segment.mode]]
+    used = set().union(*(e.free_symbols for e in fields))
+    gains: dict[int, int] = {}
+    for symbol in set().union(*(find_reading_symbols(e, model.chain) for e in fields)) & set(model.delayed_symbols):
+        read = model.delayed[model.delayed_symbols.index(symbol)]
+        # What only delays and limits read, not the field itself, is smoothed as a value is.
+        gain = 1 - read.derivative if symbol in used else 1
+        gains[read.delay] = min(gain, gains.get(read.delay, gain))
+    n = len(model.delays)
+    return DiscontinuitySources(
+        jumps,
+        tuple(sorted(k for k in gains if k < n)),
+        tuple(sorted(k for k in gains if k >= n)),
+        {k: gain for k, gain in gains.items() if gain != 1},
+    )
 
 
 def jump_returns_at_event(sources: DiscontinuitySources, theta: Array, n_segments: int) -> bool:

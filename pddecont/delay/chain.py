@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.collocation import Mesh, MeshPoints
-from pddecont.delay.delay_line import LineOnMesh, no_delay
+from pddecont.delay.delay_line import LineOnMesh, no_delay, refuse_varying_delay
 from pddecont.delay.interface import DelayLine, DelayOperator, FullWeights, LineStages
 
 Array = NDArray[np.float64]
@@ -50,11 +50,11 @@ class Chain:
         """Order and number of the Taylor steps, which a simulation integrates."""
         return self.order, self.n
 
-    def mesh_is_valid(self, mesh: Mesh, theta: Array, lags: Array) -> bool:
+    def mesh_is_valid(self, mesh: Mesh, theta: Array, lags: Array, varying: Array) -> bool:
         """Return True: a delay line reads what it reads on any mesh."""
         return True
 
-    def operator(self, mesh: Mesh, theta: Array, lag: Array, points: MeshPoints) -> DelayOperator:
+    def operator(self, mesh: Mesh, theta: Array, lag: Array, points: MeshPoints, *, orders: int = 0) -> DelayOperator:
         """Return the operator of the chain whose delay is ``lag @ theta``, one component of theta."""
         if lag @ theta == 0.0:
             return no_delay(mesh, theta, lag, points)
@@ -66,11 +66,17 @@ class Chain:
         else:
             weights = powers.from_left(stage.to_points, self.n - 1)
 
-        def theta_derivative(values: Array, which: Sequence[int]) -> Array:
+        def theta_derivative(values: Array, which: Sequence[int], order: int) -> Array:
             slopes = _Slopes(stage, powers, self.n, mesh.interpolate_at_nodes(values)).all()
             return np.stack([slopes[component] for component in which], axis=-1)
 
         return DelayOperator(FullWeights(stage.through_nodes(weights)), theta_derivative)
+
+    def varying_operator(
+        self, mesh: Mesh, theta: Array, lags: Array, points: MeshPoints, *, number: int, orders: int = 0
+    ) -> DelayOperator:
+        """Raise ConvergenceError: a delay line passes everything on after one and the same time."""
+        return refuse_varying_delay()
 
 
 class MatrixPowers:

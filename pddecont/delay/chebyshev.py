@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.collocation import Mesh, MeshPoints, make_basis
-from pddecont.delay.delay_line import LineOnMesh, no_delay
+from pddecont.delay.delay_line import LineOnMesh, no_delay, refuse_varying_delay
 from pddecont.delay.interface import DelayLine, DelayOperator, FullWeights, LineStages
 
 Array = NDArray[np.float64]
@@ -44,21 +44,27 @@ class Chebyshev:
         """(0, 0): a simulation reads the past itself."""
         return 0, 0
 
-    def mesh_is_valid(self, mesh: Mesh, theta: Array, lags: Array) -> bool:
+    def mesh_is_valid(self, mesh: Mesh, theta: Array, lags: Array, varying: Array) -> bool:
         """Return True: a delay line reads what it reads on any mesh."""
         return True
 
-    def operator(self, mesh: Mesh, theta: Array, lag: Array, points: MeshPoints) -> DelayOperator:
+    def operator(self, mesh: Mesh, theta: Array, lag: Array, points: MeshPoints, *, orders: int = 0) -> DelayOperator:
         """Return the operator of the line whose delay is ``lag @ theta``."""
         if lag @ theta == 0.0:
             return no_delay(mesh, theta, lag, points)
         line = LineOnMesh(self.stages.line, mesh, theta, lag, 1, points)
 
-        def theta_derivative(values: Array, which: Sequence[int]) -> Array:
+        def theta_derivative(values: Array, which: Sequence[int], order: int) -> Array:
             u = mesh.interpolate_at_nodes(values)
             return np.stack([line.output_at_points(line.derivative(u, component)) for component in which], axis=-1)
 
         return DelayOperator(FullWeights(line.through_nodes(line.to_points)), theta_derivative)
+
+    def varying_operator(
+        self, mesh: Mesh, theta: Array, lags: Array, points: MeshPoints, *, number: int, orders: int = 0
+    ) -> DelayOperator:
+        """Raise ConvergenceError: a delay line passes everything on after one and the same time."""
+        return refuse_varying_delay()
 
 
 def profile_line(n: int) -> DelayLine:

@@ -11,12 +11,14 @@ so a line on a mesh is a function of rho alone. Its states are continuous throug
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.collocation import Mesh, MeshPoints
 from pddecont.delay.interface import DelayLine, DelayOperator, LocalWeights
+from pddecont.errors import ConvergenceError
 
 Array = NDArray[np.float64]
 
@@ -159,9 +161,14 @@ def no_delay(mesh: Mesh, theta: Array, lag: Array, points: MeshPoints) -> DelayO
     lengths = (mesh.length @ theta)[points.interval]
     columns = mesh.base_index[points.interval]
 
-    def theta_derivative(values: Array, which: Sequence[int]) -> Array:
+    def theta_derivative(values: Array, which: Sequence[int], order: int) -> Array:
         slope = np.einsum("pb,pbq->pq", local @ mesh.basis.differentiate, values[columns]) / lengths[:, None]
         return np.stack([-slope * lag[component] for component in which], axis=-1)
 
     wraps = np.zeros(len(points), dtype=np.intp)
     return DelayOperator(LocalWeights(columns, local, points.interval, points.sigma, wraps), theta_derivative)
+
+
+def refuse_varying_delay() -> NoReturn:
+    """Raise ConvergenceError: a delay line passes everything on after one and the same time."""
+    raise ConvergenceError("a delay that varies is no delay line; leave 'delay: {method}' out, or write 'direct'")

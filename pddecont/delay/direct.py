@@ -48,7 +48,7 @@ class Direct:
         """(0, 0): a simulation reads the past itself."""
         return 0, 0
 
-    def mesh_is_valid(self, mesh: Mesh, theta: Array, lags: Array) -> bool:
+    def mesh_is_valid(self, mesh: Mesh, theta: Array, lags: Array, varying: Array) -> bool:
         """Return whether every value is still read from the piece in which it lies at ``theta``, near its interval.
 
         Collocation points of a mesh that does not track breaking points may pass an edge; a segment's end never may,
@@ -56,53 +56,94 @@ class Direct:
         """
         if mesh.reference_theta is None:
             return True
-        held = slice(0 if self.track else mesh.n_collocation, None)
-        lengths, starts = mesh.length @ theta, mesh.start @ theta
-        for lag in lags:
-            reads = reference_reads(mesh, lag)
-            sigma = (reads.times @ theta - starts[reads.interval]) / lengths[reads.interval]
-            if np.any(sigma < -BEYOND) or np.any(sigma > 1.0 + BEYOND):
-                return False
-            now = find_reads(mesh, theta, lag, mesh.equation_points)
-            same_piece = mesh.piece[now.interval[held]] == mesh.piece[reads.interval[held]]
-            if not np.all(same_piece & (now.wraps[held] == reads.wraps[held])):
-                return False
-        return True
+        points, still = mesh.equation_points, np.zeros(len(theta))
+        constant = [(reference_reads(mesh, lag), find_reads(mesh, theta, lag, points), 0.0) for lag in lags]
+        moving = [] if mesh.reference_lags is None else list(enumerate(varying))
+        moved = [
+            (reference_varying_reads(mesh, k), find_reads(mesh, theta, still, points, own), own) for k, own in moving
+        ]
+        return all(self._reads_alike(mesh, theta, *pair) for pair in [*constant, *moved])
 
-    def operator(self, mesh: Mesh, theta: Array, lag: Array, points: MeshPoints) -> DelayOperator:
-        """Return the operator that reads ``lag @ theta`` before ``points``."""
+    def _reads_alike(self, mesh: Mesh, theta: Array, reads: Reads, now: Reads, lags: Array | float) -> bool:
+        """Return whether points that read ``reads`` lie where they do ``now``, or near it."""
+        # What is read at a breaking time is an edge: rounding says on which side.
+        held = slice(0 if self.track else mesh.n_collocation, mesh.n_collocation + mesh.n_segments)
+        lengths, starts = mesh.length @ theta, mesh.start @ theta
+        sigma = (reads.times @ theta - lags - starts[reads.interval]) / lengths[reads.interval]
+        if np.any(sigma < -BEYOND) or np.any(sigma > 1.0 + BEYOND):
+            return False
+        same_piece = mesh.piece[now.interval[held]] == mesh.piece[reads.interval[held]]
+        return bool(np.all(same_piece & (now.wraps[held] == reads.wraps[held])))
+
+    def operator(self, mesh: Mesh, theta: Array, lag: Array, points: MeshPoints, *, orders: int = 0) -> DelayOperator:
+        """Return the operator that reads ``lag @ theta`` before ``points``, and as many derivatives there."""
         held = mesh.reference_theta is not None and points is mesh.equation_points
         reads = reference_reads(mesh, lag) if held else find_reads(mesh, theta, lag, points)
-        j = reads.interval
-        lengths = (mesh.length @ theta)[j]
-        if not np.all(np.abs(lengths) > 0.0):
-            raise ConvergenceError("a mesh interval has vanished")
-        sigma = ((reads.times - mesh.start[j]) @ theta) / lengths
-        if np.max(np.abs(sigma), initial=0.0) > FAR:
-            raise ConvergenceError("a delayed value is read far outside its mesh interval")
-        weights = mesh.basis.lagrange(sigma)
-        columns = reads.columns
+        return make_operator(mesh, theta, reads, 0.0, orders)
 
-        def theta_derivative(values: Array, which: Sequence[int]) -> Array:
-            slopes = np.matmul((weights @ mesh.basis.differentiate)[:, None], values[columns])[:, 0]
-            moves = (reads.times - mesh.start[j] - sigma[:, None] * mesh.length[j])[:, which] / lengths[:, None]
-            result: Array = slopes[:, :, None] * moves[:, None, :]
-            return result
+    def varying_operator(
+        self, mesh: Mesh, theta: Array, lags: Array, points: MeshPoints, *, number: int, orders: int = 0
+    ) -> DelayOperator:
+        """Return the operator that reads ``lags`` (n_points,) before ``points``, of varying delay ``number``."""
+        held = mesh.reference_lags is not None and points is mesh.equation_points
+        reads = (
+            reference_varying_reads(mesh, number)
+            if held
+            else find_reads(mesh, theta, np.zeros(len(theta)), points, lags)
+        )
+        return make_operator(mesh, theta, reads, lags, orders)
 
-        return DelayOperator(LocalWeights(columns, weights, j, sigma, reads.wraps), theta_derivative)
+
+def make_operator(mesh: Mesh, theta: Array, reads: Reads, lags: Array | float, orders: int) -> DelayOperator:
+    """Return the operator that reads ``reads``, ``lags`` earlier than their times, and so many derivatives there."""
+    j = reads.interval
+    lengths = (mesh.length @ theta)[j]
+    if not np.all(np.abs(lengths) > 0.0):
+        raise ConvergenceError("a mesh interval has vanished")
+    sigma = ((reads.times - mesh.start[j]) @ theta - lags) / lengths
+    if not np.max(np.abs(sigma), initial=0.0) <= FAR:
+        raise ConvergenceError("a delayed value is read far outside its mesh interval")
+    weights = LocalWeights(reads.columns, mesh.basis.lagrange(sigma), j, sigma, reads.wraps)
+    matrix = mesh.basis.differentiate
+    rates = [weights]
+    for _ in range(orders):
+        rates.append(rates[-1].differentiate(matrix, lengths))
+
+    def theta_derivative(values: Array, which: Sequence[int], order: int) -> Array:
+        read = rates[order]
+        slopes = np.matmul((read.weights @ matrix)[:, None], values[reads.columns])[:, 0]
+        moves = (reads.times - mesh.start[j] - sigma[:, None] * mesh.length[j])[:, which] / lengths[:, None]
+        result: Array = slopes[:, :, None] * moves[:, None, :]
+        if order:
+            stretches = mesh.length[j][:, which] / lengths[:, None]
+            result -= order * read.apply(values)[:, :, None] * stretches[:, None, :]
+        return result
+
+    return DelayOperator(weights, theta_derivative, tuple(rates[1:]))
 
 
 @dataclass(frozen=True, eq=False)
 class Reads:
     """Where points read: ``times`` their coefficients of theta, ``wraps`` periods back, ``interval`` of the mesh.
 
-    ``columns`` (n_points, degree + 1) are the interval's base points.
+    The lags of a delay that varies are to be taken from the times. ``columns`` (n_points, degree + 1) are the
+    interval's base points.
     """
 
     times: Array
     wraps: NDArray[np.intp]
     interval: NDArray[np.intp]
     columns: NDArray[np.intp]
+
+
+def reference_varying_reads(mesh: Mesh, number: int) -> Reads:
+    """Return where the equation points of a mesh read by varying delay ``number`` where it was made."""
+    theta, lags = mesh.reference_theta, mesh.reference_lags
+    assert theta is not None and lags is not None
+    still = np.zeros(len(theta))
+    return mesh.once(
+        ("varying reads", number), lambda: find_reads(mesh, theta, still, mesh.equation_points, lags[number])
+    )
 
 
 def reference_reads(mesh: Mesh, lag: Array) -> Reads:
@@ -112,13 +153,16 @@ def reference_reads(mesh: Mesh, lag: Array) -> Reads:
     return mesh.once(("reads", lag.tobytes()), lambda: find_reads(mesh, theta, lag, mesh.equation_points))
 
 
-def find_reads(mesh: Mesh, theta: Array, lag: Array, points: MeshPoints) -> Reads:
-    """Return where ``points`` read at ``theta``; at an edge, on the side that the point itself is on."""
+def find_reads(mesh: Mesh, theta: Array, lag: Array, points: MeshPoints, lags: Array | float = 0.0) -> Reads:
+    """Return where ``points`` read at ``theta``; at an edge, on the side that the point itself is on.
+
+    ``lags`` (n_points,) are added to ``lag @ theta``.
+    """
     times = mesh.times(points) - lag
     inward = points.inward
     if inward is None:
         inward = np.where(points.sigma <= 0.0, 1.0, np.where(points.sigma >= 1.0, -1.0, 0.0))
-    at = times @ theta
+    at = times @ theta - lags
     located, later = mesh.locate(theta, at, choose_by=at + NUDGE * mesh.period(theta) * inward)
     times[:, : mesh.n_segments] -= later[:, None]
     return Reads(times, -later, located.interval, mesh.base_index[located.interval])

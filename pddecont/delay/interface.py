@@ -8,7 +8,7 @@ is: ``lag @ theta`` with coefficients of shape (n_theta,), one unit vector for a
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -32,6 +32,10 @@ class LocalWeights:
     interval: NDArray[np.intp]
     sigma: Array
     wraps: NDArray[np.intp]
+
+    def differentiate(self, matrix: Array, lengths: Array) -> LocalWeights:
+        """Return what reads the time derivative: ``matrix`` is that of slopes, ``lengths`` (n_points,) of intervals."""
+        return replace(self, weights=(self.weights @ matrix) / lengths[:, None])
 
     def apply(self, values: Array) -> Array:
         """Return the delayed values of base ``values`` (n_base, n_quantities), shape (n_points, n_quantities)."""
@@ -64,12 +68,25 @@ class FullWeights:
 class DelayOperator:
     """One delay on one mesh.
 
-    ``theta_derivative(values, which)`` returns the derivatives of ``weights.apply(values)`` in the components ``which``
+    ``rates`` read the first and second derivatives in time, where they are read. ``theta_derivative(values, which,
+    order)`` returns the derivatives of what reads derivative number ``order`` of ``values`` in the components ``which``
     of theta, shape (n_points, n_quantities, len(which)).
     """
 
     weights: LocalWeights | FullWeights
-    theta_derivative: Callable[[Array, Sequence[int]], Array]
+    theta_derivative: Callable[[Array, Sequence[int], int], Array]
+    rates: tuple[LocalWeights, ...] = ()
+
+    def reads_as(self, other: DelayOperator) -> bool:
+        """Return whether delayed values are read from the same unknowns as with ``other``."""
+        a, b = self.weights, other.weights
+        if isinstance(b, FullWeights):
+            return isinstance(a, FullWeights)
+        return isinstance(a, LocalWeights) and a.reads_as(b)
+
+    def weights_of(self, order: int) -> LocalWeights | FullWeights:
+        """Return what reads a derivative in time; 0: the value."""
+        return self.rates[order - 1] if order else self.weights
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,15 +128,28 @@ class DelayMethod(Protocol):
         """Order and number of the stages that a simulation integrates; (0, 0) where it reads the past itself."""
         ...
 
-    def mesh_is_valid(self, mesh: Mesh, theta: Array, lags: Array) -> bool:
+    def mesh_is_valid(self, mesh: Mesh, theta: Array, lags: Array, varying: Array) -> bool:
         """Return whether equations on ``mesh`` still read at ``theta`` what they read where the mesh was made.
 
-        ``lags`` has shape (n_delays, n_theta).
+        ``lags`` (n_delays, n_theta) are the constant delays; ``varying`` (n_varying, n_equation_points) the values of
+        those that vary.
         """
         ...
 
-    def operator(self, mesh: Mesh, theta: Array, lag: Array, points: MeshPoints) -> DelayOperator:
-        """Return the operator that reads ``lag @ theta`` before ``points``.
+    def operator(self, mesh: Mesh, theta: Array, lag: Array, points: MeshPoints, *, orders: int = 0) -> DelayOperator:
+        """Return the operator that reads ``lag @ theta`` before ``points``, and as many derivatives there.
+
+        Raises
+        ------
+        ConvergenceError
+            If there is no such operator at ``theta``.
+        """
+        ...
+
+    def varying_operator(
+        self, mesh: Mesh, theta: Array, lags: Array, points: MeshPoints, *, number: int, orders: int = 0
+    ) -> DelayOperator:
+        """Return the operator that reads ``lags`` (n_points,) before ``points``, of varying delay ``number``.
 
         Raises
         ------

@@ -53,26 +53,17 @@ class RestReads:
 
     def find_limits(self, number: int, x: Array, reads: Array, p: Array) -> tuple[float, float]:
         """Return between which lags an integral is taken."""
-        low, high = self.limits(number).value(np.zeros(1), x[:, None], reads[:, None], p)[:, 0].tolist()
+        low, high = self.numeric.limits(number).value(np.zeros(1), x[:, None], reads[:, None], p)[:, 0].tolist()
         return low, high
 
     def find_integrand_slopes(self, number: int, x: Array, p: Array) -> Callable[[Array], Array]:
         """Return an integrand's derivatives in the states that :meth:`list_integrated` names, (n_read, n_points)."""
-        function = self.integrand(number)
+        function = self.numeric.integrand(number)
         return lambda s: function.derivatives(s, np.repeat(x[:, None], len(s), axis=1), np.zeros((0, len(s))), p).dx
 
     def list_integrated(self, number: int) -> Ints:
         """Return the numbers of the states that an integrand holds (n_read,)."""
-        return self.integrand(number).structure().dx[1]
-
-    def integrand(self, number: int) -> ArrayFunction:
-        """Return an integrand as a function whose time is the lag."""
-        return self.numeric.function((self.numeric.model.integrals[number].integrand,))
-
-    def limits(self, number: int) -> ArrayFunction:
-        """Return the limits of an integral as a function."""
-        integral = self.numeric.model.integrals[number]
-        return self.numeric.function((integral.low, integral.high))
+        return self.numeric.integrand(number).structure().dx[1]
 
     @property
     def varying(self) -> ArrayFunction:
@@ -90,7 +81,7 @@ class RestReads:
         return np.array([v.derivative == 0 for v in self.numeric.model.delayed], dtype=bool)
 
     def _integrate(self, number: int, low: float, high: float, x: Array, p: Array) -> float:
-        function = self.integrand(number)
+        function = self.numeric.integrand(number)
 
         def kernel(s: Array) -> Array:
             return function.value(s, np.repeat(x[:, None], len(s), axis=1), np.zeros((0, len(s))), p)

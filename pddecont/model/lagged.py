@@ -108,7 +108,9 @@ def make_chain_rule(
     for integral in integrals:
         ways = [(integral.high, read_integrand(integral, integral.high, states))]
         ways.append((integral.low, -read_integrand(integral, integral.low, states)))
-        ways += [(p, make_integral_symbol(slope, states)) for p, slope in list_parameter_slopes(integral, states)]
+        slopes = list_parameter_slopes(integral, states)
+        # Those of slopes themselves are not read: nothing is differentiated twice in a parameter.
+        ways += [(p, make_integral_symbol(slope, states)) for p, slope in slopes if slope in integrals]
         moving = tuple((limit, slope) for limit, slope in ways if limit.free_symbols and slope != 0)
         if moving:
             chain[make_integral_symbol(integral, states)] = moving

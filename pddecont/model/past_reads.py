@@ -73,6 +73,8 @@ class PastReads:
             raise ExpressionError(
                 f"a delay is a smooth expression in states, t and parameters, but this one holds {', '.join(strangers)}"
             )
+        if delay.free_symbols & {make_integral_symbol(integral, self.states) for integral in self.integrals}:
+            raise ExpressionError("a delay cannot hold an integral; make the integral a state with an equation")
         if self.varies(delay):
             return
         value = evaluate(delay, self.numbers)

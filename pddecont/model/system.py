@@ -137,6 +137,14 @@ class Model:
         """How the values read change with what their delays and limits depend on."""
         return make_chain_rule(self.states, self.delays, self.varying, self.delayed, self.integrals)
 
+    @cached_property
+    def read_groups(self) -> Mapping[tuple[int, int], list[int]]:
+        """The numbers of the delayed values by delay and derivative."""
+        groups: dict[tuple[int, int], list[int]] = {}
+        for number, read in enumerate(self.delayed):
+            groups.setdefault((read.delay, read.derivative), []).append(number)
+        return groups
+
     def find_delay(self, read: DelayedValue) -> sympy.Expr:
         """Return how long ago a value is read."""
         return (*self.delays, *self.varying)[read.delay]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.continuation import Matrix
-from pddecont.delay import DelayOperator, FullWeights, LocalWeights
+from pddecont.delay import FullWeights
+from pddecont.model import DelayedValue
 from pddecont.orbit.equations import (
     DelayedEventEquation,
     Equation,
@@ -19,6 +20,7 @@ from pddecont.orbit.equations import (
     PhaseEquation,
     SlopeEquations,
     StateAfter,
+    TimeEquation,
     list_equations,
 )
 from pddecont.orbit.linearisation import ColumnMap, Entries, Linearisation
@@ -51,8 +53,9 @@ class DenseTerm:
 class Assembly:
     """Places of a matrix's entries, for one mesh, one set of free parameters and reads in the same intervals."""
 
-    def __init__(self, problem: OrbitProblem, operators: Sequence[DelayOperator], columns: ColumnMap):
-        self.problem, self.operators, self.columns = problem, tuple(operators), columns
+    def __init__(self, problem: OrbitProblem, reads: Reads, columns: ColumnMap):
+        self.problem, self.operators, self.columns = problem, tuple(reads.operators), columns
+        self.integrals = tuple(reads.integrals)
         # Durations are unknowns themselves, delays move with free parameters.
         self.moving_taus = problem.numeric.delays.function.structure(problem.free_index).moving
         self.terms: list[Term] = []
@@ -72,19 +75,17 @@ class Assembly:
         """Whether a delayed value reads all base values."""
         return any(isinstance(operator.weights, FullWeights) for operator in self.operators)
 
-    def reads_as(self, operators: Sequence[DelayOperator]) -> bool:
-        """Return whether delayed values read with ``operators`` are read from the same unknowns."""
-        pairs = [(a.weights, b.weights) for a, b in zip(self.operators, operators, strict=True)]
-        return all(
-            isinstance(a, FullWeights) if isinstance(b, FullWeights) else isinstance(a, LocalWeights) and a.reads_as(b)
-            for a, b in pairs
-        )
+    def reads_as(self, reads: Reads) -> bool:
+        """Return whether ``reads`` of the past are of the same unknowns."""
+        delays = zip(self.operators, reads.operators, strict=True)
+        integrals = zip(self.integrals, reads.integrals, strict=True)
+        return all(a.reads_as(b) for a, b in delays) and all(a.reads_as(b) for a, b in integrals)
 
-    def serves(self, problem: OrbitProblem, operators: Sequence[DelayOperator]) -> bool:
+    def serves(self, problem: OrbitProblem, reads: Reads) -> bool:
         """Return whether another problem's entries stand in the same places."""
         own = self.problem
         same = own.mesh is problem.mesh and own.signature is problem.signature
-        return same and (own.free, own.links) == (problem.free, problem.links) and self.reads_as(operators)
+        return same and (own.free, own.links) == (problem.free, problem.links) and self.reads_as(reads)
 
     @cached_property
     def pattern(self) -> SparsityPattern:
@@ -146,6 +147,8 @@ class Assembly:
                 self._add(Entries(rows, self.columns.state_after(segment), 1.0))
             case DelayedEventEquation():
                 self._add_delayed_event(equation)
+            case TimeEquation(row, coefficients):
+                self._add_time(row, self.columns.find_time_weights(coefficients))
             case PhaseEquation(row):
                 for entries in self.columns.phase_entries(row):
                     self._add(entries)
@@ -200,12 +203,17 @@ class Assembly:
     def _add_reads(self, e: FunctionEquations) -> None:
         """Add the delayed reads of a function: its slopes times the weights at its points."""
         for entry, (out, q) in enumerate(zip(*e.function.structure(self.problem.free_index).dxd, strict=True)):
-            read = self.problem.numeric.model.delayed[q]
+            delayed = self.problem.numeric.model.delayed
+            if q >= len(delayed):
+                self._add_integral(e, entry, int(out), int(q) - len(delayed))
+                continue
+            read = delayed[q]
             weights = self.operators[read.delay].weights
 
-            def values(at: Linearisation, entry: int = entry, delay: int = read.delay) -> Array:
+            def values(at: Linearisation, entry: int = entry, read: DelayedValue = read) -> Array:
                 slope = at.factor(e) * at.derivatives(e).dxd[entry]
-                result: Array = slope[:, None] * at.reads.operators[delay].weights.weights[e.points]
+                reading = at.reads.operators[read.delay].weights_of(read.derivative)
+                result: Array = slope[:, None] * reading.weights[e.points]
                 return result
 
             if isinstance(weights, FullWeights):
@@ -214,6 +222,30 @@ class Assembly:
             else:
                 columns = self.columns.read_columns(weights, e.points, read.state)
                 self._add(Entries(e.rows[out][:, None], columns, values))
+
+    def _add_integral(self, e: FunctionEquations, entry: int, out: int, number: int) -> None:
+        """Add what an integral over the past reads: the function's slope times the weights of the pairs."""
+        operator = self.integrals[number]
+        place = np.full(self.problem.mesh.n_equation_points, -1)
+        place[e.points] = np.arange(len(e.points))
+        pairs = np.flatnonzero(place[operator.window.point] >= 0)
+        at_point = place[operator.window.point[pairs]]
+        for state in operator.state_weights:
+
+            def values(at: Linearisation, state: int = state) -> Array:
+                slope = (at.factor(e) * at.derivatives(e).dxd[entry])[at_point]
+                return np.asarray(slope[:, None] * at.reads.integrals[number].state_weights[state][pairs])
+
+            columns = self.columns.read_columns(operator.pairs, pairs, state)
+            self._add(Entries(e.rows[out][at_point][:, None], columns, values))
+
+    def _add_time(self, row: int, weights: Array) -> None:
+        """Add a sum of durations, breaking times, and delays where those depend on free parameters."""
+        n_moving, place = len(self.columns.moving_columns), self.problem.unknowns.free
+        self._add(Entries(row, self.columns.moving_columns, weights[:n_moving]))
+        if len(self.moving_taus):
+            columns = np.arange(place.start, place.stop)
+            self._add(Entries(row, columns, lambda at: weights[n_moving:] @ at.tau_derivatives))
 
     def _add_delayed_event(self, e: DelayedEventEquation) -> None:
         """Add the equation of a delayed event: durations, and its delay where that depends on free parameters."""

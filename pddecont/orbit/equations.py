@@ -75,8 +75,22 @@ class PeriodEquation:
     row: int
 
 
+@dataclass(frozen=True, eq=False)
+class TimeEquation:
+    """The sum ``coefficients`` (n_theta,) of durations, delays and breaking times."""
+
+    row: int
+    coefficients: Array
+
+
 Equation: TypeAlias = (
-    FunctionEquations | SlopeEquations | StateAfter | DelayedEventEquation | PhaseEquation | PeriodEquation
+    FunctionEquations
+    | SlopeEquations
+    | StateAfter
+    | DelayedEventEquation
+    | PhaseEquation
+    | PeriodEquation
+    | TimeEquation
 )
 
 
@@ -110,7 +124,21 @@ def list_equations(problem: OrbitProblem) -> Iterator[Equation]:
             yield _at_ends(problem, function, np.array([s]), np.array([[row]]), 1.0)
         else:
             yield PhaseEquation(row)
+    yield from _list_breaking(problem, rows)
     yield PeriodEquation(rows.period)
+
+
+def _list_breaking(problem: OrbitProblem, rows: Rows) -> Iterator[Equation]:
+    """Yield the equations of the breaking times, b - source - tau."""
+    mesh, n_constant = problem.mesh, len(problem.numeric.model.delays)
+    first = mesh.n_collocation + mesh.n_segments
+    for j, b in enumerate(mesh.breaking):
+        row, own = rows.breaking + j, np.zeros(len(b.source))
+        own[len(own) - mesh.n_breaking + j] = 1.0
+        yield TimeEquation(row, own - b.source)
+        base = mesh.base_index[mesh.breaking_interval[j], -1:][None, :]
+        lag = problem.numeric.varying_delay(b.delay - n_constant)
+        yield FunctionEquations(lag, np.array([first + j]), np.array([[row]]), base, np.ones((1, 1)), -1.0)
 
 
 def _at_ends(

@@ -21,6 +21,7 @@ from pddecont.continuation import Matrix, Scaling, equilibrate
 from pddecont.errors import ConvergenceError
 from pddecont.orbit.error import estimate_rounding_error
 from pddecont.orbit.orbit import Orbit
+from pddecont.orbit.remesh import settle_reads
 from pddecont.orbit.system import PeriodicOrbitSystem, measure_orbit
 
 Array = NDArray[np.float64]
@@ -50,7 +51,7 @@ def _raise_orbit(orbit: Orbit) -> Orbit:
     reference = orbit.problem.reference
     new = replace(orbit.problem, mesh=finer, reference=None if reference is None else resample(mesh, reference, finer))
     values = resample(mesh, orbit.values, finer)
-    return Orbit(new, new.unknowns.join(values, orbit.durations, orbit.start, orbit.free))
+    return settle_reads(Orbit(new, new.unknowns.join(values, orbit.durations, orbit.start, orbit.free)))
 
 
 def solve_nearest(matrix: Matrix, rhs: Array, scaling: Scaling) -> Array:

@@ -31,7 +31,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.continuation import Matrix
-from pddecont.delay import DelayOperator, LocalWeights
+from pddecont.delay import LocalWeights
 from pddecont.orbit.assembly import Assembly
 from pddecont.orbit.linearisation import Entries
 from pddecont.orbit.orbit import Orbit, Reads
@@ -50,21 +50,29 @@ class PeriodicColumns:
         self.problem, self.unknowns = problem, problem.unknowns
         mesh = problem.mesh
         moving_taus = problem.numeric.delays.function.structure(problem.free_index).moving
-        self.theta_components = [*range(mesh.n_segments), *(mesh.n_segments + moving_taus).tolist()]
+        n_before = mesh.n_segments + len(problem.numeric.model.delays)
+        breaking = range(n_before, n_before + mesh.n_breaking)
+        self.theta_components = [*range(mesh.n_segments), *breaking, *(mesh.n_segments + moving_taus).tolist()]
         self.shape = (Rows(problem.unknowns).size, problem.unknowns.size)
-        self.moving_columns: Ints = np.arange(self.unknowns.durations.start, self.unknowns.durations.stop)
+        self.moving_columns: Ints = np.arange(self.unknowns.moving.start, self.unknowns.moving.stop)
         self.equation_times: Array = mesh.equation_times[:, self.theta_components]
         self.interval_lengths: Array = mesh.length[:, self.theta_components]
 
     def delayed_derivatives(self, orbit: Orbit, reads: Reads) -> Array:
-        """Return how delayed values move with durations and delays."""
-        delayed = orbit.numeric.model.delayed
-        slopes = np.zeros((len(delayed), orbit.mesh.n_equation_points, len(self.theta_components)))
-        for k, operator in enumerate(reads.operators):
-            rows = [i for i, read in enumerate(delayed) if read.delay == k]
-            states = [delayed[i].state for i in rows]
-            moves = operator.theta_derivative(orbit.values[:, states], self.theta_components)
+        """Return how what is read of the past moves with durations, breaking times and delays."""
+        model = orbit.numeric.model
+        slopes = np.zeros((len(model.read_symbols), orbit.mesh.n_equation_points, len(self.theta_components)))
+        for (k, order), rows in model.read_groups.items():
+            states = [model.delayed[i].state for i in rows]
+            moves = reads.operators[k].theta_derivative(orbit.values[:, states], self.theta_components, order)
             slopes[rows] = np.moveaxis(moves, 1, 0)
+        mesh, turns = orbit.mesh, np.zeros(len(self.theta_components))
+        turns[: orbit.mesh.n_segments] = 1.0
+        for i, integral in enumerate(reads.integrals):
+            interval, wraps = integral.window.interval, integral.window.wraps
+            starts = mesh.start[interval][:, self.theta_components] - wraps[:, None] * turns
+            lengths = self.interval_lengths[interval]
+            slopes[len(model.delayed) + i] = integral.moves(self.equation_times, starts, lengths, reads.h[interval])
         return slopes
 
     def read_columns(self, weights: LocalWeights, points: Ints, state: int) -> Ints:
@@ -79,8 +87,13 @@ class PeriodicColumns:
         return result
 
     def find_elapsed_weights(self, link: DelayedEventLink) -> Array:
-        """Return the weights of the durations between a delayed event and its source."""
-        return find_elapsed_weights(self.problem, link)
+        """Return the weights of durations and breaking times between a delayed event and its source."""
+        weights = find_elapsed_weights(self.problem, link)
+        return np.concatenate([weights, np.zeros(self.problem.mesh.n_breaking)])
+
+    def find_time_weights(self, coefficients: Array) -> Array:
+        """Return the weights of durations, breaking times and moving delays in a sum of theta."""
+        return coefficients[self.theta_components]
 
     def phase_entries(self, row: int) -> list[Entries]:
         """Return the start's column of a forced orbit, all base values of an autonomous one."""
@@ -93,7 +106,7 @@ class PeriodicColumns:
         """Return the sum of the durations less whole forcing periods; nothing for an autonomous model."""
         if not self.unknowns.forced:
             return []
-        entries = [Entries(row, self.moving_columns, 1.0)]
+        entries = [Entries(row, np.arange(self.unknowns.durations.start, self.unknowns.durations.stop), 1.0)]
         place, free = self.unknowns.free, self.problem.free_index
         if free:
             period = self.problem.numeric.period
@@ -117,11 +130,11 @@ class JacobianAssembler:
     def make_jacobian(self, orbit: Orbit) -> Matrix:
         """Return d residual / d x, shape (n_equations, n_unknowns)."""
         reads = orbit.equation_reads
-        if self.assembly is None or not self.assembly.reads_as(reads.operators):
-            self.assembly = assemble_periodic(orbit.problem, reads.operators)
+        if self.assembly is None or not self.assembly.reads_as(reads):
+            self.assembly = assemble_periodic(orbit.problem, reads)
         return self.assembly.make_matrix(orbit, reads)
 
 
-def assemble_periodic(problem: OrbitProblem, operators: list[DelayOperator]) -> Assembly:
+def assemble_periodic(problem: OrbitProblem, reads: Reads) -> Assembly:
     """Return the places of the Jacobian's entries."""
-    return Assembly(problem, operators, PeriodicColumns(problem))
+    return Assembly(problem, reads, PeriodicColumns(problem))

@@ -31,9 +31,9 @@ class Entries:
 class ColumnMap(Protocol):
     """Which columns the unknowns stand in, and how times move with them.
 
-    ``moving_columns`` are the durations' columns (n_moving,); ``equation_times`` (n_equation_points, n_moving + n_taus)
-    and ``interval_lengths`` (n_intervals, n_moving + n_taus) say how equation points and mesh intervals move with them
-    and with the n_taus delays that depend on free parameters.
+    ``moving_columns`` are those of durations and breaking times (n_moving,); ``equation_times`` (n_equation_points,
+    n_moving + n_taus) and ``interval_lengths`` (n_intervals, n_moving + n_taus) say how equation points and mesh
+    intervals move with them and with the n_taus delays that depend on free parameters.
     """
 
     @property
@@ -43,7 +43,7 @@ class ColumnMap(Protocol):
 
     @property
     def moving_columns(self) -> Ints:
-        """Columns of the durations that move times."""
+        """Columns of the durations and breaking times that move times."""
         ...
 
     @property
@@ -70,6 +70,10 @@ class ColumnMap(Protocol):
 
     def find_elapsed_weights(self, link: DelayedEventLink) -> Array:
         """Return the weights of ``moving_columns`` in the time from a delayed event's source to the event."""
+        ...
+
+    def find_time_weights(self, coefficients: Array) -> Array:
+        """Return the weights of ``moving_columns`` and of delays that move in a sum (n_theta,) of theta."""
         ...
 
     def phase_entries(self, row: int) -> list[Entries]:

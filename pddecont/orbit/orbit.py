@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from pddecont.codegen import NumericModel
 from pddecont.collocation import Mesh, MeshPoints
-from pddecont.delay import DelayOperator
+from pddecont.delay import DelayOperator, LocalWeights
+from pddecont.orbit.integrals import IntegralOperator, make_integral_operator
 from pddecont.orbit.problem import OrbitProblem
 from pddecont.orbit.signature import Signature
 
@@ -22,10 +23,11 @@ Found = TypeVar("Found")
 
 @dataclass(frozen=True, eq=False)
 class Reads:
-    """States and delayed values of an orbit at some points of its mesh.
+    """States and what is read of the past, of an orbit at some points of its mesh.
 
     Shapes: h (n_intervals,) lengths of the intervals, t (n_points,) physical time, x (n_states, n_points), xd
-    (n_delayed, n_points).
+    (n_reads, n_points), lags (n_varying, n_points) the values of delays that vary. ``operators`` are those of constant
+    delays, then of those that vary; ``integrals`` those of integrals over the past.
     """
 
     points: MeshPoints
@@ -34,6 +36,13 @@ class Reads:
     x: Array
     xd: Array
     operators: list[DelayOperator]
+    lags: Array
+    integrals: list[IntegralOperator]
+
+    def list_local_weights(self) -> list[LocalWeights]:
+        """Return what reads single mesh intervals, by delays and in integrals."""
+        delays = (op.weights for op in self.operators if isinstance(op.weights, LocalWeights))
+        return [*delays, *(integral.pairs for integral in self.integrals)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,6 +102,11 @@ class Orbit:
         """Values of the free parameters."""
         return self._parts[3]
 
+    @property
+    def breaking(self) -> Array:
+        """Breaking times of delays that vary, shape (J,)."""
+        return self.x[self.problem.unknowns.breaking]
+
     @cached_property
     def period(self) -> float:
         """The sum of the segment durations."""
@@ -112,8 +126,9 @@ class Orbit:
 
     @cached_property
     def theta(self) -> Array:
-        """Theta = (T_1..T_S, tau_1..tau_K)."""
-        return np.concatenate([self.durations, self.numeric.delays.value(self.parameters)])
+        """Theta = (T_1..T_S, tau_1..tau_K, b_1..b_J)."""
+        delays = self.numeric.delays.value(self.parameters)
+        return np.concatenate([self.durations, delays, self.breaking])
 
     @cached_property
     def equation_reads(self) -> Reads:
@@ -122,9 +137,9 @@ class Orbit:
 
     @cached_property
     def delayed_values(self) -> Array:
-        """The delayed values at the base points, shape (n_base, n_delayed)."""
+        """What is read of the past at the base points, shape (n_base, n_reads)."""
         mesh = self.mesh
-        result = np.empty((mesh.n_base, len(self.numeric.model.delayed)))
+        result = np.empty((mesh.n_base, len(self.numeric.model.read_symbols)))
         result[mesh.base_index.ravel()] = self.read(mesh.grid(mesh.basis.base)).xd.T
         return result
 
@@ -133,16 +148,34 @@ class Orbit:
 
         ``delays=False`` leaves the delayed values at zero, for functions that do not use them.
         """
-        mesh, theta = self.mesh, self.theta
-        operators = self.problem.make_operators(theta, points) if delays else []
-        delayed = self.numeric.model.delayed
-        xd = np.zeros((len(delayed), len(points)))
-        for k, operator in enumerate(operators):
-            rows = [i for i, d in enumerate(delayed) if d.delay == k]
-            states = [delayed[i].state for i in rows]
-            xd[rows] = operator.weights.apply(self.values[:, states]).T
+        mesh, theta, model = self.mesh, self.theta, self.numeric.model
         t = self.start + mesh.times(points) @ theta
-        return Reads(points, mesh.length @ theta, t, mesh.interpolate(self.values, points).T, xd, operators)
+        x, xd = mesh.interpolate(self.values, points).T, np.zeros((len(model.read_symbols), len(points)))
+        lags = np.zeros((len(model.varying), len(points)))
+        operators = self.problem.make_operators(theta, points) if delays else []
+        for k, operator in enumerate(operators):
+            self._read_delay(k, operator, xd)
+        for number in range(len(model.varying) if delays else 0):
+            lags[number] = self.numeric.varying_delay(number).value(t, x, xd, self.parameters)[0]
+            operators.append(self.problem.make_varying_operator(theta, lags[number], points, number))
+            self._read_delay(len(model.delays) + number, operators[-1], xd)
+        integrals = []
+        for number in range(len(model.integrals) if delays else 0):
+            limits = self.numeric.limits(number).value(t, x, xd, self.parameters)
+            integrand = self.numeric.integrand(number)
+            integrals.append(
+                make_integral_operator(integrand, mesh, theta, self.values, points, limits, self.parameters)
+            )
+            xd[len(model.delayed) + number] = integrals[-1].value
+        return Reads(points, mesh.length @ theta, t, x, xd, operators, lags, integrals)
+
+    def _read_delay(self, k: int, operator: DelayOperator, xd: Array) -> None:
+        """Write what is read by delay number ``k`` to its rows of ``xd``."""
+        model = self.numeric.model
+        for order in range(self.problem.orders[k] + 1):
+            rows = model.read_groups.get((k, order), [])
+            states = [model.delayed[i].state for i in rows]
+            xd[rows] = operator.weights_of(order).apply(self.values[:, states]).T
 
     def find_segment(self, time: float) -> int:
         """Return the segment that holds a time after the orbit's start, in [0, period]."""
@@ -153,7 +186,7 @@ class Orbit:
         """Return the same orbit with other free parameters."""
         problem = replace(self.problem, parameters=self.parameters, free=free)
         unknowns = problem.unknowns.join(
-            self.values, self.durations, self.start, self.parameters[list(problem.free_index)]
+            self.values, self.durations, self.start, self.parameters[list(problem.free_index)], self.breaking
         )
         return Orbit(problem, unknowns)
 

@@ -62,10 +62,25 @@ class OrbitProblem:
 
     @cached_property
     def lags(self) -> Array:
-        """Coefficients of theta = (T_1..T_S, tau_1..tau_K) in each delay, shape (K, S + K)."""
+        """Coefficients of theta = (T_1..T_S, tau_1..tau_K, b_1..b_J) in each constant delay, shape (K, S + K + J)."""
         n, k = self.mesh.n_segments, len(self.numeric.model.delays)
-        return np.eye(k, n + k, k=n)
+        return np.eye(k, n + k + self.mesh.n_breaking, k=n)
+
+    @cached_property
+    def orders(self) -> tuple[int, ...]:
+        """The highest derivative that is read by each delay, constant or varying."""
+        model = self.numeric.model
+        n = len(model.delays) + len(model.varying)
+        return tuple(max([d.derivative for d in model.delayed if d.delay == k], default=0) for k in range(n))
 
     def make_operators(self, theta: Array, points: MeshPoints) -> list[DelayOperator]:
-        """Return one operator a delay at ``theta`` for reads at ``points``."""
-        return [self.delay.operator(self.mesh, theta, lag, points) for lag in self.lags]
+        """Return one operator a constant delay at ``theta`` for reads at ``points``."""
+        return [
+            self.delay.operator(self.mesh, theta, lag, points, orders=orders)
+            for lag, orders in zip(self.lags, self.orders, strict=False)
+        ]
+
+    def make_varying_operator(self, theta: Array, lags: Array, points: MeshPoints, number: int) -> DelayOperator:
+        """Return the operator of varying delay ``number`` with values ``lags`` (n_points,) at ``points``."""
+        orders = self.orders[len(self.numeric.model.delays) + number]
+        return self.delay.varying_operator(self.mesh, theta, lags, points, number=number, orders=orders)

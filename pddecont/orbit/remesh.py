@@ -2,27 +2,59 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.collocation import MAX_INTERVALS, Density, Mesh, MeshRule, Piece, cut_pieces, interval_density, transfer
-from pddecont.delay import find_breaking_points
+from pddecont.collocation import (
+    MAX_INTERVALS,
+    BreakingTime,
+    Density,
+    Mesh,
+    MeshRule,
+    Piece,
+    cut_pieces,
+    interval_density,
+    transfer,
+)
+from pddecont.delay import BreakingPoint, DiscontinuitySources, TrackedPoints, find_breaking_points
 from pddecont.orbit.error import estimate_interval_errors
 from pddecont.orbit.orbit import Orbit
+from pddecont.orbit.preimages import PreimageSearch
 from pddecont.orbit.problem import OrbitProblem
+from pddecont.orbit.residual import group_by_mode
 
 Array = NDArray[np.float64]
 
 
-def find_pieces(problem: OrbitProblem, theta: Array, degree: int) -> list[Piece]:
-    """Return the pieces, not yet cut, that the mesh of an orbit has at ``theta``, in order of time."""
-    sources = problem.signature.discontinuity_sources
+@dataclass(frozen=True, eq=False)
+class Pieces:
+    """The smooth parts of an orbit, not yet cut, at ``theta``, which holds the ``breaking`` times too."""
+
+    pieces: list[Piece]
+    theta: Array
+    breaking: tuple[BreakingTime, ...] = ()
+
+
+def find_pieces(problem: OrbitProblem, theta: Array, degree: int, orbit: Orbit | None = None) -> Pieces:
+    """Return the pieces that the mesh of an orbit has at ``theta``, in order of time.
+
+    Breaking points behind delays that vary are found on ``orbit``, and left out without one.
+    """
+    sources, n = problem.signature.discontinuity_sources, len(problem.signature)
     if not problem.delay.tracks_breaking_points:
-        sources = replace(sources, delays=())
-    points = find_breaking_points(sources, theta, len(problem.signature), degree)
+        sources = replace(sources, delays=(), varying=(), gains={})
+    theta = theta[: n + len(problem.numeric.model.delays)]
+    if orbit is None or sources.are_sums or not problem.signature.has_events:
+        return Pieces(_join(find_breaking_points(sources, theta, n, degree)), theta)
+    found = TrackedPoints(sources, theta, n, degree, PreimageSearch(orbit).find, find_fading(orbit, sources))
+    times = found.list_breaking_times()
+    return Pieces(_join(found.list_points()), np.concatenate([theta, found.breaking_times]), times)
+
+
+def _join(points: list[list[BreakingPoint]]) -> list[Piece]:
     whole = np.array([0.0, 1.0])
     return [
         Piece(s, np.array(a.coefficients, dtype=float), np.array(b.coefficients, dtype=float), whole)
@@ -31,10 +63,30 @@ def find_pieces(problem: OrbitProblem, theta: Array, degree: int) -> list[Piece]
     ]
 
 
-def make_mesh(problem: OrbitProblem, theta: Array, rule: MeshRule, density: Density | None = None) -> Mesh:
-    """Return the mesh of ``rule`` at ``theta``; ``density`` is where an earlier solution wants its intervals."""
-    pieces = cut_pieces(find_pieces(problem, theta, rule.degree), theta, rule, density)
-    return Mesh(rule.degree, len(problem.signature), tuple(pieces), theta.copy())
+def find_fading(orbit: Orbit, sources: DiscontinuitySources) -> dict[int, float]:
+    """Return by how much jumps shrink, at most, where rates of each delay read them on an orbit."""
+    problem, model, reads = orbit.problem, orbit.numeric.model, orbit.equation_reads
+    sizes = {k: 0.0 for k, gain in sources.gains.items() if gain < 1}
+    for mode, points in group_by_mode(problem) if sizes else []:
+        function = problem.numeric.mode(mode)
+        d = function.derivatives(reads.t[points], reads.x[:, points], reads.xd[:, points], orbit.parameters)
+        for q, slope in zip(function.structure().dxd[1], d.dxd, strict=True):
+            read = model.delayed[q]
+            if read.delay in sizes and read.derivative:
+                sizes[read.delay] = max(sizes[read.delay], float(np.max(np.abs(slope), initial=0.0)))
+    return sizes
+
+
+def make_mesh(
+    problem: OrbitProblem, theta: Array, rule: MeshRule, density: Density | None = None, orbit: Orbit | None = None
+) -> Mesh:
+    """Return the mesh of ``rule`` at ``theta``; ``density`` is where an earlier solution wants its intervals.
+
+    ``orbit`` is where breaking points behind delays that vary are found.
+    """
+    found = find_pieces(problem, theta, rule.degree, orbit)
+    pieces = cut_pieces(found.pieces, found.theta, rule, density)
+    return Mesh(rule.degree, len(problem.signature), tuple(pieces), found.theta.copy(), found.breaking)
 
 
 def find_density(orbit: Orbit, tol: float) -> Density:
@@ -45,14 +97,19 @@ def find_density(orbit: Orbit, tol: float) -> Density:
 def mesh_is_valid(orbit: Orbit) -> bool:
     """Return whether the mesh's breaking points are in their order at the orbit, and reads still in their intervals."""
     mesh, theta = orbit.mesh, orbit.theta
-    now = find_pieces(orbit.problem, theta, mesh.degree)
-    if len(now) != len(mesh.pieces):
+    # A first mesh of delays that vary knows nothing of what they read.
+    if orbit.numeric.model.varying and mesh.reference_lags is None:
         return False
-    for piece, own in zip(now, mesh.pieces, strict=True):
+    now = find_pieces(orbit.problem, theta, mesh.degree, orbit)
+    if len(now.pieces) != len(mesh.pieces):
+        return False
+    for piece, own in zip(now.pieces, mesh.pieces, strict=True):
         same_ends = np.array_equal(piece.start, own.start) and np.array_equal(piece.end, own.end)
         if piece.segment != own.segment or not same_ends:
             return False
-    return orbit.problem.delay.mesh_is_valid(mesh, theta, orbit.problem.lags)
+    if any(not np.array_equal(a.source, b.source) for a, b in zip(now.breaking, mesh.breaking, strict=True)):
+        return False
+    return orbit.problem.delay.mesh_is_valid(mesh, theta, orbit.problem.lags, orbit.equation_reads.lags)
 
 
 def mesh_meets_tolerance(orbit: Orbit, rule: MeshRule) -> bool:
@@ -69,13 +126,28 @@ def transfer_orbit(orbit: Orbit, mesh: Mesh) -> Orbit:
 
 def transfer_to(orbit: Orbit, problem: OrbitProblem, mesh: Mesh) -> Orbit:
     """Return an orbit on another mesh as a guess of the same problem's at other parameters."""
-    guess = Orbit(problem, orbit.x)
-    moved = transfer(orbit.mesh, orbit.theta, orbit.values, mesh, guess.theta)
+    theta = _find_theta(Orbit(problem, orbit.x), mesh)
+    moved = transfer(orbit.mesh, orbit.theta, orbit.values, mesh, theta)
     new = replace(problem, mesh=mesh, reference=None if problem.reference is None else moved)
-    return Orbit(new, new.unknowns.join(moved, orbit.durations, orbit.start, orbit.free))
+    return settle_reads(Orbit(new, new.unknowns.join(moved, orbit.durations, orbit.start, orbit.free)))
+
+
+def _find_theta(guess: Orbit, mesh: Mesh) -> Array:
+    """Return theta of a guess with the breaking times of another mesh."""
+    known = guess.mesh.n_segments + len(guess.numeric.model.delays)
+    return np.concatenate([guess.theta[:known], mesh.reference_breaking])
+
+
+def settle_reads(orbit: Orbit) -> Orbit:
+    """Return an orbit whose mesh knows what delays that vary read there, where it does not yet."""
+    mesh = orbit.mesh
+    if not orbit.numeric.model.varying or mesh.reference_lags is not None:
+        return orbit
+    settled = replace(mesh, reference_lags=orbit.equation_reads.lags.copy())
+    return Orbit(replace(orbit.problem, mesh=settled), orbit.x)
 
 
 def adapt_mesh(orbit: Orbit, rule: MeshRule) -> Orbit:
     """Return an orbit on the mesh of ``rule`` for it, as a guess."""
     density = None if rule.tol is None else find_density(orbit, rule.tol)
-    return transfer_orbit(orbit, make_mesh(orbit.problem, orbit.theta, rule, density))
+    return transfer_orbit(orbit, make_mesh(orbit.problem, orbit.theta, rule, density, orbit))

@@ -5,6 +5,7 @@ Rows, in this order (c runs over collocation points, s over segments):
     collocation   z'(c) - h f_m(t_c, z, z(t - tau), p)        n_collocation * n_states   (z' = dz/dsigma)
     resets        z_{s+1}(start) - g_s(z_s(end))              S * n_states
     events        h_s(z_s(end)), or time since its source - tau   S   (an orbit without events: its phase condition)
+    breaking      b - tau(z(b)) - source                  J   (breaking times of delays that vary)
     period        sum T_s - k * forcing period                1 if forced
 """
 
@@ -47,9 +48,14 @@ class Rows:
         return self.resets + self.unknowns.mesh.n_segments * self.unknowns.n_states
 
     @property
+    def breaking(self) -> int:
+        """First equation of a breaking time."""
+        return self.events + self.unknowns.mesh.n_segments
+
+    @property
     def period(self) -> int:
         """The period equation of a forced orbit."""
-        return self.events + self.unknowns.mesh.n_segments
+        return self.breaking + self.unknowns.mesh.n_breaking
 
     @property
     def size(self) -> int:
@@ -87,7 +93,8 @@ def compute_residual(orbit: Orbit) -> Array:
     resets = result[rows.resets : rows.events].reshape(-1, n)
     for reset, which in group_by_reset(problem):
         resets[which] = starts[which] - evaluate_at_ends(problem.numeric.reset(reset), orbit, which).T
-    result[rows.events : rows.period] = _end_residuals(orbit)
+    result[rows.events : rows.breaking] = _end_residuals(orbit)
+    result[rows.breaking : rows.period] = _breaking_residuals(orbit)
     if problem.numeric.model.forced:
         result[rows.period] = orbit.period - problem.n_periods * problem.numeric.period.value(p)[0]
     return result
@@ -109,6 +116,17 @@ def _end_residuals(orbit: Orbit) -> Array:
         else:
             result[s] = phase_weights(problem) @ np.ravel(orbit.values)
     return result
+
+
+def _breaking_residuals(orbit: Orbit) -> Array:
+    """Return how far from its source each breaking time reads, shape (J,)."""
+    mesh, n_constant = orbit.mesh, len(orbit.numeric.model.delays)
+    first, theta = mesh.n_collocation + mesh.n_segments, orbit.theta
+    reads = [
+        float(orbit.equation_reads.lags[b.delay - n_constant, first + j] + b.source @ theta)
+        for j, b in enumerate(mesh.breaking)
+    ]
+    return np.asarray(theta[len(theta) - mesh.n_breaking :] - np.array(reads))
 
 
 def evaluate_at_ends(function: ArrayFunction, orbit: Orbit, segments: Ints) -> Array:

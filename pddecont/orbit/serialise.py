@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.codegen import NumericModel
-from pddecont.collocation import MAX_DEGREE, Mesh, Piece
+from pddecont.collocation import MAX_DEGREE, BreakingTime, Mesh, Piece
 from pddecont.delay import DelayMethod
 from pddecont.errors import PddecontError
 from pddecont.model import Model, Segment
@@ -27,8 +27,8 @@ def orbit_to_rows(orbit: Orbit, tangent: Array | None = None) -> dict[str, Array
     """Return the arrays that a results file keeps of an orbit.
 
     ``time`` (physical), ``states`` (n_base, n_states) and ``segment`` have one row a base point; ``unknowns`` are
-    durations, start and free parameters; ``mesh`` is the mesh as one row of numbers (:func:`mesh_to_row`),
-    ``signature`` the names of the segments, separated by spaces, as bytes.
+    durations, start, free parameters and breaking times; ``mesh`` is the mesh as one row of numbers
+    (:func:`mesh_to_row`), ``signature`` the names of the segments, separated by spaces, as bytes.
     """
     mesh = orbit.mesh
     segment = np.empty(mesh.n_base)
@@ -37,7 +37,7 @@ def orbit_to_rows(orbit: Orbit, tangent: Array | None = None) -> dict[str, Array
         "time": orbit.start + mesh.base_times(orbit.theta),
         "states": orbit.values,
         "segment": segment,
-        "unknowns": np.concatenate([orbit.durations, [orbit.start], orbit.free]),
+        "unknowns": np.concatenate([orbit.durations, [orbit.start], orbit.free, orbit.breaking]),
         "tangent": np.zeros(0) if tangent is None else tangent,
         "mesh": mesh_to_row(mesh),
         "signature": np.frombuffer(" ".join(orbit.signature.names).encode(), dtype=np.uint8),
@@ -66,7 +66,8 @@ def orbit_from_rows(
     mesh = mesh_from_row(rows["mesh"])
     durations, start = rows["unknowns"][: mesh.n_segments], float(rows["unknowns"][mesh.n_segments])
     problem = OrbitProblem(signature, mesh, delay, parameters, free, n_periods, None, phase)
-    x = problem.unknowns.join(rows["states"], durations, start, parameters[list(problem.free_index)])
+    breaking = rows["unknowns"][len(rows["unknowns"]) - mesh.n_breaking :]
+    x = problem.unknowns.join(rows["states"], durations, start, parameters[list(problem.free_index)], breaking)
     links = link_delayed_events(signature, parameters, durations)
     if not np.all(np.isfinite(x)) or not np.min(durations) > -ROUNDING * np.sum(np.abs(durations)):
         raise ValueError("its unknowns are not finite, or a segment ends before it begins")
@@ -92,7 +93,14 @@ def mesh_to_row(mesh: Mesh) -> Array:
     parts = [np.array([mesh.degree, mesh.n_segments, n_theta, len(mesh.pieces)], dtype=float)]
     for piece in mesh.pieces:
         parts += [np.array([piece.segment, len(piece.cuts)], dtype=float), piece.start, piece.end, piece.cuts]
-    return np.concatenate([*parts, np.zeros(0) if mesh.reference_theta is None else mesh.reference_theta])
+    if mesh.reference_theta is not None:
+        parts.append(mesh.reference_theta)
+    if mesh.reference_lags is not None:
+        n_varying, n_points = mesh.reference_lags.shape
+        parts.append(np.array([mesh.n_breaking, n_varying, n_points], dtype=float))
+        parts += [np.array([b.delay, b.level, *b.source]) for b in mesh.breaking]
+        parts.append(mesh.reference_lags.ravel())
+    return np.concatenate(parts)
 
 
 def mesh_from_row(row: Array) -> Mesh:
@@ -115,4 +123,20 @@ def mesh_from_row(row: Array) -> Mesh:
         at += 2 * n_theta
         pieces.append(Piece(segment, start.copy(), end.copy(), row[at : at + n_cuts].copy()))
         at += n_cuts
-    return Mesh(degree, n_segments, tuple(pieces), row[at:].copy() if len(row) > at else None)
+    mesh = Mesh(degree, n_segments, tuple(pieces), row[at : at + n_theta].copy() if len(row) > at else None)
+    return mesh if len(row) <= at + n_theta else _add_varying(mesh, row[at + n_theta :])
+
+
+def _add_varying(mesh: Mesh, row: Array) -> Mesh:
+    """Return a mesh with its breaking times of delays that vary, and the values of those where equations hold."""
+    n_theta = len(mesh.pieces[0].start)
+    if len(row) < 3:
+        raise ValueError("the row is not that of a mesh")
+    n_breaking, n_varying, n_points = (int(v) for v in row[:3])
+    size = n_breaking * (2 + n_theta)
+    if not (0 <= n_breaking < n_theta and n_varying >= 1 and len(row) == 3 + size + n_varying * n_points):
+        raise ValueError("the row is not that of a mesh")
+    breaking = tuple(
+        BreakingTime(int(b[0]), b[2:].copy(), int(b[1])) for b in row[3 : 3 + size].reshape(n_breaking, -1)
+    )
+    return replace(mesh, breaking=breaking, reference_lags=row[3 + size :].reshape(n_varying, n_points).copy())

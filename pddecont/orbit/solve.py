@@ -22,7 +22,7 @@ def solve_orbit(guess: Orbit, rule: MeshRule, settings: NewtonSettings | None = 
         If Newton's method fails, or no mesh reaches the rule's tolerance.
     """
     if not mesh_is_valid(guess):
-        guess = transfer_orbit(guess, make_mesh(guess.problem, guess.theta, rule))
+        guess = transfer_orbit(guess, make_mesh(guess.problem, guess.theta, rule, orbit=guess))
     system = PeriodicOrbitSystem(guess.problem, measure_orbit(guess), rule)
     try:
         _, solution = solve_adaptively(

@@ -104,8 +104,9 @@ class PeriodicOrbitSystem:
         scale, weight = np.ones(unknowns.size), np.ones(unknowns.size)
         scale[unknowns.value_index] = sizes.states
         weight[unknowns.values] = 1.0 / unknowns.values.stop
-        scale[unknowns.durations] = scale[unknowns.start] = sizes.period
+        scale[unknowns.moving] = scale[unknowns.start] = sizes.period
         weight[unknowns.durations] = 1.0 / (unknowns.durations.stop - unknowns.durations.start)
+        weight[unknowns.breaking] = 1.0 / unknowns.values.stop
         scale[unknowns.free] = sizes.ranges
         return Scaling(scale, weight)
 
@@ -114,13 +115,12 @@ class PeriodicOrbitSystem:
         """Places of the states at the segments' starts, durations, start and free parameters."""
         unknowns = self.problem.unknowns
         starts = unknowns.value_index[self.problem.mesh.first_base].ravel()
-        return np.concatenate([starts, np.arange(unknowns.durations.start, unknowns.size)])
+        return np.concatenate([starts, unknowns.mesh_independent])
 
     @property
     def order_independent_index(self) -> Ints:
         """Places of durations, start and free parameters: a state at an event has a corner where one passes it."""
-        unknowns = self.problem.unknowns
-        return np.arange(unknowns.durations.start, unknowns.size)
+        return self.problem.unknowns.mesh_independent
 
     def mesh_is_valid(self, at: OrbitEvaluation) -> bool:
         """Return whether the mesh's breaking points are in their order at an orbit."""
@@ -141,7 +141,7 @@ class PeriodicOrbitSystem:
         orbit, density = at.orbit, self.density
         if self.rule.tol is not None and (density is None or (solved and mesh_is_valid(orbit))):
             density = find_density(orbit, self.rule.tol)
-        mesh = make_mesh(self.problem, orbit.theta, self.rule, density)
+        mesh = make_mesh(self.problem, orbit.theta, self.rule, density, orbit)
         moved = transfer_orbit(orbit, mesh)
         system = PeriodicOrbitSystem(moved.problem, self.sizes, self.rule, density)
         carried = [moved.x if other is at.x else transfer_orbit(Orbit(self.problem, other), mesh).x for other in others]

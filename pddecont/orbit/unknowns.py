@@ -15,9 +15,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Unknowns:
-    """Places in the vector of unknowns: base values (base point by base point), durations, start, free parameters.
+    """Places in the vector of unknowns: base values (base point by base point), durations, breaking times, start, free.
 
-    ``start`` is the time t_0 at which the first segment begins; autonomous models have none.
+    ``start`` is the time t_0 at which the first segment begins; autonomous models have none. ``free`` are the free
+    parameters.
     """
 
     mesh: Mesh
@@ -36,9 +37,19 @@ class Unknowns:
         return slice(self.values.stop, self.values.stop + self.mesh.n_segments)
 
     @cached_property
+    def breaking(self) -> slice:
+        """Breaking times of delays that vary b_1 .. b_J."""
+        return slice(self.durations.stop, self.durations.stop + self.mesh.n_breaking)
+
+    @cached_property
+    def moving(self) -> slice:
+        """All times that mesh edges move with: durations and breaking times."""
+        return slice(self.durations.start, self.breaking.stop)
+
+    @cached_property
     def start(self) -> slice:
         """Start time t_0 of a forced orbit (empty for an autonomous one)."""
-        return slice(self.durations.stop, self.durations.stop + self.forced)
+        return slice(self.breaking.stop, self.breaking.stop + self.forced)
 
     @cached_property
     def free(self) -> slice:
@@ -49,6 +60,11 @@ class Unknowns:
     def size(self) -> int:
         """Number of unknowns."""
         return int(self.free.stop)
+
+    @cached_property
+    def mesh_independent(self) -> NDArray[np.intp]:
+        """Places of durations, start and free parameters."""
+        return np.concatenate([np.arange(*self.durations.indices(self.size)), np.arange(self.start.start, self.size)])
 
     @cached_property
     def value_index(self) -> NDArray[np.intp]:
@@ -65,6 +81,11 @@ class Unknowns:
         start = float(x[self.start][0]) if self.forced else 0.0
         return values, x[self.durations], start, x[self.free]
 
-    def join(self, values: Array, durations: Array, start: float, free: Array) -> Array:
-        """Return the vector of unknowns; inverse of :meth:`split`."""
-        return np.concatenate([np.ravel(values), durations, [start] if self.forced else [], free])
+    def join(self, values: Array, durations: Array, start: float, free: Array, breaking: Array | None = None) -> Array:
+        """Return the vector of unknowns; inverse of :meth:`split`.
+
+        Breaking times are by default those that the mesh was made for.
+        """
+        if breaking is None:
+            breaking = self.mesh.reference_breaking
+        return np.concatenate([np.ravel(values), durations, breaking, [start] if self.forced else [], free])

@@ -6,14 +6,14 @@ start, and the state after the reset at its end.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.delay import DelayOperator, LocalWeights
+from pddecont.delay import LocalWeights
 from pddecont.orbit import DelayedEventLink, Entries, Orbit, OrbitProblem, Reads, Rows
-from pddecont.stability.lagged_times import LaggedMesh, find_deepest_lag
+from pddecont.stability.lagged_times import LaggedMesh, find_deepest_lag, spread_over_lags, take_moving
 from pddecont.stability.moving_edges import Edge
 from pddecont.stability.period_line import PeriodLine
 
@@ -29,48 +29,67 @@ class LaggedColumns:
     """
 
     def __init__(
-        self,
-        problem: OrbitProblem,
-        operators: Sequence[DelayOperator],
-        lines: Mapping[int, PeriodLine],
-        still: Collection[Edge] = (),
+        self, problem: OrbitProblem, reads: Reads, lines: Mapping[int, PeriodLine], still: Collection[Edge] = ()
     ):
         mesh, unknowns = problem.mesh, problem.unknowns
-        wraps = [int(np.max(op.weights.wraps)) for op in operators if isinstance(op.weights, LocalWeights)]
+        wraps = [int(np.max(weights.wraps)) for weights in reads.list_local_weights()]
         linked = [link.wraps for link in problem.links]
         self.n_lags = 2 + max([*wraps, *linked], default=0) + find_deepest_lag(mesh, still)
         self.problem, self.unknowns, self.lines = problem, unknowns, lines
         self.lags = LaggedMesh(mesh, self.n_lags, still)
         self.n_columns = unknowns.size + unknowns.n_states
         self.shape = (self.n_columns, self.n_columns * self.n_lags)
-        durations = np.arange(unknowns.durations.start, unknowns.durations.stop)
-        self.moving_columns: Ints = (np.arange(self.n_lags)[:, None] * self.n_columns + durations).ravel()
-        flat = (-1, self.n_lags * mesh.n_segments)
+        moving = np.arange(unknowns.moving.start, unknowns.moving.stop)
+        self.moving_columns: Ints = (np.arange(self.n_lags)[:, None] * self.n_columns + moving).ravel()
+        flat = (-1, self.n_lags * len(moving))
         self.equation_times: Array = self.lags.times(mesh.equation_points).reshape(flat)
         self.interval_lengths: Array = self.lags.length.reshape(flat)
 
     def delayed_derivatives(self, orbit: Orbit, reads: Reads) -> Array:
-        """Return how delayed values move with the durations of all periods."""
+        """Return how delayed values move with the durations and breaking times of all periods."""
         n_delayed = len(orbit.numeric.model.delayed)
         moves = [self._derivatives_of(q, orbit, reads).reshape(self.equation_times.shape) for q in range(n_delayed)]
+        moves += [self._integral_moves(i, reads) for i in range(len(reads.integrals))]
         return np.stack(moves) if moves else np.zeros((0, *self.equation_times.shape))
 
+    def _integral_moves(self, number: int, reads: Reads) -> Array:
+        """Return the derivatives of an integral over the past, shape (n_equation_points, n_lags * (S + J))."""
+        integral, lags = reads.integrals[number], self.lags
+        interval, wraps = integral.window.interval, integral.window.wraps
+        lag = np.arange(self.n_lags)
+        starts, lengths = np.zeros((2, len(interval), *lags.start.shape[1:]))
+        n_segments = self.problem.mesh.n_segments
+        starts[:, :, :n_segments] -= ((lag >= 1) & (lag <= wraps[:, None]))[:, :, None]
+        for w in np.unique(wraps):
+            here = wraps == w
+            starts[here, w:] += lags.start[interval[here], : self.n_lags - w]
+            lengths[here, w:] = lags.length[interval[here], : self.n_lags - w]
+        flat = (len(interval), -1)
+        return integral.moves(self.equation_times, starts.reshape(flat), lengths.reshape(flat), reads.h[interval])
+
     def _derivatives_of(self, q: int, orbit: Orbit, reads: Reads) -> Array:
-        """Return the derivatives of delayed value ``q``, shape (n_equation_points, n_lags, S)."""
+        """Return the derivatives of delayed value ``q``, shape (n_equation_points, n_lags, S + J)."""
         mesh, read = orbit.mesh, orbit.numeric.model.delayed[q]
         if read.delay in self.lines:
             line = self.lines[read.delay]
             result = np.zeros((mesh.n_equation_points, self.n_lags, mesh.n_segments))
             result[:, 0] = line.slopes[:, line.states.index(read.state)]
             return result
-        weights = reads.operators[read.delay].weights
+        weights = reads.operators[read.delay].weights_of(read.derivative)
         assert isinstance(weights, LocalWeights)
-        values = orbit.values[weights.columns, read.state]
+        values, lengths = orbit.values[weights.columns, read.state], reads.h[weights.interval]
         slope = np.einsum("pb,pb->p", weights.weights @ mesh.basis.differentiate, values)
         moves = self.lags.sigma_derivatives(
-            mesh.equation_points, weights.interval, weights.sigma, weights.wraps, reads.h[weights.interval]
+            mesh.equation_points, weights.interval, weights.sigma, weights.wraps, lengths
         )
-        return np.asarray(slope[:, None, None] * moves)
+        result = slope[:, None, None] * moves
+        if read.derivative:
+            rate = np.einsum("pb,pb->p", weights.weights, values) * read.derivative / lengths
+            for w in np.unique(weights.wraps):
+                here = weights.wraps == w
+                stretch = self.lags.length[weights.interval[here]]
+                result[here, w:] -= rate[here, None, None] * stretch[:, : self.n_lags - w]
+        return np.asarray(result)
 
     def read_columns(self, weights: LocalWeights, points: Ints, state: int) -> Ints:
         """Return the columns that a read reaches: those of as many periods back as it wraps."""
@@ -87,11 +106,24 @@ class LaggedColumns:
 
     def find_elapsed_weights(self, link: DelayedEventLink) -> Array:
         """Return the weights of the durations of as many periods as lie between a delayed event and its source."""
-        weights = np.zeros((self.n_lags, self.problem.mesh.n_segments))
-        weights[1 : link.wraps + 1] = 1.0
+        mesh = self.problem.mesh
+        weights = np.zeros((self.n_lags, mesh.n_segments + mesh.n_breaking))
+        weights[1 : link.wraps + 1, : mesh.n_segments] = 1.0
         weights[0, : link.segment + 1] += 1.0
         weights[link.wraps, : link.source + 1] -= 1.0
         return weights.ravel()
+
+    def find_time_weights(self, coefficients: Array) -> Array:
+        """Return the weights of what moves the edges of all periods in a sum of theta: b less its source."""
+        mesh = self.problem.mesh
+        moving = take_moving(coefficients, mesh)
+        n = len(moving) - mesh.n_breaking
+        own = np.zeros(len(moving))
+        # The breaking time itself is the last one of its sum with the coefficient one: its source comes before it.
+        own[n + int(np.flatnonzero(moving[n:] == 1.0)[-1])] = 1.0
+        source = spread_over_lags(own - moving, self.n_lags, mesh.n_segments)
+        source[0] -= own
+        return np.asarray(-source.ravel())
 
     def phase_entries(self, row: int) -> list[Entries]:
         """Return the entry of a period that lasts as long as the orbit's own."""

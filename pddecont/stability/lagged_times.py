@@ -1,12 +1,13 @@
-"""Which period's durations a time on the orbit depends on.
+"""Which period's durations and breaking times a time on the orbit depends on.
 
 On the orbit all periods are alike, and the time of a breaking point is an integer combination c of the durations
 T_1..T_S. For a perturbed motion each period has its own: an event w periods ago at the end of segment s lies at
 
     (T_1 + .. + T_s of period k - w)  -  sum over l = 1..w of (T_1 + .. + T_S of period k - l)
 
-after the start of period k. Since c is ``s`` ones and zeros less w in each place, c tells w and s. Here such a time is
-an array of shape (..., n_lags, S): coefficients of the durations of periods k, k - 1, ...
+after the start of period k. Since c is ``s`` ones and zeros less w in each place, c tells w and s. A breaking time b of
+a delay that varies, w periods ago, counts from the start of period k - w; its own coefficient is one more in c. Here
+such a time is an array of shape (..., n_lags, S + J): coefficients of what moves the edges of periods k, k - 1, ...
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,20 +26,32 @@ from pddecont.stability.moving_edges import Edge
 Array = NDArray[np.float64]
 
 
-def spread_over_lags(coefficients: Array, n_lags: int) -> Array:
-    """Return an edge's durations by period: ``coefficients`` (S,) to shape (n_lags, S)."""
+def spread_over_lags(coefficients: Array, n_lags: int, n_segments: int) -> Array:
+    """Return what moves an edge by period: ``coefficients`` (S + J,) to shape (n_lags, S + J)."""
     result = np.zeros((n_lags, len(coefficients)))
-    wraps = max(0, -round(float(np.min(coefficients))))
-    result[1 : wraps + 1] = -1.0
-    result[wraps] += coefficients + wraps
+    wraps = count_wraps(coefficients, n_segments)
+    result[1 : wraps + 1, :n_segments] = -1.0
+    result[wraps] += coefficients
+    result[wraps, :n_segments] += wraps
     return result
+
+
+def count_wraps(coefficients: Array, n_segments: int) -> int:
+    """Return how many periods back the event or breaking time lies that an edge (n_theta,) comes from."""
+    return max(0, -round(float(np.min(coefficients[:n_segments]))))
+
+
+def take_moving(coefficients: Array, mesh: Mesh) -> Array:
+    """Return the coefficients (..., n_theta) of what moves with a motion: durations and breaking times."""
+    n = coefficients.shape[-1] - mesh.n_breaking
+    return np.concatenate([coefficients[..., : mesh.n_segments], coefficients[..., n:]], axis=-1)
 
 
 def find_deepest_lag(mesh: Mesh, still: Collection[Edge] = ()) -> int:
     """Return how many periods back the events lie whose breaking points the mesh follows, those ``still`` left out."""
-    S = mesh.n_segments
     edges = (edge for piece in mesh.pieces for edge in (piece.start, piece.end) if tuple(edge.tolist()) not in still)
-    return max(0, *(-round(float(np.min(edge[:S]))) for edge in edges))
+    sources = (b.source for b in mesh.breaking)
+    return max(0, *(count_wraps(edge, mesh.n_segments) for edge in chain(edges, sources)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,23 +73,23 @@ class LaggedMesh:
         return np.concatenate(starts), np.concatenate(lengths)
 
     def _spread(self, edge: Array) -> Array:
-        S = self.mesh.n_segments
+        moving = take_moving(edge, self.mesh)
         if tuple(edge.tolist()) in self.still:
-            return np.zeros((self.n_lags, S))
-        return spread_over_lags(edge[:S], self.n_lags)
+            return np.zeros((self.n_lags, len(moving)))
+        return spread_over_lags(moving, self.n_lags, self.mesh.n_segments)
 
     @property
     def start(self) -> Array:
-        """Left edges, shape (n_intervals, n_lags, S)."""
+        """Left edges, shape (n_intervals, n_lags, S + J)."""
         return self._edges[0]
 
     @property
     def length(self) -> Array:
-        """Lengths, shape (n_intervals, n_lags, S)."""
+        """Lengths, shape (n_intervals, n_lags, S + J)."""
         return self._edges[1]
 
     def times(self, points: MeshPoints) -> Array:
-        """Return the times of ``points``, shape (n_points, n_lags, S)."""
+        """Return the times of ``points``, shape (n_points, n_lags, S + J)."""
         return np.asarray(self.start[points.interval] + points.sigma[:, None, None] * self.length[points.interval])
 
     def sigma_derivatives(
@@ -84,11 +98,11 @@ class LaggedMesh:
         """Return how the fractions ``sigma`` move at which ``at``, less a fixed delay, read ``interval``.
 
         ``wraps`` counts the periods back, ``lengths`` (n_points,) are those intervals' own; the result has shape
-        (n_points, n_lags, S).
+        (n_points, n_lags, S + J).
         """
         moves = self.times(at)
         lag = np.arange(self.n_lags)
-        moves += ((lag >= 1) & (lag <= wraps[:, None]))[:, :, None]
+        moves[:, :, : self.mesh.n_segments] += ((lag >= 1) & (lag <= wraps[:, None]))[:, :, None]
         read = self.start[interval] + sigma[:, None, None] * self.length[interval]
         for w in np.unique(wraps):
             here = wraps == w

@@ -20,7 +20,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from pddecont.continuation import Matrix, ScaledFactors, equilibrate
-from pddecont.delay import FullWeights, LocalWeights
+from pddecont.delay import FullWeights
 from pddecont.errors import ConvergenceError
 from pddecont.orbit import Assembly, Linearisation, Orbit, OrbitProblem, measure_orbit
 from pddecont.stability.characteristic import Characteristic, MapCharacteristic, PeriodCharacteristic
@@ -138,8 +138,7 @@ def linearise_period(orbit: Orbit, assembly: Assembly | None = None) -> Monodrom
     """
     orbit = orbit.with_free(())
     reads = orbit.equation_reads
-    local = [op.weights for op in reads.operators if isinstance(op.weights, LocalWeights)]
-    if any(np.min(weights.wraps) < 0 for weights in local):
+    if any(np.min(weights.wraps) < 0 for weights in reads.list_local_weights()):
         raise ConvergenceError("a delay is negative here, and an orbit that reads its future has no multipliers")
     lines = {
         k: make_period_line(orbit, k) for k, op in enumerate(reads.operators) if isinstance(op.weights, FullWeights)
@@ -149,8 +148,8 @@ def linearise_period(orbit: Orbit, assembly: Assembly | None = None) -> Monodrom
     ]
     reads = replace(reads, operators=operators)
     still = find_still_edges(orbit)
-    if assembly is None or lines or not (assembly.serves(orbit.problem, operators) and _lets_stand(assembly, still)):
-        assembly = Assembly(orbit.problem, operators, LaggedColumns(orbit.problem, operators, lines, still))
+    if assembly is None or lines or not (assembly.serves(orbit.problem, reads) and _lets_stand(assembly, still)):
+        assembly = Assembly(orbit.problem, reads, LaggedColumns(orbit.problem, reads, lines, still))
     columns = assembly.columns
     assert isinstance(columns, LaggedColumns)
     at, n = assembly.linearise(orbit, reads), columns.n_columns

@@ -39,6 +39,8 @@ def find_still_edges(orbit: Orbit) -> frozenset[Edge]:
 def _find_level(orbit: Orbit, edge: Array) -> int:
     """Return the lowest derivative of the solution that can jump at an edge some delays after an event."""
     S, jumps = orbit.mesh.n_segments, orbit.signature.discontinuity_sources.jumps
+    if not orbit.signature.discontinuity_sources.are_sums:
+        return 1
     ended = round(float(np.sum(edge[:S] - np.min(edge[:S])))) if S else 0
     return jumps[(ended - 1) % len(jumps)] + round(float(np.sum(edge[S:])))
 

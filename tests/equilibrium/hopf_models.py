@@ -193,7 +193,7 @@ def _moving_limits(read, a):
     x, y = read(0, 0), read(1, 0)
     low = mpf(1) / 5 * mp.exp(x)
     window = integrate(lambda s: (1 + s / 2) * mp.sin(read(0, s)) * (1 + read(1, s)), low, 1 + y + read(0, mpf(1) / 2) / 4)
-    slow = integrate(lambda s: read(0, s) ** 2, mpf(0), 1 + window / 3)
+    slow = integrate(lambda s: read(0, s) ** 2, mpf(0), 1 + read(0, mpf(1) / 2 + read(1, 1)) / 3)
     return [mpf(3) / 10 - a * window, -y + slow / 2]
 
 
@@ -203,8 +203,7 @@ MOVING_LIMITS = HopfModel(
         {"a": 2.0, "b": 0.5},
         {
             "x": "0.3 - a*integral((1 + s/2)*sin(x(t - s))*(1 + y(t - s)), s, 0.2*exp(x), 1 + y + 0.25*x(t - b))",
-            "y": "-y + 0.5*integral(x(t - v)**2, v, 0, 1 + integral((1 + s/2)*sin(x(t - s))*(1 + y(t - s)), "
-            "s, 0.2*exp(x), 1 + y + 0.25*x(t - b))/3)",
+            "y": "-y + 0.5*integral(x(t - v)**2, v, 0, 1 + x(t - b - y(t - 1))/3)",
         },
     ),
     _moving_limits, "a", 3.0, [0.1, 0.05], 2.6, 2.5, (2.0, 5.0),

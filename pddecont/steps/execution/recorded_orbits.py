@@ -71,4 +71,4 @@ def find_orbit(context: Context, step: PlannedStep[Any], source: Source) -> Orbi
     orbit = Orbit(problem, old.x)
     if recorded.meta["mesh_settings"] == step.mesh_settings and mesh_is_valid(orbit):
         return orbit
-    return transfer_to(old, problem, make_mesh(problem, orbit.theta, step.rule))
+    return transfer_to(old, problem, make_mesh(problem, orbit.theta, step.rule, orbit=orbit))

@@ -1,0 +1,176 @@
+"""Integrals over the past of an orbit, by Gauss quadrature over the pieces of its mesh.
+
+The integral of g(s, x(t - s)) over lags s from a to b is a sum over the mesh intervals that lie between t - b and
+t - a, the first and the last of them cut there. On each the orbit is one polynomial, so that the quadrature converges
+as the orbit does. Where u = t - s in interval j at sigma, everything moves with theta:
+
+    V = sum_r w_r (beta - alpha) g(s_r, x(sigma_r)),  u_r = alpha + (beta - alpha) xi_r,  s_r = t - u_r
+
+with alpha the larger of the interval's start and t - b, beta the smaller of its end and t - a. How a and b themselves
+depend on states is the business of the chain rule (``model.lagged``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pddecont.codegen import ArrayFunction, Derivatives
+from pddecont.collocation import Mesh, MeshPoints
+from pddecont.delay import LocalWeights
+from pddecont.errors import ConvergenceError
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.intp]
+# Gauss points in a mesh interval beyond its polynomials' degree.
+MORE_NODES = 2
+
+
+@dataclass(frozen=True, eq=False)
+class Window:
+    """The parts of the past that points integrate over: P pairs of a point and a mesh interval.
+
+    ``point`` (P,) numbers the points, ``interval`` and ``wraps`` (P,) say what is read and how many periods back;
+    ``low`` and ``high`` (P,) are the times between which, from the orbit's start; ``cut_low`` and ``cut_high`` (P,)
+    whether those are a limit's, not the interval's own.
+    """
+
+    point: Ints
+    interval: Ints
+    wraps: Ints
+    low: Array
+    high: Array
+    cut_low: NDArray[np.bool_]
+    cut_high: NDArray[np.bool_]
+
+
+def find_window(mesh: Mesh, theta: Array, times: Array, low: Array, high: Array) -> Window:
+    """Return the parts of the past from ``high`` to ``low`` before the ``times``; all of shape (n_points,).
+
+    Raises
+    ------
+    ConvergenceError
+        If an integral would read the future.
+    """
+    if not np.all((low >= 0.0) & (high >= low)):
+        raise ConvergenceError("an integral over the past ends before it begins, or reads the future")
+    period, starts = mesh.period(theta), mesh.start @ theta
+    begin, end = times - high, times - low
+    turns = np.arange(np.floor(np.min(begin) / period), np.floor(np.max(end) / period) + 1.0)
+    edges = (starts + period * turns[:, None]).ravel()
+    first = np.clip(np.searchsorted(edges, begin, side="right") - 1, 0, len(edges) - 1)
+    last = np.clip(np.searchsorted(edges, end, side="left"), first + 1, len(edges))
+    count = last - first
+    point = np.repeat(np.arange(len(times)), count)
+    place = np.arange(len(point)) - np.repeat(np.cumsum(count) - count, count) + first[point]
+    interval, wraps = place % mesh.n_intervals, -turns[place // mesh.n_intervals].astype(np.intp)
+    own = edges[place]
+    own_end = own + (mesh.length @ theta)[interval]
+    return Window(
+        point,
+        interval,
+        wraps,
+        np.maximum(own, begin[point]),
+        np.minimum(own_end, end[point]),
+        begin[point] > own,
+        end[point] < own_end,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class IntegralOperator:
+    """One integral over the past at some points of an orbit.
+
+    ``value`` (n_points,); ``pairs`` says which base points each pair of ``window`` reads; ``state_weights`` (P, degree
+    + 1) by state are the derivatives of the pairs' parts of the integral in those. What times make of it is kept for
+    :meth:`moves`: nodes ``xi`` and weights (n_nodes,), values, slopes in s and in sigma at the nodes (P, n_nodes).
+    """
+
+    window: Window
+    pairs: LocalWeights
+    value: Array
+    state_weights: Mapping[int, Array]
+    xi: Array
+    quadrature: Array
+    integrand: Array
+    slope: Array
+    stretch: Array
+
+    @property
+    def weights(self) -> LocalWeights:
+        """What the pairs read."""
+        return self.pairs
+
+    def reads_as(self, other: IntegralOperator) -> bool:
+        """Return whether every point reads the same base points, as many periods back, as with ``other``."""
+        return np.array_equal(self.window.point, other.window.point) and self.pairs.reads_as(other.pairs)
+
+    def moves(self, times: Array, starts: Array, lengths: Array, h: Array) -> Array:
+        """Return how the integral moves with components of theta, base values fixed, shape (n_points, c).
+
+        Parameters
+        ----------
+        times, starts, lengths
+            How the points (n_points, c), the pairs' intervals' starts and lengths (P, c) move; the starts as many
+            periods back as they are read.
+        h
+            Lengths of the pairs' intervals (P,).
+        """
+        w = self.window
+        here = times[w.point]
+        low = np.where(w.cut_low[:, None], here, starts)
+        high = np.where(w.cut_high[:, None], here, starts + lengths)
+        total = np.zeros((len(self.value), times.shape[1]))
+        width = w.high - w.low
+        for r, (xi, weight) in enumerate(zip(self.xi, self.quadrature, strict=True)):
+            at = low + xi * (high - low)
+            sigma = self.pairs.sigma[:, r]
+            moved = (at - starts - sigma[:, None] * lengths) / h[:, None]
+            part = (high - low) * self.integrand[:, r, None]
+            part += width[:, None] * (self.slope[:, r, None] * (here - at) + self.stretch[:, r, None] * moved)
+            np.add.at(total, w.point, weight * part)
+        return total
+
+
+def make_integral_operator(
+    integrand: ArrayFunction, mesh: Mesh, theta: Array, values: Array, points: MeshPoints, limits: Array, p: Array
+) -> IntegralOperator:
+    """Return an integral at ``points`` of the orbit with base ``values``; ``limits`` (2, n_points) low and high."""
+    window = find_window(mesh, theta, mesh.times(points) @ theta, *limits)
+    nodes, quadrature = np.polynomial.legendre.leggauss(mesh.degree + MORE_NODES)
+    xi, quadrature = 0.5 * (nodes + 1.0), 0.5 * quadrature
+    h, width = (mesh.length @ theta)[window.interval], window.high - window.low
+    start = (mesh.start @ theta)[window.interval] - window.wraps * mesh.period(theta)
+    at = window.low[:, None] + xi * width[:, None]
+    sigma = (at - start[:, None]) / h[:, None]
+    columns = mesh.base_index[window.interval]
+    basis = mesh.basis.lagrange(sigma.ravel()).reshape(*sigma.shape, -1)
+    local = values[columns]
+    x = np.einsum("prb,pbn->npr", basis, local)
+    lags = (mesh.times(points) @ theta)[window.point][:, None] - at
+    d = _evaluate(integrand, lags, x, p)
+    where = integrand.structure()
+    g = d.value[0].reshape(sigma.shape)
+    slope, stretch = np.zeros(sigma.shape), np.zeros(sigma.shape)
+    if len(where.dt):
+        slope = d.dt[0].reshape(sigma.shape)
+    rates = np.einsum("prb,pbn->npr", basis @ mesh.basis.differentiate, local)
+    state_weights: dict[int, Array] = {}
+    scale = quadrature * width[:, None]
+    for state, slopes in zip(where.dx[1].tolist(), d.dx, strict=True):
+        by_node = slopes.reshape(sigma.shape)
+        stretch += by_node * rates[state]
+        state_weights[state] = np.einsum("pr,prb->pb", scale * by_node, basis)
+    value = np.zeros(len(points))
+    np.add.at(value, window.point, np.sum(scale * g, axis=1))
+    pairs = LocalWeights(columns, basis[:, 0], window.interval, sigma, window.wraps)
+    return IntegralOperator(window, pairs, value, state_weights, xi, quadrature, g, slope, stretch)
+
+
+def _evaluate(integrand: ArrayFunction, lags: Array, x: Array, p: Array) -> Derivatives:
+    """Return an integrand with its derivatives at lags (P, n_nodes) and states (n_states, P, n_nodes)."""
+    nothing = np.zeros((len(integrand.delayed), lags.size))
+    return integrand.derivatives(lags.ravel(), x.reshape(len(x), -1), nothing, p)
