@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from pddecont.continuation import factor, find_log_determinant
 from pddecont.delay import DelayMethod, find_transfer_factor
 from pddecont.equilibrium.distributed import DistributedTerm
+from pddecont.equilibrium.neutral import find_neutral_bound, find_neutral_radius
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -128,21 +129,33 @@ class CharacteristicMatrix:
         ]
 
     @cached_property
+    def neutral_radius(self) -> float:
+        """How strong the terms are through which rates of the past are read: below one, or the equation is none."""
+        return find_neutral_radius(self._rates, self.delays[self.read_orders == 1].tolist())
+
+    @cached_property
+    def _rates(self) -> list[Any]:
+        """The A_k through which rates are read."""
+        return [m for m, order in zip(self.delayed, self.read_orders, strict=True) if order == 1]
+
+    @cached_property
     def bound(self) -> float:
         """A number that no root to the right of the imaginary axis exceeds in modulus, where |H| <= 1.
 
         It is the largest eigenvalue of (I - sum |N_k|)^-1 (|A_0| + sum |A_k| + sum |K_q|), N_k those A_k through which
-        rates are read, from above by Collatz and Wielandt's quotients. Infinite where sum |N_k| has an eigenvalue of 1 or more
-        or higher derivatives are read: then there may be infinitely many such roots.
+        rates are read, from above by Collatz and Wielandt's quotients. Where sum |N_k| has an eigenvalue of 1 or more it is
+        another one, or infinite: there may be infinitely many such roots then, and where higher derivatives are read.
         """
         orders = self.read_orders
         if np.any(orders > 1):
             return float("inf")
-        sizes = abs(self.present) + sum(abs(m) for m, order in zip(self.delayed, orders, strict=True) if not order)
-        sizes = sum(self.list_sizes(), sizes)
-        rates = sum((abs(m) for m, order in zip(self.delayed, orders, strict=True) if order), 0.0 * self.unit)
+        values = [m for m, order in zip(self.delayed, orders, strict=True) if not order]
+        sizes = sum((abs(m) for m in (*values, *self.list_sizes())), abs(self.present))
+        rates = sum((abs(m) for m in self._rates), 0.0 * self.unit)
         if np.any(orders) and _find_largest(rates) >= 1.0:
-            return float("inf")
+            alike = len(set(self.delays[orders > 0].tolist())) == 1 and not self.is_sparse
+            rates = sum(self._rates[1:], self._rates[0])
+            return find_neutral_bound(rates, [self.present, *values], self.list_sizes()) if alike else float("inf")
         solve: Any = factor(self.unit - rates) if np.any(orders) else lambda v: v
         vector, bound = np.ones(self.n), np.inf
         for _ in range(QUOTIENTS):

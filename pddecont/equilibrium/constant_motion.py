@@ -28,9 +28,12 @@ from pddecont.equilibrium.distributed import DistributedTerm
 from pddecont.equilibrium.partials import ExpressionPartials
 from pddecont.equilibrium.quadrature import Kernel, find_panels
 from pddecont.equilibrium.rest_reads import RestReads
+from pddecont.model import keep_reads
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
+# A lag that is negative by no more than this part of the longest one is zero, to rounding.
+ZERO = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,14 +87,21 @@ class ConstantMotion:
 
     def measure_event(self, event: str, x: Array, p: Array, free: tuple[int, ...] = ()) -> tuple[float, Array, Array]:
         """Return an event function at rest, its derivatives in x (n_states,) and in parameters (n_free,)."""
+        values, in_x, in_p = self.measure(self.numeric.event(event), x, p, free)
+        return float(values[0]), in_x[0], in_p[0]
+
+    def measure(
+        self, function: ArrayFunction, x: Array, p: Array, free: tuple[int, ...] = ()
+    ) -> tuple[Array, Array, Array]:
+        """Return a function at rest (n_out,), its derivatives in x (n_out, n_states) and parameters (n_out, n_free)."""
         values = self.read(x, p)
-        where, d = self._derive(self.numeric.event(event), x, values, p, free)
-        slopes, in_p = np.zeros(len(x)), np.zeros(len(free))
-        slopes[where.dx[1]] = d.dx[:, 0]
-        _, columns, entries = self._sum_reads(where.dxd, d.dxd[:, 0], x, values, p)
-        np.add.at(slopes, columns, entries)
-        in_p[where.dp[1]] = d.dp[:, 0]
-        return float(d.value[0, 0]), slopes, in_p
+        where, d = self._derive(function, x, values, p, free)
+        in_x, in_p = np.zeros((function.n_out, len(x))), np.zeros((function.n_out, len(free)))
+        in_x[where.dx] = d.dx[:, 0]
+        rows, columns, entries = self._sum_reads(where.dxd, d.dxd[:, 0], x, values, p)
+        np.add.at(in_x, (rows, columns), entries)
+        in_p[where.dp] = d.dp[:, 0]
+        return d.value[:, 0], in_x, in_p
 
     def linearise(self, x: Array, p: Array) -> CharacteristicMatrix:
         """Return the characteristic matrix at a state that stays: delays that vary have their lags there."""
@@ -116,6 +126,32 @@ class ConstantMotion:
     def read(self, x: Array, p: Array) -> Array:
         """Return what a motion that stays at ``x`` reads of the past, shape (n_reads,)."""
         return self.reads.find_values(x, p)
+
+    @cached_property
+    def lag_numbers(self) -> list[int]:
+        """The delays by which the field, or an event that ends the mode, reads, numbered through those that vary."""
+        model = self.numeric.model
+        if not model.varying:
+            return []
+        events = (model.events[s.event].function for s in model.list_segments(self.mode) if s.event)
+        functions = [*model.modes[self.mode], *(h for h in events if h is not None)]
+        kept = keep_reads(model, {symbol for f in functions for symbol in f.free_symbols}).varying
+        return [k for k, delay in enumerate(model.varying) if delay in kept]
+
+    @cached_property
+    def lags(self) -> ArrayFunction:
+        """These delays as a function of what is read."""
+        return self.numeric.function([self.numeric.model.varying[k] for k in self.lag_numbers])
+
+    def find_negative_lag(self, x: Array, p: Array) -> tuple[str, float] | None:
+        """Return a delay that is negative at rest, with its lag; None where none is."""
+        if not self.lag_numbers:
+            return None
+        lags = self.measure(self.lags, x, p)[0]
+        worst = int(np.argmin(lags))
+        if not lags[worst] < -ZERO * float(np.max(np.abs(lags))):
+            return None
+        return str(self.numeric.model.varying[self.lag_numbers[worst]]), float(lags[worst])
 
     def _derive(
         self, function: ArrayFunction, x: Array, values: Array, p: Array, free: tuple[int, ...] = ()

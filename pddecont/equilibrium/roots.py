@@ -59,12 +59,14 @@ class Roots:
 
     ``values`` and ``residuals`` |Delta q| / (|Delta| |q|) have shape (n_roots,), ``vectors`` q (n_roots, n_states).
     ``n_missing`` is the number of unstable ones that a count says are lacking; None where it could not be made.
+    ``neutral_radius`` says how strong terms are that read rates of the past (``neutral``).
     """
 
     values: Complex
     residuals: Array
     vectors: Complex = field(repr=False)
     n_missing: int | None = 0
+    neutral_radius: float = 0.0
 
     @cached_property
     def n_unstable(self) -> int:
@@ -99,7 +101,7 @@ def find_roots(matrix: CharacteristicMatrix, n_roots: int = N_ROOTS) -> Roots:
         kept += 1
     values, vectors = values[:kept], vectors[:kept]
     residuals = np.array([_measure_residual(matrix, z, q) for z, q in zip(values.tolist(), vectors, strict=True)])
-    return Roots(values, residuals, vectors, count.number)
+    return Roots(values, residuals, vectors, count.number, matrix.neutral_radius)
 
 
 def _find_scale(matrix: CharacteristicMatrix) -> float:

@@ -80,6 +80,7 @@ def _find_near(step: PlannedStep[EquilibriumSettings], guess: Equilibrium) -> tu
         found = solve_equilibrium(guess)
         if step.settings.mode is None and find_passed_side(found[0]) is not None:
             found = _find_in_other_mode(found[0]) or found
+        _check_lags(found[0])
     except ConvergenceError as exc:
         between = make_switching_meta(find_delayed_switchings(guess))["switchings"]
         switchings = describe_switchings(guess.motion.numeric.model.states, between)
@@ -89,6 +90,17 @@ def _find_near(step: PlannedStep[EquilibriumSettings], guess: Equilibrium) -> tu
             exc.history,
         ) from exc
     return found
+
+
+def _check_lags(at: Equilibrium) -> None:
+    """Raise ConvergenceError where a delay is negative at rest."""
+    negative = at.motion.find_negative_lag(at.states, at.parameters)
+    if negative is not None:
+        places = zip(at.motion.numeric.model.states, at.states.tolist(), strict=True)
+        where = ", ".join(f"{name} = {value:.8g}" for name, value in places)
+        raise ConvergenceError(
+            f"at rest, {where}, the delay '{negative[0]}' is {negative[1]:.6g}: it would read the future"
+        )
 
 
 def _find_in_other_mode(virtual: Equilibrium) -> tuple[Equilibrium, float, int] | None:

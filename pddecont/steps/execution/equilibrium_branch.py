@@ -16,6 +16,7 @@ from pddecont.equilibrium import (
     CriticalEvaluation,
     EquilibriumCurve,
     EquilibriumEvaluation,
+    LagBoundary,
     WayOn,
     find_better_side,
     find_curve_values,
@@ -102,7 +103,7 @@ class _Branch:
             on_curve = isinstance(at, CriticalEvaluation)
             problem = at.system.problem if on_curve else at.problem
             delays = DelayBoundary(problem.motion.numeric, problem.parameters, problem.free)
-            boundaries = (RangeBoundary(steps.free, steps.ranges), delays)
+            boundaries = (RangeBoundary(steps.free, steps.ranges), delays, LagBoundary(problem))
             functions = make_curve_tests(at, steps.detect) if on_curve else make_tests(at, steps.detect)
             self.way_on = None
             end = follow_branch(state, boundaries, functions, settings, self.record, way, home)
