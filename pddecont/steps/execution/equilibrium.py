@@ -18,13 +18,18 @@ from pddecont.equilibrium import (
     solve_equilibrium,
 )
 from pddecont.errors import ConvergenceError, ResultsError
-from pddecont.reasons import make_reason
+from pddecont.reasons import NO_REASON, make_reason
 from pddecont.results import EQUILIBRIUM, Step
 from pddecont.runfile import Holding, PlannedStep
 from pddecont.steps.context import Context
 from pddecont.steps.equilibrium import EquilibriumSettings
 from pddecont.steps.execution.ending import report_done
-from pddecont.steps.execution.equilibrium_rows import equilibrium_from_row, equilibrium_to_row, make_equilibrium_meta
+from pddecont.steps.execution.equilibrium_rows import (
+    add_doubts,
+    equilibrium_from_row,
+    equilibrium_to_row,
+    make_equilibrium_meta,
+)
 from pddecont.steps.execution.equilibrium_search import (
     list_switchings,
     make_search_meta,
@@ -69,7 +74,7 @@ def run_equilibrium(context: Context, step: PlannedStep[EquilibriumSettings], re
                 error=one.error,
                 n_iterations=one.n_iterations,
             )
-            writer.append(points, rows)
+            writer.append(points, rows, add_doubts(NO_REASON, at, roots))
         writer.terminate(ending)
     report_done(context, step)
 
