@@ -23,8 +23,8 @@ N_POINTS = 32
 N_RESOLVED = 20
 # The part of the whole integral that rounding makes of a coefficient, and the smallest panel as a part of the interval.
 ROUNDING, LEAST = 2e-14, 2.0**-110
-# Panels at first, so that a narrow peak is seen.
-FIRST = 4
+# Panels at first, so that a narrow peak is seen, and at most.
+FIRST, MOST = 4, 2000
 # An exponential exp(z u) over -1 < u < 1 with |z| up to this has no more than rounding beyond the degree 43.
 TURN = 10.0
 
@@ -59,10 +59,11 @@ def find_panels(kernel: Kernel, low: float, high: float) -> Array:
     edges, ahead = [high], list(parts)
     while ahead:
         part = ahead.pop()
+        sizes = np.maximum(sizes, part.size)
         if np.all(part.tail <= ROUNDING * sizes):
             edges.append(part.low)
             continue
-        if abs(part.high - part.low) < LEAST * abs(high - low):
+        if abs(part.high - part.low) < LEAST * abs(high - low) or len(edges) > MOST:
             raise ConvergenceError(f"an integral over the past has no finite value: its integrand at s = {part.low:g}")
         ahead += _integrate(kernel, np.array([part.low, 0.5 * (part.low + part.high), part.high]))
     return np.array(edges[::-1])
