@@ -13,6 +13,8 @@ from typing import Any
 Scalar = str | int | float | bool
 # The value of a point that could not be located better than to this part of a step.
 WITHIN = "within_step"
+# The value of an equilibrium at which terms that read rates of the past are so strong together; of what says no more.
+NEUTRAL = "neutral_radius"
 
 
 @dataclass(frozen=True)

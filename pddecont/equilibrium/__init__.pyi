@@ -33,6 +33,7 @@ from .equations import solve_equilibrium as solve_equilibrium
 from .hopf import HopfPoint as HopfPoint
 from .hopf import HopfProblem as HopfProblem
 from .hopf import solve_hopf as solve_hopf
+from .lag_boundary import LagBoundary as LagBoundary
 from .modes import read_mode as read_mode
 from .roots import Roots as Roots
 from .roots import find_roots as find_roots

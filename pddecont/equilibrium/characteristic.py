@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 
 from pddecont.continuation import factor, find_log_determinant
 from pddecont.delay import DelayMethod, find_transfer_factor
+from pddecont.equilibrium.distributed import DistributedTerm
+from pddecont.equilibrium.neutral import find_neutral_bound, find_neutral_radius
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -26,10 +28,11 @@ QUOTIENTS = 30
 
 @dataclass(frozen=True, eq=False)
 class CharacteristicMatrix:
-    """Delta(lambda) = lambda I - A_0 - sum_k A_k lambda^m_k H(lambda tau_k), H what the method does to exponentials.
+    """Delta(lambda) = lambda I - A_0 - sum_k A_k lambda^m_k H(lambda tau_k) - sum_q K_q(lambda).
 
-    ``present`` A_0 has shape (n, n), ``delayed`` A_k that shape for each term, ``delays`` tau_k shape (n_terms,).
-    ``orders`` m_k say how often a state is differentiated where it is read (None: never).
+    H is what the method does to exponentials, K_q what reads the past through integrals (``distributed``). ``present``
+    A_0 has shape (n, n), ``delayed`` A_k that shape for each term, ``delays`` tau_k shape (n_terms,). ``orders`` m_k
+    say how often a state is differentiated where it is read (None: never).
     Matrices are arrays, or sparse in CSC form. Reference: Hale, Verduyn Lunel, Introduction to Functional Differential
     Equations (1993), chapter 7.
     """
@@ -39,6 +42,7 @@ class CharacteristicMatrix:
     delays: Array
     method: DelayMethod
     orders: NDArray[np.intp] | None = None
+    distributed: tuple[DistributedTerm, ...] = ()
 
     @property
     def n(self) -> int:
@@ -56,6 +60,16 @@ class CharacteristicMatrix:
         return sp.eye(self.n, format="csc") if self.is_sparse else np.eye(self.n)
 
     @cached_property
+    def read_orders(self) -> NDArray[np.intp]:
+        """How often the state of each term is differentiated (n_terms,)."""
+        return np.zeros(len(self.delays), dtype=np.intp) if self.orders is None else self.orders
+
+    @cached_property
+    def longest(self) -> float:
+        """The longest lag at which the past is read."""
+        return max(float(np.max(self.delays, initial=0.0)), *(term.longest for term in self.distributed), 0.0)
+
+    @cached_property
     def _entries(self) -> tuple[Any, Array]:
         """A sparse matrix with an entry wherever one has any, and those of I, A_0 and each A_k in its place."""
         parts = [self.unit, self.present, *self.delayed]
@@ -70,15 +84,28 @@ class CharacteristicMatrix:
         if self.is_sparse:
             pattern, entries = self._entries
             weights = np.array([[root, -1.0, *(-f for f, _ in factors)], [1.0, 0.0, *(-rate for _, rate in factors)]])
-            return tuple(
+            matrices = tuple(
                 sp.csc_matrix((data, pattern.indices, pattern.indptr), shape=pattern.shape)
                 for data in weights.astype(complex) @ entries
             )
+            return self._subtract_distributed(matrices, root)
         matrix, slope = root * self.unit - self.present, self.unit.astype(complex)
         for through, (share, rate) in zip(self.delayed, factors, strict=True):
             matrix = matrix - complex(share) * through
             slope = slope - complex(rate) * through
-        return matrix, slope
+        return self._subtract_distributed((matrix, slope), root) if self.distributed else (matrix, slope)
+
+    def _subtract_distributed(self, matrices: tuple[Any, ...], root: complex) -> tuple[Any, ...]:
+        """Return Delta and its derivative less what is read through integrals."""
+        for term in self.distributed:
+            parts = (
+                sp.csc_matrix((v, (term.rows, term.columns)), shape=(self.n, self.n)) for v in term.transform(root)
+            )
+            matrices = tuple(
+                whole - (part if self.is_sparse else part.toarray())
+                for whole, part in zip(matrices, parts, strict=True)
+            )
+        return matrices
 
     def at_many(self, roots: Complex) -> tuple[Complex, Complex]:
         """Return the same at several points, shape (n_roots, n, n) each; of dense matrices."""
@@ -88,6 +115,9 @@ class CharacteristicMatrix:
             with np.errstate(invalid="ignore"):
                 matrix = matrix - share[:, None, None] * through
                 slope = slope - rate[:, None, None] * through
+        for term in self.distributed:
+            for whole, part in zip((matrix, slope), term.transform(roots), strict=True):
+                np.subtract.at(whole, (slice(None), term.rows, term.columns), part)
         return matrix, slope
 
     def list_factors(self, roots: Complex | complex) -> list[tuple[Complex, Complex]]:
@@ -95,32 +125,39 @@ class CharacteristicMatrix:
 
         Where an exponential overflows they are not finite.
         """
-        found = []
-        orders = np.zeros(len(self.delays), dtype=np.intp) if self.orders is None else self.orders
-        for tau, m in zip(self.delays.tolist(), orders.tolist(), strict=True):
-            with np.errstate(over="ignore", invalid="ignore"):
-                share, rate = find_transfer_factor(self.method, roots * tau)
-                rate = tau * rate
-                if m:
-                    share, rate = roots**m * share, m * roots ** (m - 1) * share + roots**m * rate
-            found.append((share, rate))
-        return found
+        return [
+            find_share(self.method, roots, tau, m)
+            for tau, m in zip(self.delays.tolist(), self.read_orders.tolist(), strict=True)
+        ]
+
+    @cached_property
+    def neutral_radius(self) -> float:
+        """How strong the terms are through which rates of the past are read: below one, or the equation is none."""
+        return find_neutral_radius(self._rates, self.delays[self.read_orders == 1].tolist())
+
+    @cached_property
+    def _rates(self) -> list[Any]:
+        """The A_k through which rates are read."""
+        return [m for m, order in zip(self.delayed, self.read_orders, strict=True) if order == 1]
 
     @cached_property
     def bound(self) -> float:
         """A number that no root to the right of the imaginary axis exceeds in modulus, where |H| <= 1.
 
-        It is the largest eigenvalue of (I - sum |N_k|)^-1 (|A_0| + sum |A_k|), N_k those A_k through which rates are
-        read, from above by Collatz and Wielandt's quotients. Infinite where sum |N_k| has an eigenvalue of 1 or more
-        or higher derivatives are read: then there may be infinitely many such roots.
+        It is the largest eigenvalue of (I - sum |N_k|)^-1 (|A_0| + sum |A_k| + sum |K_q|), N_k those A_k through which
+        rates are read, from above by Collatz and Wielandt's quotients. Where sum |N_k| has an eigenvalue of 1 or more it is
+        another one, or infinite: there may be infinitely many such roots then, and where higher derivatives are read.
         """
-        orders = np.zeros(len(self.delays), dtype=np.intp) if self.orders is None else self.orders
+        orders = self.read_orders
         if np.any(orders > 1):
             return float("inf")
-        sizes = abs(self.present) + sum(abs(m) for m, order in zip(self.delayed, orders, strict=True) if not order)
-        rates = sum((abs(m) for m, order in zip(self.delayed, orders, strict=True) if order), 0.0 * self.unit)
+        values = [m for m, order in zip(self.delayed, orders, strict=True) if not order]
+        sizes = sum((abs(m) for m in (*values, *self.list_sizes())), abs(self.present))
+        rates = sum((abs(m) for m in self._rates), 0.0 * self.unit)
         if np.any(orders) and _find_largest(rates) >= 1.0:
-            return float("inf")
+            alike = len(set(self.delays[orders > 0].tolist())) == 1 and not self.is_sparse
+            rates = sum(self._rates[1:], self._rates[0])
+            return find_neutral_bound(rates, [self.present, *values], self.list_sizes()) if alike else float("inf")
         solve: Any = factor(self.unit - rates) if np.any(orders) else lambda v: v
         vector, bound = np.ones(self.n), np.inf
         for _ in range(QUOTIENTS):
@@ -137,7 +174,7 @@ class CharacteristicMatrix:
         It is the smaller one of the bound of the modulus and |A_0 - A_0^T|/2 + sum |A_k| in norms that are no less
         than spectral ones.
         """
-        if self.orders is not None and np.any(self.orders > 0):
+        if np.any(self.read_orders > 0):
             return self.bound
         skew = 0.5 * find_norm(self.present - self.present.T)
         return min(self.bound, skew + self.reach)
@@ -149,7 +186,7 @@ class CharacteristicMatrix:
         It is the smaller one of the bound of the modulus and the largest eigenvalue of (A_0 + A_0^T)/2, by Gershgorin's
         discs, with sum |A_k|.
         """
-        if self.orders is not None and np.any(self.orders > 0):
+        if np.any(self.read_orders > 0):
             return self.bound
         mean = 0.5 * (self.present + self.present.T)
         diagonal = mean.diagonal()
@@ -158,8 +195,16 @@ class CharacteristicMatrix:
 
     @cached_property
     def reach(self) -> float:
-        """The sum of the norms |A_k|, each no less than the spectral one."""
-        return float(sum(np.sqrt(find_norm(m) * find_norm(m.T)) for m in self.delayed))
+        """The sum of the norms |A_k| and |K_q|, each no less than the spectral one."""
+        return float(sum(np.sqrt(find_norm(m) * find_norm(m.T)) for m in (*self.delayed, *self.list_sizes())))
+
+    def list_sizes(self) -> list[Any]:
+        """Return matrices that the moduli of no K_q exceed to the right of the imaginary axis, shape (n, n) each."""
+        found = []
+        for term in self.distributed:
+            sizes = sp.csc_matrix((term.sizes, (term.rows, term.columns)), shape=(self.n, self.n))
+            found.append(sizes if self.is_sparse else sizes.toarray())
+        return found
 
     def log_determinants(self, roots: Complex) -> Complex:
         """Return the logarithm of det Delta at several points (n_roots,), imaginary parts up to whole turns."""
@@ -187,8 +232,26 @@ class CharacteristicMatrix:
     def transpose(self) -> CharacteristicMatrix:
         """Return the matrix whose right vectors are this one's left ones."""
         return CharacteristicMatrix(
-            self.present.T, tuple(m.T for m in self.delayed), self.delays, self.method, self.orders
+            self.present.T,
+            tuple(m.T for m in self.delayed),
+            self.delays,
+            self.method,
+            self.orders,
+            tuple(term.transpose() for term in self.distributed),
         )
+
+
+def find_share(method: DelayMethod, roots: Complex | complex, tau: float, order: int) -> tuple[Complex, Complex]:
+    """Return lambda^order H(lambda tau) and its derivative in lambda, of the shape of ``roots``.
+
+    Where an exponential overflows they are not finite.
+    """
+    with np.errstate(over="ignore", invalid="ignore"):
+        share, rate = find_transfer_factor(method, roots * tau)
+        rate = tau * rate
+        if order:
+            share, rate = roots**order * share, order * roots ** (order - 1) * share + roots**order * rate
+    return share, rate
 
 
 def find_norm(matrix: Any) -> float:

@@ -61,7 +61,7 @@ def count_missing(matrix: CharacteristicMatrix, listed: Complex) -> Count:
     if matrix.bound == 0.0:
         # No term is left but lambda I: no root lies to the right of zero.
         return Count(0, np.zeros(0, dtype=complex))
-    longest = float(np.max(matrix.delays, initial=0.0))
+    longest = matrix.longest
     end = FAR * max(matrix.bound, float(np.max(np.abs(listed), initial=0.0)), np.finfo(float).tiny)
     # Above a height delayed terms are too small to turn the determinant.
     turning = min(end, max(matrix.height + 2.0 * matrix.reach, LEAST * end))

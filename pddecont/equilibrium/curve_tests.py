@@ -19,6 +19,7 @@ from pddecont.continuation import CountFunction, Counts, CurvePoint, End, TestFu
 from pddecont.equilibrium.branch_tests import PairTest
 from pddecont.equilibrium.critical import CriticalEvaluation
 from pddecont.equilibrium.crossings import count_unstable, hides_crossings
+from pddecont.equilibrium.expansion import Exponential
 from pddecont.equilibrium.hopf_condition import find_frequency
 from pddecont.equilibrium.mirrored import find_mirrored
 from pddecont.equilibrium.normal_forms import Forms, find_cubic_coefficient
@@ -89,9 +90,8 @@ def _measure_real(point: Point) -> float:
 def _measure_cusp(point: Point) -> float:
     """Return p . B(q, q), p and q the null vectors; p on one side along the curve."""
     at = point.at
-    forms, q = Forms(at.equilibrium), at.own
-    phi = forms.lift(q.astype(complex), 0.0 + 0.0j)
-    return float((_find_left(at) @ forms.second(phi, phi)).real)
+    phi = Exponential(at.own.astype(complex), 0.0 + 0.0j)
+    return float((_find_left(at) @ Forms(at.equilibrium).second(phi, phi)).real)
 
 
 def _measure_takens(point: Point) -> float:

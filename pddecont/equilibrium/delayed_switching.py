@@ -14,7 +14,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.equilibrium.constant_motion import ConstantMotion
 from pddecont.equilibrium.equations import Equilibrium
 from pddecont.equilibrium.sides import SIGNS
 
@@ -39,7 +38,7 @@ def find_delayed_switchings(guess: Equilibrium) -> list[DelayedSwitching]:
     for segment in motion.numeric.model.list_segments(motion.mode):
         if not segment.event or segment.event in seen or segment.direction not in SIGNS:
             continue
-        if not _reads_past(motion, segment.event, guess.parameters):
+        if not _reads_past(guess, segment.event):
             continue
         states = _solve(guess, segment.event, segment.to, SIGNS[segment.direction])
         if states is not None:
@@ -48,12 +47,13 @@ def find_delayed_switchings(guess: Equilibrium) -> list[DelayedSwitching]:
     return found
 
 
-def _reads_past(motion: ConstantMotion, event: str, p: Array) -> bool:
-    """Return whether an event's function reads values from a time ago."""
-    numeric = motion.numeric
-    columns = np.unique(numeric.event(event).structure().dxd[1])
-    delays = numeric.delays.value(p)
-    return any(delays[numeric.model.delayed[k].delay] > 0.0 for k in columns.tolist())
+def _reads_past(at: Equilibrium, event: str) -> bool:
+    """Return whether an event's function reads values from a time ago, or integrals over it."""
+    numeric, reads = at.motion.numeric, at.motion.reads
+    columns = np.unique(numeric.event(event).structure().dxd[1]).tolist()
+    lags = reads.find_lags(at.states, at.motion.read(at.states, at.parameters), at.parameters)
+    delayed = numeric.model.delayed
+    return any(k >= len(delayed) or lags[delayed[k].delay] > 0.0 for k in columns)
 
 
 def _solve(guess: Equilibrium, event: str, other: str, towards: float) -> Array | None:

@@ -3,6 +3,9 @@
 States whose past is read carry it along (``history``): v = (x, z_j for each state j that is read),
 
     x' = A_0 x + sum_k A_k y_k,    y_kj = C_k z_j + d_k x_j,    z_j' = F z_j + g x_j
+
+and each entry of a term that reads integrals adds such a y of its own to its row. Where rates of the past are read y_k
+is a derivative of the profile.
 """
 
 from __future__ import annotations
@@ -13,6 +16,7 @@ from typing import Any
 
 import numpy as np
 import scipy.linalg
+import scipy.sparse as sp
 import scipy.sparse.linalg
 from numpy.typing import NDArray
 
@@ -39,6 +43,7 @@ class Generator:
             for m, tau in zip(self.matrix.delayed, self.matrix.delays, strict=True)
             if tau > 0.0
         ]
+        found += [term.columns for term in self.matrix.distributed]
         return np.unique(np.concatenate([np.zeros(0, dtype=np.intp), *found])).astype(np.intp)
 
     @property
@@ -55,6 +60,10 @@ class Generator:
             dense = _to_dense(through)
             whole[:n, :n] += history.d[k] * dense
             whole[:n, n:] += np.einsum("ij,z->ijz", dense[:, self.read], history.C[k]).reshape(n, -1)
+        for term, (C, d) in zip(matrix.distributed, history.integrals, strict=True):
+            np.add.at(whole, (term.rows, term.columns), d)
+            past = n + np.searchsorted(self.read, term.columns)[:, None] * n_z + np.arange(n_z)
+            np.add.at(whole, (term.rows[:, None], past), C)
         for place, j in enumerate(self.read.tolist()):
             rows = slice(n + place * n_z, n + (place + 1) * n_z)
             whole[rows, rows], whole[rows, j] = history.F, history.g
@@ -70,6 +79,9 @@ class Generator:
         reduced: Any = self.matrix.present - shift * self.matrix.unit
         for k, block in enumerate(self.matrix.delayed):
             reduced = reduced + (history.d[k] - complex(history.C[k] @ through)) * block
+        for term, (C, d) in zip(self.matrix.distributed, history.integrals, strict=True):
+            part = sp.csc_matrix((d - C @ through, (term.rows, term.columns)), shape=(n, n))
+            reduced = reduced + (part if self.matrix.is_sparse else part.toarray())
         solve: Any = factor(reduced.astype(complex))
 
         def apply(v: Complex) -> Complex:
@@ -80,6 +92,9 @@ class Generator:
                 given = np.zeros(n, dtype=complex)
                 given[self.read] = history.C[k] @ free
                 right -= block @ given
+            for term, (C, _) in zip(self.matrix.distributed, history.integrals, strict=True):
+                read = free[:, np.searchsorted(self.read, term.columns)]
+                np.subtract.at(right, term.rows, np.einsum("ez,ze->e", C, read))
             x = solve(right)
             z = free - np.outer(through, x[self.read])
             return np.concatenate([x, z.T.ravel()])

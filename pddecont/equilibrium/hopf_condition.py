@@ -123,7 +123,7 @@ def start_at_double_zero(inner: EquilibriumEvaluation) -> tuple[HopfCondition, A
     u = np.linalg.svd(even)[2][-1]
     # R w = -S u with c . w = 0: solvable to the accuracy of the point.
     w = np.linalg.lstsq(np.vstack([even, u]), np.append(-odd @ u, 0.0), rcond=None)[0]
-    pace = 1.0 / max(float(np.linalg.norm(w)), float(np.max(matrix.delays, initial=0.0)))
+    pace = 1.0 / max(float(np.linalg.norm(w)), matrix.longest)
     return HopfCondition(u, pace), np.concatenate([u, w, [0.0]])
 
 
@@ -146,7 +146,7 @@ def _split_parity(matrix: CharacteristicMatrix, square: float) -> Sequence[Any]:
     here = matrix.at(root)[0]
     there = here.conj() if square > 0.0 else matrix.at(-root)[0]
     even = (0.5 * (here + there)).real
-    if abs(root) * float(np.max(matrix.delays, initial=0.0)) >= SLOW:
+    if abs(root) * matrix.longest >= SLOW:
         return even, ((here - there) / (2.0 * root)).real
     slopes = [0.5 * weight * matrix.at(root * node)[1] for node, weight in zip(NODES, WEIGHTS, strict=True)]
     return even, sum(slopes[1:], slopes[0]).real

@@ -19,5 +19,5 @@ def read_mode(at: Equilibrium) -> str:
         return at.motion.mode
     numbers = dict(zip(model.parameter_symbols, at.parameters.tolist(), strict=True))
     numbers |= dict(zip(model.state_symbols, at.states.tolist(), strict=True))
-    numbers |= dict(zip(model.delayed_symbols, at.motion.read(at.states).tolist(), strict=True))
+    numbers |= dict(zip(model.read_symbols, at.motion.read(at.states, at.parameters).tolist(), strict=True))
     return find_start_mode(model.derived, numbers)

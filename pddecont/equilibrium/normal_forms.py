@@ -1,6 +1,7 @@
 """Normal-form coefficients of folds and Hopf points of delay equations.
 
-With Delta the characteristic matrix, B and C the second and third derivatives of the field and phi = q e^(lambda t):
+With Delta the characteristic matrix, B and C the second and third derivatives of the field as a functional of the past
+(``expansion``) and phi = q e^(lambda t):
 
     fold    a  = p . B(phi, phi) / 2,                  Delta(0) q = 0,  p Delta(0) = 0,  p Delta'(0) q = 1,  |q| = 1
     Hopf    c1 = p . [C(phi, phi, conj phi) + 2 B(phi, h11) + B(conj phi, h20)] / 2,
@@ -28,7 +29,7 @@ from numpy.typing import NDArray
 
 from pddecont.continuation import factor
 from pddecont.equilibrium.equations import Equilibrium
-from pddecont.equilibrium.partials import Partials
+from pddecont.equilibrium.expansion import Expansion, Exponential
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -56,26 +57,13 @@ class Forms:
         """The characteristic matrix."""
         return self.at.motion.linearise(self.at.states, self.at.parameters)
 
-    def second(self, u: Complex, v: Complex) -> Complex:
-        """Return B(u, v) of two directions (n_arguments,), shape (n_states,)."""
-        return self._apply(self.at.motion.partials.second, [u, v])
+    def second(self, u: Exponential, v: Exponential) -> Complex:
+        """Return B(u, v) of two motions, shape (n_states,)."""
+        return self._expand(u, v)
 
-    def third(self, u: Complex, v: Complex, w: Complex) -> Complex:
+    def third(self, u: Exponential, v: Exponential, w: Exponential) -> Complex:
         """Return C(u, v, w)."""
-        return self._apply(self.at.motion.partials.third, [u, v, w])
-
-    def lift(self, vector: Complex, root: complex) -> Complex:
-        """Return what each argument of the field is of the motion vector e^(root t), shape (n_arguments,)."""
-        partials = self.at.motion.partials
-        n = len(vector)
-        present = vector[partials.states]
-        model = self.at.motion.numeric.model
-        if not model.delayed:
-            return present
-        groups = sorted({(v.delay, v.derivative) for v in model.delayed})
-        factors = [factor for factor, _ in self.matrix.list_factors(root)]
-        of_value = [complex(factors[groups.index((v.delay, v.derivative))]) for v in model.delayed]
-        return np.asarray(present * np.concatenate([np.ones(n), of_value]))
+        return self._expand(u, v, w)
 
     def solve(self, root: complex, right: Complex) -> Complex:
         """Return Delta(root)^-1 times a vector."""
@@ -93,12 +81,8 @@ class Forms:
         p = p / (p @ (self.matrix.at(root)[1] @ q))
         return CriticalRoot(root, q, p)
 
-    def _apply(self, partials: Partials, directions: list[Complex]) -> Complex:
-        at = self.at
-        value = partials.function.value(
-            np.zeros(1), at.states[:, None], at.motion.read(at.states)[:, None], at.parameters
-        )[:, 0]
-        return np.asarray(partials.apply(value, directions, len(at.states)), dtype=complex)
+    def _expand(self, *directions: Exponential) -> Complex:
+        return np.asarray(Expansion(self.at, directions).find_last(), dtype=complex)
 
 
 def _make_real(vector: Complex) -> Complex:
@@ -115,17 +99,17 @@ def find_fold_coefficient(at: Equilibrium) -> float:
     """Return the coefficient a of a fold."""
     forms = Forms(at)
     critical = forms.find_critical(0.0 + 0.0j)
-    phi = forms.lift(critical.right, 0.0 + 0.0j)
+    phi = Exponential(critical.right, 0.0 + 0.0j)
     return float((critical.left @ forms.second(phi, phi)).real) / 2.0
 
 
 def find_cubic_coefficient(forms: Forms, critical: CriticalRoot) -> complex:
     """Return the coefficient c1 of a Hopf point."""
     root = critical.root
-    phi = forms.lift(critical.right, root)
-    bar = np.conj(phi)
-    h11 = forms.lift(forms.solve(0.0 + 0.0j, forms.second(phi, bar)), 0.0 + 0.0j)
-    h20 = forms.lift(forms.solve(2.0 * root, forms.second(phi, phi)), 2.0 * root)
+    phi = Exponential(critical.right, root)
+    bar = phi.conjugate()
+    h11 = Exponential(forms.solve(0.0 + 0.0j, forms.second(phi, bar)), 0.0 + 0.0j)
+    h20 = Exponential(forms.solve(2.0 * root, forms.second(phi, phi)), 2.0 * root)
     total = forms.third(phi, phi, bar) + 2.0 * forms.second(phi, h11) + forms.second(bar, h20)
     return complex(critical.left @ total) / 2.0
 

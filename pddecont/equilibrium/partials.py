@@ -1,13 +1,14 @@
-"""Partial derivatives of a vector field in its states and delayed values, as multilinear forms.
+"""Partial derivatives of expressions in states and values of the past, as multilinear forms.
 
-The field f(y_1 .. y_m) of a mode reads states and delayed values y_a. Of each order all partial derivatives that are
-not zero are one compiled function; the forms B(u, v) = sum d2f/(dy_a dy_b) u_a v_b and C(u, v, w) sum over them.
+A function f(y_1 .. y_m) reads states, delayed values and integrals, and an integrand its lag: the y_a. Of each order all
+partial derivatives that are not zero are one compiled function; the forms B(u, v) = sum d2f/(dy_a dy_b) u_a v_b and
+C(u, v, w) sum over them.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache, cached_property
 from itertools import combinations_with_replacement, permutations
 from math import factorial
@@ -18,6 +19,7 @@ import sympy
 from numpy.typing import NDArray
 
 from pddecont.codegen import ArrayFunction, NumericModel
+from pddecont.model import TIME
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
@@ -36,16 +38,19 @@ class Partials:
     function: ArrayFunction
 
     def apply(self, values: Array, directions: Sequence[NDArray[Any]], n: int) -> NDArray[Any]:
-        """Return the form of ``values`` (n_entries,) at as many ``directions`` (m,) as the order, shape (n,)."""
+        """Return the form of ``values`` (n_entries, n_points) at as many ``directions`` as the order.
+
+        Directions have shape (n_arguments, n_points), the form (n, n_points).
+        """
         order = self.arguments.shape[1]
-        terms = np.zeros(len(values), dtype=np.result_type(values, *directions))
+        terms = np.zeros(values.shape, dtype=np.result_type(values, *directions))
         for chosen in permutations(range(order)):
             product = values.astype(terms.dtype)
             for place, direction in zip(chosen, directions, strict=True):
                 product = product * direction[self.arguments[:, place]]
             terms += product
-        result = np.zeros(n, dtype=terms.dtype)
-        np.add.at(result, self.rows, terms / self._repeats)
+        result = np.zeros((n, values.shape[1]), dtype=terms.dtype)
+        np.add.at(result, self.rows, terms / self._repeats[:, None])
         return result
 
     @cached_property
@@ -59,46 +64,39 @@ class Partials:
 
 
 @dataclass(frozen=True, eq=False)
-class FieldPartials:
-    """Partial derivatives of the field of a ``mode`` up to the third order; each is made when first needed."""
+class ExpressionPartials:
+    """Partial derivatives of expressions over a model up to the third order; each is made when first needed.
+
+    Arguments are numbered through the states, what is read of the past, and t.
+    """
 
     numeric: NumericModel
-    mode: str
+    exprs: tuple[sympy.Expr, ...]
+    _made: dict[int, Partials] = field(default_factory=dict, repr=False)
 
     @cached_property
-    def states(self) -> Ints:
-        """The state that each argument y_a is, now or some time ago (m,)."""
+    def symbols(self) -> tuple[sympy.Symbol, ...]:
+        """The arguments (n_arguments,)."""
         model = self.numeric.model
-        return np.array([*range(len(model.states)), *(d.state for d in model.delayed)], dtype=np.intp)
+        return (*model.state_symbols, *model.read_symbols, TIME)
 
     @cached_property
-    def delays(self) -> Ints:
-        """The number of the delay of each argument (m,); -1 for present values."""
-        model = self.numeric.model
-        return np.array([*[-1] * len(model.states), *(d.delay for d in model.delayed)], dtype=np.intp)
+    def used(self) -> Ints:
+        """The numbers of the arguments that the expressions hold."""
+        held = {s for expr in self.exprs for s in expr.free_symbols}
+        return np.array([a for a, s in enumerate(self.symbols) if s in held], dtype=np.intp)
 
-    @cached_property
-    def first(self) -> Partials:
-        """The derivatives of the first order."""
-        return self._make(1)
-
-    @cached_property
-    def second(self) -> Partials:
-        """The derivatives of the second order."""
-        return self._make(2)
-
-    @cached_property
-    def third(self) -> Partials:
-        """The derivatives of the third order."""
-        return self._make(3)
+    def of_order(self, order: int) -> Partials:
+        """Return the derivatives of an order; of the order 0 the values."""
+        if order not in self._made:
+            self._made[order] = self._make(order)
+        return self._made[order]
 
     def _make(self, order: int) -> Partials:
-        model = self.numeric.model
-        symbols = (*model.state_symbols, *model.delayed_symbols)
-        number = {s: a for a, s in enumerate(symbols)}
-        diff = cache(lambda expr, a: expr.diff(symbols[a]))
+        number = {s: a for a, s in enumerate(self.symbols)}
+        diff = cache(lambda expr, a: expr.diff(self.symbols[a]))
         rows, arguments, exprs = [], [], []
-        for row, expr in enumerate(model.modes[self.mode]):
+        for row, expr in enumerate(self.exprs):
             read = sorted(number[s] for s in expr.free_symbols if s in number)
             for chosen in combinations_with_replacement(read, order):
                 slope = expr
@@ -112,6 +110,6 @@ class FieldPartials:
                     exprs.append(sympy.sympify(slope))
         return Partials(
             np.array(rows, dtype=np.intp),
-            np.array(arguments, dtype=np.intp).reshape(-1, order),
+            np.array(arguments, dtype=np.intp).reshape(len(rows), order),
             self.numeric.function(exprs),
         )

@@ -59,12 +59,14 @@ class Roots:
 
     ``values`` and ``residuals`` |Delta q| / (|Delta| |q|) have shape (n_roots,), ``vectors`` q (n_roots, n_states).
     ``n_missing`` is the number of unstable ones that a count says are lacking; None where it could not be made.
+    ``neutral_radius`` says how strong terms are that read rates of the past (``neutral``).
     """
 
     values: Complex
     residuals: Array
     vectors: Complex = field(repr=False)
     n_missing: int | None = 0
+    neutral_radius: float = 0.0
 
     @cached_property
     def n_unstable(self) -> int:
@@ -80,7 +82,7 @@ class Roots:
 def find_roots(matrix: CharacteristicMatrix, n_roots: int = N_ROOTS) -> Roots:
     """Return the characteristic roots farthest to the right: ``n_roots`` or more, all unstable ones and some beside."""
     scale = _find_scale(matrix)
-    turns = min(matrix.height, scale) * float(np.max(matrix.delays, initial=0.0))
+    turns = min(matrix.height, scale) * matrix.longest
     generator, found = _find_resolved(matrix, scale, n_roots)
     for _ in range(ROUNDS):
         values, vectors = _with_conjugates(*found)
@@ -99,19 +101,19 @@ def find_roots(matrix: CharacteristicMatrix, n_roots: int = N_ROOTS) -> Roots:
         kept += 1
     values, vectors = values[:kept], vectors[:kept]
     residuals = np.array([_measure_residual(matrix, z, q) for z, q in zip(values.tolist(), vectors, strict=True)])
-    return Roots(values, residuals, vectors, count.number)
+    return Roots(values, residuals, vectors, count.number, matrix.neutral_radius)
 
 
 def _find_scale(matrix: CharacteristicMatrix) -> float:
     """Return the size of unstable roots: their bound, or where there is none the sizes of all terms."""
     if np.isfinite(matrix.bound):
         return max(matrix.bound, float(np.finfo(float).tiny))
-    return sum(find_norm(m) for m in (matrix.unit, matrix.present, *matrix.delayed))
+    return sum(find_norm(m) for m in (matrix.unit, matrix.present, *matrix.delayed, *matrix.list_sizes()))
 
 
 def _find_resolved(matrix: CharacteristicMatrix, scale: float, n_roots: int) -> tuple[Generator, Guesses]:
     """Return a discretised equation that resolves the roots that are kept, and the roots to which it leads."""
-    longest = float(np.max(matrix.delays, initial=0.0))
+    longest = matrix.longest
     n_points = int(FEW_POINTS + min(PER_RADIAN * min(matrix.height, scale) * longest, MANY_POINTS))
     while True:
         generator = _make_generator(matrix, n_points)
@@ -132,15 +134,15 @@ def _find_resolved(matrix: CharacteristicMatrix, scale: float, n_roots: int) -> 
 
 def _make_generator(matrix: CharacteristicMatrix, n_points: int) -> Generator:
     """Return the discretised equation, with fewer points where it would become too large to be made whole."""
-    whole = Generator(matrix, make_history(matrix.delays, matrix.method, 1))
+    whole = Generator(matrix, make_history(matrix, 1))
     most = int((WHOLE - matrix.n) / max(len(whole.read), 1))
-    return Generator(matrix, make_history(matrix.delays, matrix.method, min(n_points, max(FEW_POINTS, most))))
+    return Generator(matrix, make_history(matrix, min(n_points, max(FEW_POINTS, most))))
 
 
 def _guess(generator: Generator, n_roots: int) -> Guesses:
     """Return eigenvalues of the discretised equation in the upper half-plane, the rightmost ones."""
     matrix = generator.matrix
-    longest = float(np.max(matrix.delays, initial=0.0))
+    longest = matrix.longest
     if generator.size > WHOLE:
         guesses = find_rightmost(generator, n_roots, _find_scale(matrix))
     else:
@@ -245,4 +247,7 @@ def _measure_residual(matrix: CharacteristicMatrix, root: complex, q: Complex) -
     delta, terms = matrix.at(root)[0], abs(root) * matrix.unit + abs(matrix.present)
     for through, (factor, _) in zip(matrix.delayed, matrix.list_factors(root), strict=True):
         terms = terms + float(abs(factor)) * abs(through)
+    # The size of an integral is at most that on the axis times the largest exponential.
+    for sizes in matrix.list_sizes():
+        terms = terms + float(np.exp(max(0.0, -root.real * matrix.longest))) * sizes
     return float(np.max(np.abs(delta @ q)) / max(float(np.max(terms @ np.abs(q))), float(np.finfo(float).tiny)))

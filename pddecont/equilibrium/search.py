@@ -6,8 +6,9 @@ at each solution, and has no width in the boxes that are searched.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 import sympy
@@ -15,11 +16,13 @@ from numpy.typing import NDArray
 
 from pddecont.equilibrium.constant_motion import ConstantMotion
 from pddecont.equilibrium.equations import Equilibrium, solve_equilibrium
+from pddecont.equilibrium.rest_expressions import Box, find_rest_expressions
 from pddecont.equilibrium.sides import list_sides
 from pddecont.errors import ConvergenceError
 from pddecont.intervals import BUDGET, Enclosure, Zeros, find_zeros
 
 Array = NDArray[np.float64]
+Resting: TypeAlias = Mapping[sympy.Symbol, sympy.Expr]
 # Boxes that equations are given at least, where those of many modes share the budget.
 LEAST = 2_000
 
@@ -73,27 +76,17 @@ class RestEquations:
         return Enclosure((*pushed, *self.surfaces), (*states, *forces), constants)
 
 
-def make_rest_equations(motion: ConstantMotion) -> RestEquations:
-    """Return the equations of a mode with delayed values put equal to present ones, and past rates to zero."""
-    model, resting = motion.numeric.model, _find_resting(motion)
-    surfaces = tuple(_find_function(motion, name) for name in motion.surfaces)
-    return RestEquations(tuple(f.xreplace(resting) for f in model.modes[motion.mode]), surfaces)
+def make_rest_equations(motion: ConstantMotion, resting: Resting) -> RestEquations:
+    """Return the equations of a mode with what is read of the past at rest in place of each read."""
+    surfaces = tuple(_find_function(motion, name, resting) for name in motion.surfaces)
+    return RestEquations(tuple(f.xreplace(resting) for f in motion.numeric.model.modes[motion.mode]), surfaces)
 
 
-def _find_resting(motion: ConstantMotion) -> dict[sympy.Symbol, sympy.Expr]:
-    """Return what delayed values stand for at rest."""
-    model = motion.numeric.model
-    return {
-        symbol: sympy.S.Zero if value.derivative else model.state_symbols[value.state]
-        for symbol, value in zip(model.delayed_symbols, model.delayed, strict=True)
-    }
-
-
-def _find_function(motion: ConstantMotion, event: str) -> sympy.Expr:
+def _find_function(motion: ConstantMotion, event: str, resting: Resting) -> sympy.Expr:
     """Return the function of an event at rest."""
     function = motion.numeric.model.events[event].function
     assert function is not None, f"event {event} is a delayed event"
-    return function.xreplace(_find_resting(motion))
+    return function.xreplace(resting)
 
 
 def find_equilibria(motions: Iterable[ConstantMotion], p: Array, low: Array, high: Array) -> Findings:
@@ -101,16 +94,24 @@ def find_equilibria(motions: Iterable[ConstantMotion], p: Array, low: Array, hig
 
     Equations that modes have in common are searched once. Each equilibrium is that of one mode, and may lie where
     another mode holds.
+
+    Raises
+    ------
+    ConvergenceError
+        If the model reads an integral of which no closed form is known.
     """
     by_equations: dict[RestEquations, list[ConstantMotion]] = {}
+    resting: Resting | None = None
     for motion in motions:
-        by_equations.setdefault(make_rest_equations(motion), []).append(motion)
+        # All motions are of one model.
+        resting = resting or find_rest_expressions(motion.reads, Box(p, low, high))
+        by_equations.setdefault(make_rest_equations(motion, resting), []).append(motion)
     budget = max(BUDGET // max(len(by_equations), 1), LEAST)
     findings = Findings([], [])
     for equations, sharing in by_equations.items():
         zeros = _search(equations, sharing[0], p, low, high, budget)
         for motion in sharing:
-            _add(findings, motion, zeros, p)
+            _add(findings, motion, zeros, p, resting or {})
     return findings
 
 
@@ -129,7 +130,7 @@ def _measure_forces(enclosure: Enclosure, low: Array, high: Array) -> Array:
     return (change or 1.0) / np.where(gradients > 0.0, gradients, 1.0)
 
 
-def _add(findings: Findings, motion: ConstantMotion, zeros: Zeros, p: Array) -> None:
+def _add(findings: Findings, motion: ConstantMotion, zeros: Zeros, p: Array, resting: Resting) -> None:
     """Add what was found to the equilibria of a mode."""
     n = motion.n_states
     places = [(low[:n], high[:n]) for low, high in zip(zeros.undecided.low.T, zeros.undecided.high.T, strict=True)]
@@ -139,16 +140,16 @@ def _add(findings: Findings, motion: ConstantMotion, zeros: Zeros, p: Array) -> 
         except ConvergenceError:
             places.append((point[:n], point[:n]))
     findings.undecided.extend(
-        Place(motion.mode, low, high, not _may_hold(motion, p, low, high)) for low, high in places
+        Place(motion.mode, low, high, not _may_hold(motion, p, low, high, resting)) for low, high in places
     )
 
 
-def _may_hold(motion: ConstantMotion, p: Array, low: Array, high: Array) -> bool:
+def _may_hold(motion: ConstantMotion, p: Array, low: Array, high: Array, resting: Resting) -> bool:
     """Return whether a motion that rests somewhere in a box may lie on the near side of all that ends its mode."""
     model = motion.numeric.model
     sides = list_sides(model, motion.mode)
     constants = dict(zip(model.parameter_symbols, p.tolist(), strict=True))
-    near = tuple(-side.sign * _find_function(motion, side.event) for side in sides)
+    near = tuple(-side.sign * _find_function(motion, side.event, resting) for side in sides)
     if not near:
         return True
     values = Enclosure(near, model.state_symbols, constants).values(low[:, None], high[:, None])

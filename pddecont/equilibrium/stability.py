@@ -16,9 +16,12 @@ Array = NDArray[np.float64]
 def find_own_roots(motion: ConstantMotion, states: Array, parameters: Array, n_roots: int = N_ROOTS) -> Roots:
     """Return the leading characteristic roots of an equilibrium in its mode.
 
-    A mode that slides along a surface has the root zero for it, which says nothing: each is left out once.
+    A mode that slides along a surface has the root zero for it, which says nothing: each is left out once. Where the
+    equations would read the future none are known.
     """
     n_zero = len(motion.surfaces)
+    if motion.find_negative_lag(states, parameters) is not None:
+        return Roots(np.zeros(0, dtype=complex), np.zeros(0), np.zeros((0, len(states)), dtype=complex), None)
     roots = find_roots(motion.linearise(states, parameters), n_roots + n_zero)
     if not n_zero:
         return roots

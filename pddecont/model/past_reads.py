@@ -138,19 +138,24 @@ class PastReads:
             )
         return expr.xreplace({lag: TIME, **{symbol: make_symbol(state) for state, symbol in past.items()}})
 
-    def note(self, integral: Integral, *, closed: bool = True) -> sympy.Symbol:
-        """Note an integral, ``closed``: with all that its derivatives read; return its symbol."""
-        symbol = make_integral_symbol(integral, self.states)
-        if integral not in self.integrals:
-            self.integrals.append(integral)
-            read = [name for name in self.states if make_symbol(name) in integral.integrand.free_symbols]
-            self.variables[symbol] = (read or list(self.states))[0]
-            for limit in (integral.low, integral.high):
-                for name in read if limit.free_symbols else ():
-                    self.read(name, limit)
-            for _, slope in list_parameter_slopes(integral, self.states) if closed else ():
-                self.note(slope, closed=False)
-        return symbol
+    def note(self, integral: Integral) -> sympy.Symbol:
+        """Note an integral with all that its derivatives read; return its symbol."""
+        self._add(integral)
+        # Slopes of slopes are not read: functions are differentiated once.
+        for _, slope in list_parameter_slopes(integral, self.states):
+            self._add(slope)
+        return make_integral_symbol(integral, self.states)
+
+    def _add(self, integral: Integral) -> None:
+        """Add an integral to those that are read, and what its limits read."""
+        if integral in self.integrals:
+            return
+        self.integrals.append(integral)
+        read = [name for name in self.states if make_symbol(name) in integral.integrand.free_symbols]
+        self.variables[make_integral_symbol(integral, self.states)] = (read or list(self.states))[0]
+        for limit in (integral.low, integral.high):
+            for name in read if limit.free_symbols else ():
+                self.read(name, limit)
 
     def _remember(self, integrand: sympy.Expr, low: sympy.Expr, node: ast.Call) -> sympy.Expr:
         """Return an integral over all the past in terms of states of its own."""

@@ -13,7 +13,7 @@ from pddecont.reasons import Reason
 from pddecont.results import Step
 from pddecont.tables.attractors import estimate_shares, find_attractors, name_motion
 from pddecont.tables.branch_endings import describe_direction, list_rows_along
-from pddecont.tables.equilibria import holds_equilibria
+from pddecont.tables.equilibria import holds_equilibria, list_doubts
 from pddecont.tables.equilibrium_branch_endings import UNSTATED_ROOTS, describe_equilibrium_branch
 from pddecont.tables.equilibrium_endings import describe_equilibrium_step
 from pddecont.tables.orbits import find_signature
@@ -181,6 +181,7 @@ def list_warnings(step: Step) -> list[str]:
     wrong = int(np.sum(step.points["verified"] == 0)) if "verified" in step.points else 0
     found = [f"{wrong} of its orbits are no motions of the model: see the column 'verified'"] if wrong else []
     found += [f"{undone} of its orbits could not be verified by a simulation"] if undone else []
+    found += list_doubts(step) if holds_equilibria(step) else []
     return found + ([describe_unstated(step, unstated)] if unstated else [])
 
 

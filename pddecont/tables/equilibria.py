@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pddecont.reasons import NEUTRAL
 from pddecont.results import Step
 from pddecont.tables.orbits import check_index
-from pddecont.tables.words import describe_reason
+from pddecont.tables.words import describe_neutral, describe_reason
 
 Row = dict[str, Any]
 
@@ -77,6 +78,16 @@ def read_roots(step: Step, i: int) -> NDArray[np.complex128]:
 def read_mode(step: Step, i: int) -> str:
     """Return the mode in which an equilibrium stays."""
     return str(step.orbit(i)["signature"].tobytes().decode())
+
+
+def list_doubts(step: Step) -> list[str]:
+    """Return what makes characteristic roots doubtful, in words: each once, with the number of points."""
+    reasons = [step.reason(i) for i in range(len(step))]
+    radii = [float(r.values[NEUTRAL]) for r in reasons if NEUTRAL in r.values]
+    future = [r for r in reasons if r.code == "reads_future"]
+    found = [(len(radii), describe_neutral(max(radii)))] if radii else []
+    found += [(len(future), describe_reason(future[0]))] if future else []
+    return [text if len(step) == 1 else f"at {number} of the points {text}" for number, text in found]
 
 
 def _truth(value: np.int8) -> bool | None:

@@ -9,7 +9,7 @@ import numpy as np
 
 from pddecont.reasons import Reason
 from pddecont.results import Step
-from pddecont.tables.equilibria import read_mode, read_roots
+from pddecont.tables.equilibria import list_doubts, read_mode, read_roots
 
 # States that are named one by one.
 MANY = 6
@@ -25,8 +25,9 @@ UNCOUNTED = (
 def describe_equilibrium_step(step: Step, ending: Reason) -> str:
     """Return what a step found: one equilibrium near a guess, or those in a box and whether these are all."""
     switchings = describe_switchings(step.meta["states"], step.meta.get("switchings", []))
+    doubts = "".join(f"; WARNING: {doubt}" for doubt in list_doubts(step))
     if ending.code == "equilibrium":
-        return f"{_describe_one(step)}{switchings}"
+        return f"{_describe_one(step)}{doubts}{switchings}"
     places = [place for place in step.meta["undecided"] if not place["virtual"]]
     hidden = len(step.meta["undecided"]) > len(places)
     number = int(np.sum(step.points["admissible"] != 0))
@@ -37,7 +38,7 @@ def describe_equilibrium_step(step: Step, ending: Reason) -> str:
     unknown = int(np.sum(step.points["stable"] < 0))
     text += f"; WARNING: at {unknown} of them {UNCOUNTED}" if unknown else ""
     text += f"; WARNING: {_describe_places(step, places)}" if places else ""
-    return f"{text}{switchings}"
+    return f"{text}{doubts}{switchings}"
 
 
 def describe_switchings(states: Sequence[str], switchings: Sequence[Mapping[str, Any]]) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import TypeAlias
 
 from pddecont.errors import ResultsError
-from pddecont.reasons import WITHIN, Reason, Scalar
+from pddecont.reasons import NEUTRAL, WITHIN, Reason, Scalar
 from pddecont.results import Step
 from pddecont.simulate import FailureReason, describe_failure, failure_from_reason
 
@@ -63,6 +63,9 @@ _WORDS: dict[str, Callable[[Values], str]] = {
     "kind": lambda v: str(v["kind"]),
     "range": lambda v: f"{v['parameter']} = {v['value']:.8g}",
     "segment_vanishes": lambda v: f"segment {v['number']} ({v['segment']}) vanishes",
+    "reads_future": lambda v: (
+        f"delay '{v['delay']}' is {v['lag']:.6g} here: the equations would read the future, and have no roots"
+    ),
     "negative_delay": lambda v: f"delay '{v['delay']}' becomes negative beyond {_name_places(v)}",
     "no_duration": lambda v: f"segment {v['number']} ({v['segment']}) has duration {v['duration']:.3g}",
     "crossed_backwards": lambda v: f"{_name_crossing(v)} is crossed {v['crossed']} at its end, not {v['listed']}",
@@ -104,11 +107,25 @@ def describe_reason(reason: Reason) -> str:
         return ""
     try:
         within = f" (located only within {reason.values[WITHIN]:.2%} of a step)" if WITHIN in reason.values else ""
-        return _describe(reason) + within
+        words = [] if reason.code == NEUTRAL else [_describe(reason) + within]
+        return "; ".join(words + ([describe_neutral(reason.values[NEUTRAL])] if NEUTRAL in reason.values else []))
     except (KeyError, TypeError, ValueError, OverflowError) as exc:
         raise ResultsError(
             f"what belongs to the reason '{reason.code[:40]}' is not there; the file is damaged"
         ) from exc
+
+
+def describe_neutral(radius: Scalar) -> str:
+    """Return what it means for roots that past rates have coefficients near one, or larger ones."""
+    if float(radius) >= 1.0:
+        return (
+            f"the coefficients of past rates come to {float(radius):.6g} together, not below 1: infinitely many "
+            "characteristic roots may lie to the right of the imaginary axis, and no count of them is made"
+        )
+    return (
+        f"the coefficients of past rates come to {float(radius):.6g} together, near 1: infinitely many characteristic "
+        "roots lie next to the imaginary axis, and small changes of parameters may put them to its right"
+    )
 
 
 def _describe(reason: Reason) -> str:

@@ -1,7 +1,8 @@
 """Small periodic orbits of delay equations by harmonic balance in many digits, and the cubic coefficient they show.
 
 Nothing here comes from the program: an equation is a Python function ``field(read, p)`` that returns f, and
-``read(i, lag)`` is state i a lag ago. Next to a Hopf point p_0, omega_0 the orbits have
+``read(i, lag, m)`` is the m-th derivative of state i a lag ago, which may be made of other values that are read.
+Integrals are sums of such values (``integrate``). Next to a Hopf point p_0, omega_0 the orbits have
 
     x(t) = x_0 + 2 Re(z q e^(i omega t)) + ...,    p = p_0 + p_2 |z|^2 + ...,    omega = omega_0 + omega_2 |z|^2 + ...
 
@@ -19,6 +20,31 @@ AMPLITUDE, DIFFERENCE = mpf("1e-9"), mpf("1e-15")
 # Harmonics, and points of time: what is left out is of the order of AMPLITUDE^4.
 K, N = 3, 9
 NEWTON_STEPS = 8
+# Points of integrals: over lags of the order of one less than the differences is left.
+N_POINTS = 24
+
+
+def _make_points():
+    """Return Gauss points and weights on 0 .. 1, by Newton's method on Legendre's polynomial."""
+    found = []
+    for k in range(N_POINTS):
+        u = mp.cos(mp.pi * (k + mpf(3) / 4) / (N_POINTS + mpf(1) / 2))
+        for _ in range(8):
+            before, value = mpf(1), u
+            for m in range(2, N_POINTS + 1):
+                before, value = value, ((2 * m - 1) * u * value - (m - 1) * before) / m
+            slope = N_POINTS * (u * value - before) / (u**2 - 1)
+            u -= value / slope
+        found.append(((1 + u) / 2, 1 / ((1 - u**2) * slope**2)))
+    return found
+
+
+POINTS = _make_points()
+
+
+def integrate(function, low, high):
+    """Return the integral of a smooth function of the lag."""
+    return (high - low) * sum(w * function(low + (high - low) * u) for u, w in POINTS)
 
 
 @dataclass(frozen=True)
@@ -76,7 +102,7 @@ def _newton(function, guess):
 
 
 def _find_rest(field, x, p):
-    return _newton(lambda u: field(lambda i, lag: u[i], p), x)
+    return _newton(lambda u: field(lambda i, lag, m=0: u[i] if m == 0 else mpf(0), p), x)
 
 
 def _characteristic(field, x, p, root):
@@ -85,7 +111,13 @@ def _characteristic(field, x, p, root):
     matrix = mp.matrix(n, n)
     for j in range(n):
         after, before = (
-            field(lambda i, lag, j=j, s=s: x[i] + (s * mp.exp(-root * lag) if i == j else 0), p) for s in (h, -h)
+            field(
+                lambda i, lag, m=0, j=j, s=s: (
+                    (x[i] if m == 0 else 0) + (s * root**m * mp.exp(-root * lag) if i == j else 0)
+                ),
+                p,
+            )
+            for s in (h, -h)
         )
         for i in range(n):
             matrix[i, j] = (root if i == j else 0) - (after[i] - before[i]) / (2 * h)
@@ -98,7 +130,7 @@ def _find_hopf(field, x, omega, p):
     def equations(u):
         matrix = _characteristic(field, u[:n], u[-1], 1j * u[n])
         determinant = mp.det(matrix)
-        return [*field(lambda i, lag: u[i], u[-1]), determinant.real, determinant.imag]
+        return [*field(lambda i, lag, m=0: u[i] if m == 0 else mpf(0), u[-1]), determinant.real, determinant.imag]
 
     solved = _newton(equations, [*x, omega, p])
     return solved[:n], solved[n], solved[-1]
@@ -144,11 +176,11 @@ def _balance(field, n, q, u, amplitude):
     for j in range(N):
         here = [mp.expjpi(mpf(2 * j * k) / N) for k in range(1, K + 1)]
 
-        def read(i, lag, here=here):
+        def read(i, lag, m=0, here=here):
             total = mpc(0)
-            for X, w, e in zip(harmonics, turn(lag), here, strict=True):
-                total += X[i] * w * e
-            return mean[i] + 2 * total.real
+            for k, (X, w, e) in enumerate(zip(harmonics, turn(lag), here, strict=True), 1):
+                total += (1j * k * omega) ** m * X[i] * w * e
+            return (mean[i] if m == 0 else 0) + 2 * total.real
 
         values.append(field(read, p))
     rows = [sum(f[i] for f in values) / N for i in range(n)]

@@ -6,6 +6,8 @@ from typing import Any
 
 from mpmath import mp, mpf
 
+from tests.equilibrium.harmonic_balance import integrate
+
 
 @dataclass(frozen=True)
 class HopfModel:
@@ -104,3 +106,110 @@ VAN_DER_POL = HopfModel(
 )  # fmt: skip
 ALL = {"wright": WRIGHT, "mackey_glass": MACKEY_GLASS, "neurons": NEURONS, "predators": PREDATORS,
        "van_der_pol": VAN_DER_POL}  # fmt: skip
+
+
+def _moving_lag(read, a):
+    return [mpf(1) / 2 - a * read(0, 1 + mpf(3) / 10 * read(0, 0)) * (1 + mpf(1) / 5 * read(0, 0))]
+
+
+STATE_DEPENDENT = HopfModel(
+    _model("state_dependent", {"a": 1.5, "c": 0.3}, {"x": "0.5 - a*x(t - 1 - c*x)*(1 + 0.2*x)"}),
+    _moving_lag, "a", 1.3, [0.36], 1.41, 1.2, (1.0, 1.8),
+)  # fmt: skip
+
+
+def _nested(read, a):
+    x, y = read(0, 0), read(1, 0)
+    inner = read(0, mpf(1) / 2 + mpf(1) / 5 * y**2)
+    return [
+        mpf(3) / 10 - a * mp.tanh(read(0, 1 + mpf(3) / 10 * inner)) + mpf(1) / 5 * y,
+        -y + x * read(0, mpf(7) / 10 * mp.exp(-y)) + mpf(1) / 5,
+    ]
+
+
+NESTED = HopfModel(
+    _model(
+        "nested",
+        {"a": 1.3, "b": 0.5},
+        {
+            "x": "0.3 - a*tanh(x(t - 1 - 0.3*x(t - b - 0.2*y**2))) + 0.2*y",
+            "y": "-y + x*x(t - 0.7*exp(-y)) + 0.2",
+        },
+    ),
+    _nested, "a", 1.55, [0.22, 0.25], 1.45, 1.2, (1.0, 2.0),
+)  # fmt: skip
+
+
+def _neutral(read, a):
+    x = read(0, 0)
+    return [-a * read(0, 1) * (1 + x) + mpf(2) / 5 * read(0, 1, 1) * (1 + read(0, mpf(1) / 2)) + mpf(1) / 5]
+
+
+NEUTRAL = HopfModel(
+    _model(
+        "neutral",
+        {"a": 1.0, "tau": 1, "half": 0.5},
+        {"x": "0.2 - a*x(t - tau)*(1 + x) + 0.4*x'(t - tau)*(1 + x(t - half))"},
+    ),
+    _neutral, "a", 1.0, [0.17], 1.1, 0.8, (0.6, 1.6),
+)  # fmt: skip
+
+
+def _moving_neutral(read, a):
+    x = read(0, 0)
+    lag = 1 + mpf(3) / 10 * x
+    return [mpf(1) / 5 - a * read(0, lag) * (1 + x) - mpf(3) / 10 * read(0, lag + read(0, 1) ** 2, 1)]
+
+
+MOVING_NEUTRAL = HopfModel(
+    _model(
+        "moving_neutral",
+        {"a": 1.5, "c": 0.3, "tau": 1},
+        {"x": "0.2 - a*x(t - 1 - c*x)*(1 + x) - c*x'(t - 1 - c*x - x(t - tau)**2)"},
+    ),
+    _moving_neutral, "a", 1.6, [0.11], 1.6, 1.2, (1.0, 2.5),
+)  # fmt: skip
+
+
+def _spread(read, a):
+    def kernel(s):
+        x = read(0, s)
+        return mp.exp(-s / 2) * (x + x**2 / 2 - x**3 / 3)
+
+    return [mpf(3) / 10 - a * integrate(kernel, mpf(0), mpf(1)) * (1 + read(0, 0) / 4)]
+
+
+DISTRIBUTED = HopfModel(
+    _model(
+        "distributed",
+        {"a": 4.0, "q": 0.5, "far": 1},
+        {"x": "0.3 - a*integral(exp(-q*s)*(x(t - s) + x(t - s)**2/2 - x(t - s)**3/3), s, 0, far)*(1 + 0.25*x)"},
+    ),
+    _spread, "a", 6.0, [0.06], 3.1, 4.0, (3.0, 8.0),
+)  # fmt: skip
+
+
+def _moving_limits(read, a):
+    x, y = read(0, 0), read(1, 0)
+    low = mpf(1) / 5 * mp.exp(x)
+    window = integrate(
+        lambda s: (1 + s / 2) * mp.sin(read(0, s)) * (1 + read(1, s)), low, 1 + y + read(0, mpf(1) / 2) / 4
+    )
+    slow = integrate(lambda s: read(0, s) ** 2, mpf(0), 1 + read(0, mpf(1) / 2 + read(1, 1)) / 3)
+    return [mpf(3) / 10 - a * window, -y + slow / 2]
+
+
+MOVING_LIMITS = HopfModel(
+    _model(
+        "moving_limits",
+        {"a": 2.0, "b": 0.5},
+        {
+            "x": "0.3 - a*integral((1 + s/2)*sin(x(t - s))*(1 + y(t - s)), s, 0.2*exp(x), 1 + y + 0.25*x(t - b))",
+            "y": "-y + 0.5*integral(x(t - v)**2, v, 0, 1 + x(t - b - y(t - 1))/3)",
+        },
+    ),
+    _moving_limits, "a", 3.0, [0.1, 0.05], 2.6, 2.5, (2.0, 5.0),
+)  # fmt: skip
+OF_EVERY_KIND = {"state_dependent": STATE_DEPENDENT, "nested": NESTED, "neutral": NEUTRAL,
+                 "moving_neutral": MOVING_NEUTRAL, "distributed": DISTRIBUTED,
+                 "moving_limits": MOVING_LIMITS}  # fmt: skip

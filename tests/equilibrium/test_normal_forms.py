@@ -9,8 +9,10 @@ from pddecont.delay import Chain
 from pddecont.equilibrium import Equilibrium, find_birth
 from pddecont.equilibrium.normal_forms import Forms, find_cubic_coefficient, find_fold_coefficient
 from tests.equilibrium import harmonic_balance
-from tests.equilibrium.hopf_models import ALL
+from tests.equilibrium.hopf_models import ALL, OF_EVERY_KIND
 from tests.equilibrium.motions import make_motion
+
+EVERY = ALL | OF_EVERY_KIND
 
 
 @pytest.fixture(scope="module")
@@ -18,7 +20,7 @@ def births():
     """Return Hopf points from equations written in Python alone."""
     return {
         name: harmonic_balance.find_birth(made.field, made.states, made.frequency, made.near)
-        for name, made in ALL.items()
+        for name, made in EVERY.items()
     }
 
 
@@ -30,10 +32,10 @@ def make_equilibrium(model, parameters, states, method=None):
     return Equilibrium(motion, np.array(states, dtype=float), p)
 
 
-@pytest.mark.parametrize("name", ALL)
+@pytest.mark.parametrize("name", EVERY)
 def test_the_cubic_coefficient_is_that_of_small_orbits(births, name):
-    """To rounding: both parts, for up to three delays, and functions that are no polynomials."""
-    made, expected = ALL[name], births[name]
+    """To rounding: both parts, for up to three delays of every kind, and functions that are no polynomials."""
+    made, expected = EVERY[name], births[name]
     at = make_equilibrium(made.model, {made.free: expected.parameter}, expected.states)
     forms = Forms(at)
     critical = forms.find_critical(1j * expected.frequency)
@@ -41,10 +43,10 @@ def test_the_cubic_coefficient_is_that_of_small_orbits(births, name):
     assert abs(find_cubic_coefficient(forms, critical) - expected.cubic) < 1e-11 * abs(expected.cubic)
 
 
-@pytest.mark.parametrize("name", ALL)
+@pytest.mark.parametrize("name", EVERY)
 def test_orbits_grow_as_small_orbits_do(births, name):
     """The speed of the root is a central difference over 1e-5 of the range."""
-    made, expected = ALL[name], births[name]
+    made, expected = EVERY[name], births[name]
     at = make_equilibrium(made.model, {made.free: expected.parameter}, expected.states)
     birth = find_birth(at, at.motion.numeric.parameter_index(made.free), made.range_[1] - made.range_[0])
     assert birth.frequency == pytest.approx(expected.frequency, rel=1e-12)
@@ -71,6 +73,51 @@ def test_the_coefficient_of_a_fold_of_a_delay_equation():
         assert find_fold_coefficient(make_equilibrium(model, {"a": a}, [0.0])) == pytest.approx(
             (a + 0.4) / 2.5, rel=1e-14
         )
+
+
+def test_the_coefficient_of_a_fold_with_every_kind_of_read():
+    """Delta'(0) = 1 + tau - c + k / 2, and B(1, 1)/2 = a + k b: a lag that varies reads the same at rest."""
+    model = {
+        "name": "fold",
+        "states": ["x"],
+        "parameters": {"mu": 0.0, "a": 0.7, "b": 0.4, "c": 0.3, "k": 0.6, "tau": 1.5},
+        "modes": {
+            "m": {
+                "x'": "mu - (1 + k)*x + x(t - tau - 2*x) + c*x'(t - 1 + x) + a*x(t - tau)**2"
+                " + k*integral(x(t - s) + b*x(t - s)**2, s, 0, 1)"
+            }
+        },
+        "initial": {"x": 0},
+    }
+    expected = (0.7 + 0.6 * 0.4) / (1 + 1.5 - 0.3 + 0.6 / 2)
+    assert find_fold_coefficient(make_equilibrium(model, {}, [0.0])) == pytest.approx(expected, rel=1e-14)
+
+
+def test_the_coefficient_with_a_moving_lag_in_closed_form():
+    """x' = -a x(t - 1 - c x) at a = pi/2: with x = z e^(i w t) + cc + h11 |z|^2 + (h20 z^2 + cc)/2, w = pi/2.
+
+    x(t - 1 - c x) = x_1 - c x x_1' + c^2 x^2 x_1''/2, where x_1 = x(t - 1) and e^(-i w) = -i. Then B(u, v) =
+    a c (u v_1' + v u_1') with B(q, q) = 2 a c w and B(q, conj q) = 2 a c w, h11 = 2 c w, h20 = 2 a c w / (2 i w - a).
+    """
+    a = w = math.pi / 2
+    c = 0.3
+    model = {
+        "name": "moving",
+        "states": ["x"],
+        "parameters": {"a": a, "c": c},
+        "modes": {"m": {"x'": "-a*x(t - 1 - c*x)"}},
+        "initial": {"x": 0},
+    }
+    h11, h20 = 2 * c * w, 2 * a * c * w / (2j * w - a)
+    # B(q, h11) = a c h11 q_1', B(conj q, h20) = a c (conj(q) h20_1' + h20 conj(q)_1') with e^(-2 i w) = -1.
+    once, twice = a * c * h11 * w, a * c * (-2j * w * h20 + h20 * w)
+    # The cubic terms -a c^2 x^2 x_1''/2 give, of q, q, conj q, -a c^2 (2 q conj(q) q_1'' + q q conj(q)_1'').
+    cubic = -a * c**2 * (2 * 1j * w**2 - 1j * w**2)
+    expected = (cubic + 2 * once + twice) / 2 / (1 + 1j * a)
+    at = make_equilibrium(model, {}, [0.0])
+    forms = Forms(at)
+    assert find_cubic_coefficient(forms, forms.find_critical(1j * w)) == pytest.approx(expected, rel=1e-13)
+    assert expected.real / w == pytest.approx(0.0137439515417, rel=1e-10)
 
 
 @pytest.mark.parametrize(("scale", "sign"), [(0.5, 1), (1.0, 1), (2.0, 1), (-0.5, 1), (-1.0, 1), (-2.0, -1)])

@@ -18,13 +18,18 @@ from pddecont.equilibrium import (
     solve_equilibrium,
 )
 from pddecont.errors import ConvergenceError, ResultsError
-from pddecont.reasons import make_reason
+from pddecont.reasons import NO_REASON, make_reason
 from pddecont.results import EQUILIBRIUM, Step
 from pddecont.runfile import Holding, PlannedStep
 from pddecont.steps.context import Context
 from pddecont.steps.equilibrium import EquilibriumSettings
 from pddecont.steps.execution.ending import report_done
-from pddecont.steps.execution.equilibrium_rows import equilibrium_from_row, equilibrium_to_row, make_equilibrium_meta
+from pddecont.steps.execution.equilibrium_rows import (
+    add_doubts,
+    equilibrium_from_row,
+    equilibrium_to_row,
+    make_equilibrium_meta,
+)
 from pddecont.steps.execution.equilibrium_search import (
     list_switchings,
     make_search_meta,
@@ -69,7 +74,7 @@ def run_equilibrium(context: Context, step: PlannedStep[EquilibriumSettings], re
                 error=one.error,
                 n_iterations=one.n_iterations,
             )
-            writer.append(points, rows)
+            writer.append(points, rows, add_doubts(NO_REASON, at, roots))
         writer.terminate(ending)
     report_done(context, step)
 
@@ -80,6 +85,7 @@ def _find_near(step: PlannedStep[EquilibriumSettings], guess: Equilibrium) -> tu
         found = solve_equilibrium(guess)
         if step.settings.mode is None and find_passed_side(found[0]) is not None:
             found = _find_in_other_mode(found[0]) or found
+        _check_lags(found[0])
     except ConvergenceError as exc:
         between = make_switching_meta(find_delayed_switchings(guess))["switchings"]
         switchings = describe_switchings(guess.motion.numeric.model.states, between)
@@ -89,6 +95,17 @@ def _find_near(step: PlannedStep[EquilibriumSettings], guess: Equilibrium) -> tu
             exc.history,
         ) from exc
     return found
+
+
+def _check_lags(at: Equilibrium) -> None:
+    """Raise ConvergenceError where a delay is negative at rest."""
+    negative = at.motion.find_negative_lag(at.states, at.parameters)
+    if negative is not None:
+        places = zip(at.motion.numeric.model.states, at.states.tolist(), strict=True)
+        where = ", ".join(f"{name} = {value:.8g}" for name, value in places)
+        raise ConvergenceError(
+            f"at rest, {where}, the delay '{negative[0]}' is {negative[1]:.6g}: it would read the future"
+        )
 
 
 def _find_in_other_mode(virtual: Equilibrium) -> tuple[Equilibrium, float, int] | None:

@@ -16,6 +16,7 @@ from pddecont.equilibrium import (
     CriticalEvaluation,
     EquilibriumCurve,
     EquilibriumEvaluation,
+    LagBoundary,
     WayOn,
     find_better_side,
     find_curve_values,
@@ -34,7 +35,7 @@ from pddecont.steps.continuation import ContinueSettings
 from pddecont.steps.execution.directions import find_unfinished, make_branch_ending
 from pddecont.steps.execution.ending import report_done
 from pddecont.steps.execution.equilibrium_branch_start import find_curve_reason, find_start
-from pddecont.steps.execution.equilibrium_rows import equilibrium_to_row, make_equilibrium_meta
+from pddecont.steps.execution.equilibrium_rows import add_doubts, equilibrium_to_row, make_equilibrium_meta
 
 # How far ahead of its first point a branch sets out, in scaled unknowns, to be known again by its direction.
 AHEAD = 1e-3
@@ -83,7 +84,7 @@ class _Branch:
             on_surface=_find_surface(point),
             others=remove_critical(at.roots, curve, point.kind),
         )
-        self.writer.append(points, rows, reason)
+        self.writer.append(points, rows, add_doubts(reason, at.equilibrium, roots))
         self.last = point
         values = zip(self.step.settings.free, at.x[-len(self.step.settings.free) :], strict=True)
         shown = ", ".join(f"{name} = {value:.8g}" for name, value in values)
@@ -102,7 +103,7 @@ class _Branch:
             on_curve = isinstance(at, CriticalEvaluation)
             problem = at.system.problem if on_curve else at.problem
             delays = DelayBoundary(problem.motion.numeric, problem.parameters, problem.free)
-            boundaries = (RangeBoundary(steps.free, steps.ranges), delays)
+            boundaries = (RangeBoundary(steps.free, steps.ranges), delays, LagBoundary(problem))
             functions = make_curve_tests(at, steps.detect) if on_curve else make_tests(at, steps.detect)
             self.way_on = None
             end = follow_branch(state, boundaries, functions, settings, self.record, way, home)

@@ -12,11 +12,14 @@ from pddecont.delay import DelayMethod
 from pddecont.equilibrium import ConstantMotion, Equilibrium, Roots, find_passed_side
 from pddecont.errors import ResultsError
 from pddecont.orbit import Monitor, make_resting_orbit
+from pddecont.reasons import NEUTRAL, Reason, make_reason
 from pddecont.results import Step
 from pddecont.runfile import Plan, PlannedStep
 from pddecont.steps.execution.units import find_units
 
 Array = NDArray[np.float64]
+# From here on past rates have coefficients that are said to be near one.
+NEAR_ONE = 0.9
 
 
 def make_equilibrium_meta(plan: Plan, step: PlannedStep[Any], kinds: dict[str, str]) -> dict[str, Any]:
@@ -91,6 +94,16 @@ def equilibrium_to_row(
         "signature": np.frombuffer(at.motion.mode.encode(), dtype=np.uint8),
     }
     return points, rows
+
+
+def add_doubts(reason: Reason, at: Equilibrium, roots: Roots) -> Reason:
+    """Return what is said of an equilibrium with what makes its characteristic roots doubtful."""
+    negative = at.motion.find_negative_lag(at.states, at.parameters)
+    if negative is not None and not reason:
+        return make_reason("reads_future", delay=negative[0], lag=negative[1])
+    if not roots.neutral_radius >= NEAR_ONE:
+        return reason
+    return Reason(reason.code or NEUTRAL, {**reason.values, NEUTRAL: roots.neutral_radius})
 
 
 def equilibrium_from_row(plan: Plan, delay: DelayMethod, recorded: Step, row: int) -> Equilibrium:
