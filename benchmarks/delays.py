@@ -46,7 +46,7 @@ def main():
             a, b = best["constant", step], best["varying", step]
             print(f"  {step:12} {a:7.3f} {b:7.3f}  ratio {b / a:.2f}")
         one, other = (found[name].step("in_delay") for name in ("constant", "varying"))
-        for label in sorted(set(one.labels) - {""}):
+        for label in sorted(set(one.labels) & set(other.labels) - {""}):
             place = [s.points["parameters"][s.row(label), 6] for s in (one, other)]
             print(f"  {label:4} at {place[0]:.12f}, apart by {abs(place[0] - place[1]):.1e}")
 
