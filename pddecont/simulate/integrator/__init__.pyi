@@ -19,8 +19,8 @@ from .restart import begin_inside_arc as begin_inside_arc
 from .state import ADVANCED as ADVANCED
 from .state import CONSTANT as CONSTANT
 from .state import FIRST as FIRST
-from .state import LAST_EVENT as LAST_EVENT
 from .state import KNOWN_FROM as KNOWN_FROM
+from .state import LAST_EVENT as LAST_EVENT
 from .state import LAST_EVENT_TIME as LAST_EVENT_TIME
 from .state import LAST_TURN as LAST_TURN
 from .state import LONGEST as LONGEST
@@ -29,6 +29,7 @@ from .state import N_BREAKING as N_BREAKING
 from .state import N_PENDING as N_PENDING
 from .state import N_REJECTED as N_REJECTED
 from .state import N_STEPS as N_STEPS
+from .state import PIECE_SIZE as PIECE_SIZE
 from .state import PIECE_START as PIECE_START
 from .state import READY as READY
 from .state import SHIFT as SHIFT

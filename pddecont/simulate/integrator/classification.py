@@ -85,7 +85,11 @@ def classify_cells(
                 found, met = _find_near_return(points, state.y, size, values.atol), 1
                 since = state.clock[T]
             expected = -1 if found < 0 else following[found]
-            if found >= 0 and met > length[found] and state.clock[T] - since >= max(values.longest, state.lag_time[LONGEST]):
+            if (
+                found >= 0
+                and met > length[found]
+                and state.clock[T] - since >= max(values.longest, state.lag_time[LONGEST])
+            ):
                 labels[cell] = owner[found]
                 break
         times[cell] = state.clock[T]

@@ -19,15 +19,7 @@ from pddecont.simulate.integrator.event_location import find_first_crossing
 from pddecont.simulate.integrator.pieces import find_begin, find_end, find_jump, find_neighbour
 from pddecont.simulate.integrator.rhs import evaluate_rhs
 from pddecont.simulate.integrator.ring import time_tolerance
-from pddecont.simulate.integrator.state import (
-    ADVANCED,
-    LAST_TURN,
-    MODE,
-    PIECE,
-    TURNS_AT_ONCE,
-    UNKNOWN,
-    ZERO,
-)
+from pddecont.simulate.integrator.state import ADVANCED, LAST_TURN, MODE, PIECE, TURNS_AT_ONCE, UNKNOWN, ZERO
 from pddecont.simulate.integrator.status import Status
 from pddecont.simulate.integrator.variational import jump_at_lag
 

@@ -10,15 +10,7 @@ import math
 
 from pddecont.simulate.integrator.calls import inlined, internal
 from pddecont.simulate.integrator.ring import find_step_before, time_tolerance
-from pddecont.simulate.integrator.state import (
-    FIRST,
-    PIECE,
-    PIECE_LEVEL,
-    PIECE_SIZE,
-    PIECE_START,
-    T_START,
-    USED,
-)
+from pddecont.simulate.integrator.state import FIRST, PIECE, PIECE_LEVEL, PIECE_SIZE, PIECE_START, T_START, USED
 
 # The piece of the history before the start.
 HISTORY = -1

@@ -100,7 +100,8 @@ def follow_to_period(system, values, state, work, returns, period, phase, t_end,
             # As many times as the period is long, and longer than the longest delay.
             if (
                 running[q] >= REPEATS * q
-                and times[row] - times[(number - 1 - min(running[q], capacity - 1)) % capacity] >= max(values.longest, state.lag_time[LONGEST])
+                and times[row] - times[(number - 1 - min(running[q], capacity - 1)) % capacity]
+                >= max(values.longest, state.lag_time[LONGEST])
                 and _is_smallest_period(distances, number, q, capacity, same)
             ):
                 return np.int64(Status.SECTION), q

@@ -197,8 +197,9 @@ def _read_states(c, there, part, source):
             s = (there - c.clock[T]) / c.lag_time[HELD_LENGTH]
             c.inside[state] = evaluate_extension(c.y[variable], offset(c.held, variable), c.dimension, s)
         else:
-            value, coefficients = c.past_value[source * n_past + column], offset(
-                c.past_coefficients, source * N_COEFFICIENTS * n_past + column
+            value, coefficients = (
+                c.past_value[source * n_past + column],
+                offset(c.past_coefficients, source * N_COEFFICIENTS * n_past + column),
             )
             s = (there - c.past_time[source]) / c.past_length[source]
             c.inside[state] = evaluate_extension(value, coefficients, n_past, s)

@@ -15,6 +15,7 @@ from pddecont.runfile import Checker, Delay, Path, Plan, Source, StepInput, make
 from pddecont.simulate import (
     MotionTask,
     Trajectory,
+    find_longest_lag,
     find_restart_time,
     read_time,
     record_trajectory,
@@ -66,7 +67,7 @@ def continue_attractor(context: Context, recorded: Step, source: Source) -> tupl
     except ValueError as exc:
         raise ResultsError(f"step '{source.step}': {exc}; the file is damaged or was made by a changed model") from exc
     state = shift_time(state, find_restart_time(plan.numeric, attractor.p, attractor.p, read_time(state)))
-    longest = float(max(plan.numeric.delays.value(attractor.p), default=0.0))
+    longest = find_longest_lag(plan.numeric, attractor.p)
     duration = max(TURNS, LEAST / attractor.period) * attractor.turn + longest
     return record_trajectory(simulator, attractor.p, state, read_time(state) + duration), attractor.p
 

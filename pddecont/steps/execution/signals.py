@@ -9,7 +9,8 @@ import sympy
 from numpy.typing import NDArray
 
 from pddecont.codegen import NumericModel
-from pddecont.simulate import Trajectory
+from pddecont.model import reads_generally
+from pddecont.simulate import Trajectory, read_along
 
 Array = NDArray[np.float64]
 
@@ -34,6 +35,10 @@ def evaluate_signals(
     stage = np.searchsorted([t for t, _ in stages], times, side="right") - 1
     for k, (_, p) in enumerate(stages):
         here = stage == k
+        if reads_generally(model):
+            reads = read_along(numeric, p, times[here], states[here].T, trajectory, past)
+            out[here] = function.value(times[here], states[here].T, reads, p).T
+            continue
         t, tau = times[here], numeric.delays.value(p)
         xd = np.empty((len(model.delayed), len(t)))
         for row, read in enumerate(model.delayed):
