@@ -14,7 +14,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.equilibrium.constant_motion import ConstantMotion
 from pddecont.equilibrium.equations import Equilibrium
 from pddecont.equilibrium.sides import SIGNS
 

@@ -192,7 +192,9 @@ DISTRIBUTED = HopfModel(
 def _moving_limits(read, a):
     x, y = read(0, 0), read(1, 0)
     low = mpf(1) / 5 * mp.exp(x)
-    window = integrate(lambda s: (1 + s / 2) * mp.sin(read(0, s)) * (1 + read(1, s)), low, 1 + y + read(0, mpf(1) / 2) / 4)
+    window = integrate(
+        lambda s: (1 + s / 2) * mp.sin(read(0, s)) * (1 + read(1, s)), low, 1 + y + read(0, mpf(1) / 2) / 4
+    )
     slow = integrate(lambda s: read(0, s) ** 2, mpf(0), 1 + read(0, mpf(1) / 2 + read(1, 1)) / 3)
     return [mpf(3) / 10 - a * window, -y + slow / 2]
 

@@ -16,7 +16,7 @@ from tests.runs import labels, parameter, run
 def make_run(parameters, equations, free, ranges, start=None, step=0.1):
     """Return a run that follows the equilibrium next to zero in the first of two parameters, then its Hopf point."""
     one, other = free
-    begun = {name: 0.0 for name in equations} if start is None else start
+    begun = dict.fromkeys(equations, 0.0) if start is None else start
     return {
         "name": "every",
         "states": list(equations),
@@ -66,9 +66,7 @@ def test_a_lag_that_moves_with_its_state(tmp_path):
 
 def test_a_lag_that_moves_with_the_equilibrium(tmp_path):
     """x' = 1/2 - a x(t - 1 - c x): x = 1/(2 a), a (1 + c x) = pi/2, so a = pi/2 - c/2 and omega = a."""
-    made = make_run(
-        {"a": 1.2, "c": 0.3}, {"x": "0.5 - a*x(t - 1 - c*x)"}, ("a", "c"), ([0.8, 3], [0, 1]), {"x": 0.4}
-    )
+    made = make_run({"a": 1.2, "c": 0.3}, {"x": "0.5 - a*x(t - 1 - c*x)"}, ("a", "c"), ([0.8, 3], [0, 1]), {"x": 0.4})
     results = run(made, tmp_path / "r.h5")
     a, c, omega = read_curve(results, "a", "c")
     assert np.allclose(a, math.pi / 2 - c / 2, atol=1e-12) and np.allclose(omega, a, atol=1e-12)

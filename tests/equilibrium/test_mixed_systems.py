@@ -79,4 +79,6 @@ def test_the_derivatives_at_rest_are_the_matrix_at_zero():
     for seed in range(5):
         p = np.array(list(draw(seed).values()))
         x = np.array([0.2, 0.1])
-        assert np.allclose(MOTION.linearise(x, p).at(0.0)[0], -MOTION.differentiate(x, p, ())[1], rtol=1e-13, atol=1e-14)
+        assert np.allclose(
+            MOTION.linearise(x, p).at(0.0)[0], -MOTION.differentiate(x, p, ())[1], rtol=1e-13, atol=1e-14
+        )
