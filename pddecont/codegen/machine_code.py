@@ -127,6 +127,10 @@ class ModelFunctions:
         exprs = self.history_exprs or self.model.history
         return self._address([[e.diff(TIME, k) if k else e for e in exprs] for k in range(HISTORY_ORDERS)])
 
+    def compile_cases(self, cases: Sequence[Sequence[sympy.Expr]]) -> int:
+        """Return the address of a function of expressions over the model; ``which`` is the number of the case."""
+        return self._address(cases)
+
     def _pages(self, differentiate: Derive) -> Pages:
         return Pages(lambda page: self._address(page, self.digits), {"value": list, "jacobian": differentiate})
 

@@ -76,7 +76,7 @@ class NumericModel:
 
     @cached_property
     def _fixed(self) -> ParameterFunction:
-        return self._parameter_function(tuple(self.model.fixed.values()))
+        return self.parameter_function(tuple(self.model.fixed.values()))
 
     def parameter_index(self, name: str) -> int:
         """Return the place of a parameter in ``p``."""
@@ -110,17 +110,27 @@ class NumericModel:
     @cached_property
     def delays(self) -> ParameterFunction:
         """The delays as functions of the parameters."""
-        return self._parameter_function(self.model.delays)
+        return self.parameter_function(self.model.delays)
 
     def event_delay(self, name: str) -> ParameterFunction:
         """Return the delay of a delayed event as a function of the parameters, n_out = 1."""
         delay = self.model.events[name].delay
         assert delay is not None, f"event {name} is not a delayed event"
-        return self._parameter_function((delay,))
+        return self.parameter_function((delay,))
 
     def single_delay(self, number: int) -> ParameterFunction:
         """Return a delay as a function of the parameters, n_out = 1."""
-        return self._parameter_function((self.model.delays[number],))
+        return self.parameter_function((self.model.delays[number],))
+
+    def find_longest_delay(self, p: Array) -> float:
+        """Return how far back the model reads at parameters ``p``: infinitely far where delays or limits vary."""
+        model, longest = self.model, float(np.max(self.delays.value(p), initial=0.0))
+        known = set(model.parameter_symbols)
+        limits = [limit for integral in model.integrals for limit in (integral.low, integral.high)]
+        if model.varying or any(not limit.free_symbols <= known for limit in limits):
+            return np.inf
+        found: list[float] = self.parameter_function(tuple(limits)).value(p).tolist()
+        return max([longest, *found])
 
     def varying_delay(self, number: int) -> ArrayFunction:
         """Return a delay that varies, n_out = 1."""
@@ -138,7 +148,7 @@ class NumericModel:
     @cached_property
     def period(self) -> ParameterFunction:
         """The forcing period as a function of the parameters, n_out = 1 (0 for autonomous models)."""
-        return self._parameter_function(() if self.model.period is None else (self.model.period,))
+        return self.parameter_function(() if self.model.period is None else (self.model.period,))
 
     def compile(self, history: tuple[sympy.Expr, ...] | None = None) -> ModelFunctions:
         """Return the model's functions as machine code; each is compiled when first needed.
@@ -150,7 +160,8 @@ class NumericModel:
 
         return self._machine_code.setdefault(history, ModelFunctions(self.model, history))
 
-    def _parameter_function(self, exprs: tuple[sympy.Expr, ...]) -> ParameterFunction:
+    def parameter_function(self, exprs: tuple[sympy.Expr, ...]) -> ParameterFunction:
+        """Return expressions in the parameters alone as a function of them."""
         return ParameterFunction(self._array_function(exprs, (), ()))
 
     def _array_function(self, exprs: tuple[sympy.Expr, ...], states: Any, delayed: Any) -> ArrayFunction:

@@ -15,3 +15,4 @@ from .mesh_selection import cut_pieces as cut_pieces
 from .mesh_selection import equal_cuts as equal_cuts
 from .mesh_selection import interval_density as interval_density
 from .mesh_selection import refine_evenly as refine_evenly
+from .mesh_selection import share_intervals as share_intervals

@@ -22,6 +22,9 @@ from .expression import Scope as Scope
 from .expression import UndefinedNameError as UndefinedNameError
 from .expression import parse_expression as parse_expression
 from .expression import translate_expression as translate_expression
+from .general_reads import explain_direct_only as explain_direct_only
+from .general_reads import list_rates as list_rates
+from .general_reads import reads_generally as reads_generally
 from .identities import find_rate as find_rate
 from .identities import vanishes_identically as vanishes_identically
 from .initial_digits import find_start_digits as find_start_digits

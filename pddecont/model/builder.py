@@ -13,6 +13,7 @@ from typing import Any
 import sympy
 
 from pddecont.errors import ModelError, Problem, suggest
+from pddecont.model.added_states import AddedStates
 from pddecont.model.conditions import list_differences
 from pddecont.model.contacts import list_refusals
 from pddecont.model.delayed_drift import add_drifts
@@ -34,10 +35,11 @@ from pddecont.model.names import (
 )
 from pddecont.model.nonsmooth import SwitchCollector
 from pddecont.model.parts import IDENTITY, Event, Segment
+from pddecont.model.past_checks import list_negative_delays, measure_rates
 from pddecont.model.past_reads import INTEGRAL, PastReads
 from pddecont.model.periodicity import explain_non_periodic
 from pddecont.model.rest import find_resets_to_rest
-from pddecont.model.schema import DelayedEvent, ModelFile
+from pddecont.model.schema import DelayCondition, DelayedEvent, ModelFile
 from pddecont.model.segments import check_segments, make_segments
 from pddecont.model.sliding import UndecidedSlidingError
 from pddecont.model.syntax import find_names
@@ -81,6 +83,10 @@ class _Builder(Findings):
         self.defined: dict[str, sympy.Expr] = {}
         self.numbers = {make_symbol(k): v for k, v in file.parameters.items()}
         self.past = PastReads(file.states, self.numbers, self.variables)
+        # What names stand for formulas, and what conditions define.
+        explicit = {name: body for name, body in file.delays.items() if not isinstance(body, DelayCondition)}
+        self.formulas = {**file.definitions, **explicit}
+        self.added = AddedStates(file, self.past, self)
 
     def build(self) -> Model | None:
         """Return the model, or None where its names clash."""
@@ -95,18 +101,19 @@ class _Builder(Findings):
         period = None
         if file.forcing:
             period = self.positive(("forcing", "period"), file.forcing.period, "the forcing period")
-        base = {name: make_symbol(name) for name in file.states} | parameters
-        self.variables.update({make_symbol(name): name for name in file.states})
-        self.base = base | {name: make_symbol(name) for name in file.definitions}
+        base = {name: make_symbol(name) for name in (*file.states, *self.added.delays)} | parameters
+        self.variables.update({make_symbol(name): name for name in (*file.states, *self.added.delays)})
+        self.base = base | {name: make_symbol(name) for name in self.formulas}
         declare_switches(file, self.scope_with, self.collector, self)
-        definitions = {name: self.definition(name) for name in file.definitions}
+        definitions = {name: self.definition(name) for name in self.formulas}
         self.scope = self.make_scope(base | definitions, "the model")
+        self.added.read_conditions(self.scope)
         parts = self.derive() if file.equations else self.parts_by_hand()
         if parts is None:
             return None
         modes, events, resets, segments, derived = parts
         effects = {name: self.effect(name, body.set, body.drop) for name, body in file.effects.items()}
-        history = self.add_histories(self.history())
+        history = self.added.add_histories(self.history(), self.collector.clocks.values())
         mode = self.initial_mode(modes) if derived is None else self.start_of(derived, history)
         used = (
             collect_symbols(modes, events, resets, segments.values(), period)
@@ -123,11 +130,12 @@ class _Builder(Findings):
             self.check_repeats(period, self.list_by_hand(modes, events, resets, segments) + lags)
         else:
             self.check_repeats(period, list_equations(derived.equations.leave_out_contacts()) + lags)
+        self.check_past(modes if derived is None else {"": derived.equations.field}, used, history)
         delays, varying, delayed = self.past.arrange()
         return Model(
             file.name,
             file.reference,
-            (*file.states, *(symbol.name for symbol in self.list_added_states())),
+            (*file.states, *(symbol.name for symbol in self.list_added())),
             dict(file.parameters),
             period,
             modes,
@@ -146,19 +154,29 @@ class _Builder(Findings):
             integrals=tuple(self.past.integrals),
         )
 
-    def list_added_states(self) -> list[sympy.Symbol]:
-        """Return the states that the model has besides those of the file: clocks, and memories of all the past."""
-        clocks = (clock.state for clock in self.collector.clocks.values())
-        return [*clocks, *(memory.symbol for memory in self.past.memories)]
+    def check_past(
+        self, fields: Mapping[str, Exprs], used: Mapping[KeyPath, set[sympy.Symbol]], history: Exprs
+    ) -> None:
+        """Check that no delay reads the future at the start, and that what rates make of rates fades."""
+        states = tuple(map(make_symbol, (*self.file.states, *(s.name for s in self.list_added()))))
+        symbols = {delay: symbol for symbol, (_, delay, _) in self.past.list_delayed()}
+        for delay, message in list_negative_delays(self.past, states, history) if not self.problems else ():
+            readers = [path for path, read in used.items() if symbols[delay] in read]
+            self.add_error(readers[0] if readers else ("initial",), message, key=True)
+        for name, field in fields.items():
+            size = measure_rates(field, self.past)
+            if size >= 1.0:
+                path = ("modes", name) if name else ("equations",)
+                self.add_error(
+                    path,
+                    f"the coefficients of delayed rates add up to {size:g} at the given parameters; expected less than "
+                    "1: from there on perturbations of any frequency never decay",
+                    key=True,
+                )
 
-    def add_histories(self, history: Exprs) -> Exprs:
-        """Return the histories of all states, those that the file does not name too."""
-        clocks = (clock.at_start for clock in self.collector.clocks.values())
-        memories = []
-        for memory in self.past.memories:
-            with self.noting(("initial",)):
-                memories.append(memory.at_start(self.file.states, history))
-        return (*history, *clocks, *memories)
+    def list_added(self) -> list[sympy.Symbol]:
+        """Return the states that the model has besides those of the file."""
+        return [*(clock.state for clock in self.collector.clocks.values()), *self.added.symbols]
 
     def make_scope(self, symbols: Mapping[str, sympy.Expr], place: str) -> Scope:
         """Return the names that an expression of the model may use; laws that are not smooth only in equations."""
@@ -176,12 +194,11 @@ class _Builder(Findings):
         resets = {name: self.reset(name, body) for name, body in file.resets.items()}
         resets.setdefault(IDENTITY, tuple(map(make_symbol, file.states)))
         segments = make_segments(file, self.scope, self)
-        memories = self.past.memories
-        modes = {name: (*body, *(m.equation for m in memories)) for name, body in modes.items()}
-        resets = {name: (*body, *(m.symbol for m in memories)) for name, body in resets.items()}
+        modes = {name: (*body, *self.added.make_equations(body, resets.values())) for name, body in modes.items()}
+        resets = {name: (*body, *self.added.symbols) for name, body in resets.items()}
         check_segments(file, segments, resets, self)
         if not self.problems:
-            states = tuple(map(make_symbol, (*file.states, *(m.symbol.name for m in memories))))
+            states = tuple(map(make_symbol, (*file.states, *(s.name for s in self.added.symbols))))
             resets |= find_resets_to_rest(states, self.past.symbols, modes, events, resets, segments)
         return modes, events, resets, segments, None
 
@@ -195,8 +212,9 @@ class _Builder(Findings):
         equations = read_equations(self.file, self.scope, self.collector, self, delays)
         if self.problems:
             return None
-        memories = self.past.memories
-        equations = equations.add_states(tuple(m.symbol for m in memories), tuple(m.equation for m in memories))
+        resets = [jump.reset[: len(self.file.states)] for jump in equations.jumps]
+        more = self.added.make_equations(equations.field[: len(self.file.states)], resets)
+        equations = equations.add_states(self.added.symbols, more)
         for key, why in list_refusals(equations, self.past.symbols):
             self.add_error(("jumps", *key), why)
         if self.problems:
@@ -236,20 +254,20 @@ class _Builder(Findings):
 
     def definition(self, name: str, above: tuple[str, ...] = ()) -> sympy.Expr:
         """Return a definition expanded to states and parameters; ``above`` are those whose texts lead to it."""
-        path = ("definitions", name)
+        path = ("definitions" if name in self.file.definitions else "delays", name)
         if name in above:
             if name not in self.defined:
                 self.add_error(path, f"'{name}' is defined by itself: {' -> '.join((*above, name))}", key=True)
             return sympy.Integer(0)
         if name not in self.defined:
-            text = self.file.definitions[name]
+            text = self.formulas[name]
             scope = self.scope_with(text, "a definition", (*above, name))
             self.defined[name] = self.expression(path, text, scope)
         return self.defined[name]
 
     def scope_with(self, text: str | float, place: str, above: tuple[str, ...] = ()) -> Scope:
         """Return the scope of a text that reads definitions, each expanded when it is first read."""
-        read = {name: self.definition(name, above) for name in find_names(text) if name in self.file.definitions}
+        read = {name: self.definition(name, above) for name in find_names(text) if name in self.formulas}
         return self.make_scope(self.base | read, place)
 
     def mode(self, name: str, body: Mapping[str, str | float]) -> tuple[sympy.Expr, ...]:
@@ -327,7 +345,7 @@ class _Builder(Findings):
         """Return the states for t <= 0."""
         given = self.file.initial
         for key in given:
-            if key != "mode" and key not in self.file.states:
+            if key != "mode" and key not in self.file.states and key not in self.added.delays:
                 self.add_error(("initial", key), f"'{key}' is not a state{suggest(key, self.file.states)}", key=True)
         scope = Scope(self.parameter_scope.symbols, place="the initial history")
         return tuple(
@@ -357,7 +375,7 @@ class _Builder(Findings):
         segments: Mapping[str, Segment],
     ) -> list[tuple[str, sympy.Expr]]:
         """Return what the expressions of a model by hand are called, and the expressions."""
-        states = [*self.file.states, *(symbol.name for symbol in self.list_added_states())]
+        states = [*self.file.states, *(symbol.name for symbol in self.list_added())]
         named = [
             (f"{s}' of mode '{name}'", f) for name, body in modes.items() for s, f in zip(states, body, strict=True)
         ]

@@ -24,7 +24,7 @@ def vanishes_identically(model: Model, segments: Sequence[Segment], s: int, even
     The segment is number ``s``.
     """
     h = model.events[event].function
-    if h is None or h.free_symbols & set(model.delayed_symbols):
+    if h is None or h.free_symbols & set(model.read_symbols):
         return False
     ends = _stays if at_end else _begins
     return ends(model, segments, s, h, len(segments))
@@ -51,7 +51,7 @@ def _begins(model: Model, segments: Sequence[Segment], s: int, h: sympy.Expr, le
     It is followed back to a reset or an event that makes it zero, ``left`` segments at most.
     """
     before = segments[(s - 1) % len(segments)]
-    if left == 0 or not before.event or h.free_symbols & set(model.delayed_symbols):
+    if left == 0 or not before.event or h.free_symbols & set(model.read_symbols):
         return False
     after = _after(h, model.state_symbols, model.resets[before.reset])
     if after.is_zero:

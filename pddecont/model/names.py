@@ -22,6 +22,7 @@ def find_clashes(file: ModelFile) -> Iterator[tuple[KeyPath, str]]:
         ("states", file.states),
         ("parameters", file.parameters),
         ("definitions", file.definitions),
+        ("delays", file.delays),
     )
     for group, names in groups:
         for i, name in enumerate(names):
@@ -33,7 +34,7 @@ def find_clashes(file: ModelFile) -> Iterator[tuple[KeyPath, str]]:
 
 def find_strange_units(file: ModelFile) -> Iterator[tuple[KeyPath, str]]:
     """Yield the units of what the model does not have: where they stand, and a message."""
-    known = [*file.states, *file.parameters, *file.definitions, TIME.name]
+    known = [*file.states, *file.parameters, *file.definitions, *file.delays, TIME.name]
     for name in file.units:
         if name not in known:
             yield ("units", name), f"'{name}' is no state, parameter or definition and not t{suggest(name, known)}"

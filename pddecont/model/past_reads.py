@@ -114,7 +114,7 @@ class PastReads:
             self._check_limit(limit, at)
         if not self.varies(low) and not self.varies(high) and evaluate(high - low, self.numbers) < 0:
             raise ExpressionError("the integral ends before it begins at the given parameters", node.col_offset)
-        return self._note(Integral(integrand, low, high))
+        return self.note(Integral(integrand, low, high))
 
     def _read_integrand(self, node: ast.expr, name: str, scope: Scope) -> sympy.Expr:
         """Return an integrand in t, the lag, and the states' symbols, their values at that lag."""
@@ -138,7 +138,7 @@ class PastReads:
             )
         return expr.xreplace({lag: TIME, **{symbol: make_symbol(state) for state, symbol in past.items()}})
 
-    def _note(self, integral: Integral) -> sympy.Symbol:
+    def note(self, integral: Integral) -> sympy.Symbol:
         """Note an integral with all that its derivatives read; return its symbol."""
         self._add(integral)
         # Slopes of slopes are not read: functions are differentiated once.

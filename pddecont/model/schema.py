@@ -23,6 +23,12 @@ class DelayedEvent(Strict):
     delay: Formula = Field(description="time from that event to this one")
 
 
+class DelayCondition(Strict):
+    """A delay that a condition defines."""
+
+    where: str = Field(description="equation that the delay meets, as in 'integral(x(t - s), s, 0, tau) = 1'")
+
+
 class Alternative(Strict):
     """One of the modes that a segment may lead to."""
 
@@ -100,6 +106,13 @@ def _event(value: Any) -> Any:
 Event = Annotated[Formula | DelayedEvent, BeforeValidator(_event)]
 
 
+def _delay(value: Any) -> Any:
+    return DelayCondition.model_validate(value) if isinstance(value, dict) else value
+
+
+Delay = Annotated[Formula | DelayCondition, BeforeValidator(_delay)]
+
+
 class ModelFile(Strict):
     """A piecewise-smooth delay differential equation."""
 
@@ -111,6 +124,9 @@ class ModelFile(Strict):
         default_factory=dict, description="units of states, parameters, definitions and t, for pictures"
     )
     definitions: dict[NewName, Formula] = Field(default_factory=dict, description="named parts of expressions")
+    delays: dict[NewName, Delay] = Field(
+        default_factory=dict, description="named delays: expressions, or conditions that define them"
+    )
     forcing: Forcing | None = None
     equations: dict[str, Formula] = Field(
         default_factory=dict,

@@ -36,7 +36,7 @@ def explain_start_beyond_event(
     for (event, _), segment in surfaces.items():
         h = model.events[event].function
         ways = [way for other, way in surfaces if other == event]
-        if h is None or len(ways) > 1 or segment.direction == "any" or h.has(TIME, *model.delayed_symbols, *PERIODIC):
+        if h is None or len(ways) > 1 or segment.direction == "any" or h.has(TIME, *model.read_symbols, *PERIODIC):
             continue
         at_start = evaluate(h, numbers)
         if (at_start > ROUNDING) if segment.direction == "rising" else (at_start < -ROUNDING):

@@ -14,7 +14,7 @@ def add_rests(model: Model, sticks: Iterable[tuple[str, str]]) -> Model:
     """Return a model in which impacts that accumulate at events come to rest in modes: pairs (event, mode)."""
     named = [(event, mode) for event, mode in sticks if mode in model.modes]
     if model.derived is not None:
-        derived = model.derived.add_rests(named, model.delayed_symbols)
+        derived = model.derived.add_rests(named, model.read_symbols)
         return model if derived is model.derived else replace(model, derived=derived, **derived.parts)
     segments = dict(model.segments)
     for event, mode in named:
@@ -24,5 +24,5 @@ def add_rests(model: Model, sticks: Iterable[tuple[str, str]]) -> Model:
                 segments[resting.name] = resting
     if len(segments) == len(model.segments):
         return model
-    parts = model.state_symbols, frozenset(model.delayed_symbols), model.modes, model.events, model.resets
+    parts = model.state_symbols, frozenset(model.read_symbols), model.modes, model.events, model.resets
     return replace(model, segments=segments, resets={**model.resets, **find_resets_to_rest(*parts, segments)})

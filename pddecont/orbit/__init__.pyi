@@ -11,6 +11,7 @@ from .assembly import Assembly as Assembly
 from .boundaries import DelayBoundary as DelayBoundary
 from .boundaries import DurationBoundary as DurationBoundary
 from .boundaries import RangeBoundary as RangeBoundary
+from .boundaries import VaryingDelayBoundary as VaryingDelayBoundary
 from .carried_events import CarriedEvent as CarriedEvent
 from .carried_events import list_carried_events as list_carried_events
 from .carried_events import list_unlisted_carried_events as list_unlisted_carried_events
@@ -61,6 +62,7 @@ from .resegmentation import SegmentSpan as SegmentSpan
 from .resegmentation import resegment as resegment
 from .resegmentation import sample_spans as sample_spans
 from .residual import Rows as Rows
+from .residual import group_by_mode as group_by_mode
 from .resting import make_resting_orbit as make_resting_orbit
 from .sampled_cycle import SampledCycle as SampledCycle
 from .sampled_cycle import find_cycle as find_cycle

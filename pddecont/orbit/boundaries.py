@@ -104,6 +104,44 @@ class DelayBoundary:
         return p
 
 
+@dataclass(frozen=True, eq=False)
+class VaryingDelayBoundary:
+    """Delays that vary are not negative anywhere on an orbit, where its equations hold."""
+
+    numeric: NumericModel
+    approach: Approach = Approach.UP_TO
+    end: str = End.LIMIT
+
+    def margins(self, at: AtOrbit) -> Array:
+        """Return the smallest value of each delay that varies, shape (n_varying,)."""
+        return np.asarray(np.min(at.orbit.equation_reads.lags, axis=1))
+
+    def gradients(self, at: AtOrbit) -> Array:
+        """Return their derivatives in the unknowns; what a delay inside a delay reads counts as fixed."""
+        orbit, reads = at.orbit, at.orbit.equation_reads
+        unknowns, mesh, free = orbit.problem.unknowns, orbit.mesh, orbit.problem.free_index
+        result = np.zeros((len(reads.lags), len(orbit.x)))
+        for k, point in enumerate(np.argmin(reads.lags, axis=1).tolist()):
+            function, here = self.numeric.varying_delay(k), [point]
+            where = function.structure(free)
+            d = function.derivatives(reads.t[here], reads.x[:, here], reads.xd[:, here], orbit.parameters, free)
+            base = unknowns.value_index[mesh.base_index[mesh.equation_points.interval[point]]]
+            weights = mesh.local_weights(mesh.equation_points)[point]
+            for state, slope in zip(where.dx[1].tolist(), d.dx[:, 0], strict=True):
+                result[k, base[:, state]] += slope * weights
+            result[k, unknowns.free.start + where.dp[1]] += d.dp[:, 0]
+            if len(where.dt):
+                result[k, unknowns.start] += d.dt[0, 0]
+                result[k, unknowns.durations] += d.dt[0, 0] * mesh.equation_times[point, : mesh.n_segments]
+        return result
+
+    def reason(self, at: AtOrbit, k: int) -> Reason:
+        """Return which delay becomes negative, and at which free parameters."""
+        orbit = at.orbit
+        values = {f"at {name}": float(value) for name, value in zip(orbit.problem.free, orbit.free, strict=True)}
+        return make_reason("negative_delay", delay=str(self.numeric.model.varying[k]), **values)
+
+
 @dataclass(frozen=True)
 class DurationBoundary:
     """Segments last longer than rounding: an orbit has no equations with a segment of no duration."""

@@ -111,7 +111,7 @@ def list_unlisted_carried_events(orbit: Orbit) -> list[CarriedEvent]:
         if segment.event
         for event, direction in surfaces
         for lag in list_carriers(model, event, segment.reset)
-        if tau[lag] > 0.0 and (source, lag) not in known
+        if lag < len(tau) and tau[lag] > 0.0 and (source, lag) not in known
     ]
 
 

@@ -9,10 +9,13 @@ import numpy as np
 import scipy.optimize
 from numpy.typing import NDArray
 
-from pddecont.codegen import NumericModel
+from pddecont.codegen import NumericModel, read_past
 from pddecont.errors import SignatureError
 from pddecont.model import WAYS, Segment
 from pddecont.orbit.sampled_motion import AT_EDGE, SampledMotion
+
+# Periods back up to which integrals over the past are taken piece by piece.
+MOST_PERIODS = 20
 
 Array = NDArray[np.float64]
 # States jump at an event where its function is no farther from zero than this part of its size: rows are rough.
@@ -45,12 +48,9 @@ class EventSearch:
 
     def evaluate(self, event: str, t: Array, curve: NDArray[np.intp]) -> Array:
         """Return an event function at times on curves of the motion, shape (n_times,)."""
-        model = self.numeric.model
-        lags = self.numeric.delays.value(self.p)
-        xd = np.empty((len(model.delayed), len(t)))
-        for i, read in enumerate(model.delayed):
-            xd[i] = self.motion.evaluate(t - lags[read.delay], read.derivative)[:, read.state]
-        x = self.motion.evaluate(t, curve=curve)
+        motion, x = self.motion, self.motion.evaluate(t, curve=curve)
+        reach = np.arange(-MOST_PERIODS, 2)[:, None] * motion.period
+        xd = read_past(self.numeric, t, x.T, self.p, motion.evaluate, np.sort((motion.edges + reach).ravel()))
         return np.asarray(self.numeric.event(event).value(t, x.T, xd, self.p)[0])
 
     def list_candidates(self, segment: Segment, signature: Sequence[Segment]) -> tuple[Candidate, ...]:

@@ -13,6 +13,7 @@ from pddecont.orbit.clocks import list_started_events
 from pddecont.orbit.error import estimate_interval_errors, measure_states
 from pddecont.orbit.orbit import Orbit
 from pddecont.orbit.past import make_past
+from pddecont.orbit.reach import find_reach
 from pddecont.simulate import MotionRecord, ParameterValues, Past, Simulator, follow_motion, restart_motion
 
 Array = NDArray[np.float64]
@@ -76,7 +77,7 @@ class Examination:
         orbit = self.orbit
         if self.driven:
             return make_past(orbit, 0.0, 2.0 * orbit.period, delayed=True)
-        longest = float(np.max(orbit.numeric.delays.value(orbit.parameters), initial=0.0))
+        longest = find_reach(orbit)
         return make_past(orbit, -longest * (1.0 + REACH), 2.0 * orbit.period)
 
     @cached_property

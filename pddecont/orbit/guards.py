@@ -49,7 +49,9 @@ def evaluate_after(orbit: Orbit, s: int, exprs: Sequence[sympy.Expr]) -> tuple[A
     function = numeric.function(exprs)
     found, where = function.derivatives(reads.t, reads.x, reads.xd, orbit.parameters), function.structure()
     sizes = measure_states(orbit.values)
-    delayed = sizes[[read.state for read in numeric.model.delayed]]
+    delayed = np.array([sizes[read.state] / orbit.period**read.derivative for read in numeric.model.delayed])
+    integrals = orbit.equation_reads.xd[len(delayed) :]
+    delayed = np.concatenate([delayed, measure_states(integrals.T)])
     change = np.zeros(len(exprs))
     np.add.at(change, where.dx[0], np.abs(found.dx[:, 0]) * sizes[where.dx[1]])
     np.add.at(change, where.dxd[0], np.abs(found.dxd[:, 0]) * delayed[where.dxd[1]])

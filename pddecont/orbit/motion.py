@@ -12,6 +12,7 @@ from pddecont.orbit.clocks import list_started_events
 from pddecont.orbit.guess import guess_from_cycle
 from pddecont.orbit.orbit import Orbit
 from pddecont.orbit.past import make_past
+from pddecont.orbit.reach import find_reach
 from pddecont.orbit.signature import is_rotation
 from pddecont.simulate import Simulator, Trajectory, find_nearby_cycle, record_trajectory, restart_motion
 
@@ -58,7 +59,7 @@ def guess_from_motion(orbit: Orbit, turns: float, rule: MeshRule) -> Orbit:
         If it does not come back, or keeps the orbit's signature.
     """
     numeric, p, period, n = orbit.numeric, orbit.parameters, orbit.period, orbit.problem.n_periods
-    delays = [float(np.max(numeric.delays.value(p), initial=0.0))]
+    delays = [find_reach(orbit)]
     events = numeric.model.events.values()
     delays += [float(numeric.event_delay(event.name).value(p)[0]) for event in events if event.delay is not None]
     trajectory = simulate_onwards(orbit, p, turns + float(np.ceil(max(delays) / period)))

@@ -6,6 +6,7 @@ import numpy as np
 import sympy
 
 from pddecont.codegen import find_non_finite
+from pddecont.model import differentiate
 from pddecont.orbit.orbit import Orbit
 from pddecont.orbit.residual import group_by_mode
 
@@ -14,16 +15,21 @@ def explain_not_finite(orbit: Orbit, *, derivatives: bool = False) -> str:
     """Return which of the model's expressions has no finite value along an orbit; its ``derivatives`` if asked for."""
     numeric, model, reads, p = orbit.numeric, orbit.numeric.model, orbit.equation_reads, orbit.parameters
     free = (model.parameter_symbols[i] for i in orbit.problem.free_index)
-    symbols = (*model.state_symbols, *model.delayed_symbols, *free)
+    symbols = (*model.state_symbols, *model.read_symbols, *free)
 
     def name_parts(what: str, expr: sympy.Expr) -> list[tuple[str, sympy.Expr]]:
-        return [(f"the derivative of {what} in {s}", expr.diff(s)) for s in symbols] if derivatives else [(what, expr)]
+        if not derivatives:
+            return [(what, expr)]
+        return [(f"the derivative of {what} in {s}", differentiate(expr, s, model.chain)) for s in symbols]
 
-    one = np.zeros(1), np.zeros((numeric.n_states, 1)), np.zeros((len(model.delayed), 1))
+    one = np.zeros(1), np.zeros((numeric.n_states, 1)), np.zeros((len(model.read_symbols), 1))
     constants = [("a delay", d) for d in model.delays]
     constants += [("the forcing period", model.period)] if model.period is not None else []
     parts = [part for what, expr in constants for part in name_parts(what, expr)]
     text = find_non_finite(numeric, parts, *one, p) if parts else ""
+    for delay in model.varying:
+        parts = name_parts(f"the delay {delay}", delay)
+        text = text or find_non_finite(numeric, parts, reads.t, reads.x, reads.xd, p)
     for mode, points in group_by_mode(orbit.problem):
         rates = zip(model.states, model.modes[mode], strict=True)
         parts = [part for state, f in rates for part in name_parts(f"{state}' of mode '{mode}'", f)]

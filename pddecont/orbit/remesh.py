@@ -16,10 +16,13 @@ from pddecont.collocation import (
     MeshRule,
     Piece,
     cut_pieces,
+    equal_cuts,
     interval_density,
+    share_intervals,
     transfer,
 )
 from pddecont.delay import BreakingPoint, DiscontinuitySources, TrackedPoints, find_breaking_points
+from pddecont.errors import ConvergenceError
 from pddecont.orbit.error import estimate_interval_errors
 from pddecont.orbit.orbit import Orbit
 from pddecont.orbit.preimages import PreimageSearch
@@ -49,9 +52,23 @@ def find_pieces(problem: OrbitProblem, theta: Array, degree: int, orbit: Orbit |
     theta = theta[: n + len(problem.numeric.model.delays)]
     if orbit is None or sources.are_sums or not problem.signature.has_events:
         return Pieces(_join(find_breaking_points(sources, theta, n, degree)), theta)
+    orbit = _unfold(orbit, theta)
     found = TrackedPoints(sources, theta, n, degree, PreimageSearch(orbit).find, find_fading(orbit, sources))
     times = found.list_breaking_times()
     return Pieces(_join(found.list_points()), np.concatenate([theta, found.breaking_times]), times)
+
+
+def _unfold(orbit: Orbit, theta: Array) -> Orbit:
+    """Return an orbit whose breaking points have passed one another on a mesh of segments, where they are in order."""
+    mesh, n = orbit.mesh, len(orbit.signature)
+    if np.all(mesh.length @ orbit.theta > 0.0):
+        return orbit
+    ends = np.concatenate([np.tri(n + 1, n, -1), np.zeros((n + 1, len(theta) - n))], axis=1)
+    cuts = equal_cuts(share_intervals(theta[:n], max(mesh.n_intervals, n)))
+    bare = Mesh(mesh.degree, n, tuple(Piece(s, ends[s], ends[s + 1], cuts[s]) for s in range(n)), theta)
+    values = transfer(mesh, orbit.theta, orbit.values, bare, theta)
+    problem = replace(orbit.problem, mesh=bare, reference=None)
+    return Orbit(problem, problem.unknowns.join(values, orbit.durations, orbit.start, orbit.free))
 
 
 def _join(points: list[list[BreakingPoint]]) -> list[Piece]:
@@ -100,6 +117,10 @@ def mesh_is_valid(orbit: Orbit) -> bool:
     # A first mesh of delays that vary knows nothing of what they read.
     if orbit.numeric.model.varying and mesh.reference_lags is None:
         return False
+    try:
+        varying = orbit.equation_reads.lags if orbit.numeric.model.varying else np.zeros((0, 0))
+    except ConvergenceError:
+        return False
     now = find_pieces(orbit.problem, theta, mesh.degree, orbit)
     if len(now.pieces) != len(mesh.pieces):
         return False
@@ -109,7 +130,7 @@ def mesh_is_valid(orbit: Orbit) -> bool:
             return False
     if any(not np.array_equal(a.source, b.source) for a, b in zip(now.breaking, mesh.breaking, strict=True)):
         return False
-    return orbit.problem.delay.mesh_is_valid(mesh, theta, orbit.problem.lags, orbit.equation_reads.lags)
+    return orbit.problem.delay.mesh_is_valid(mesh, theta, orbit.problem.lags, varying)
 
 
 def mesh_meets_tolerance(orbit: Orbit, rule: MeshRule) -> bool:

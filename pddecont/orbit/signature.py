@@ -167,7 +167,8 @@ def _link_jump(signature: Signature, p: Array, s: int, ends: Array) -> list[Dela
     model, period = signature.numeric.model, float(ends[-1])
     tau = signature.numeric.delays.value(p)
     for a, other in enumerate(signature.segments):
-        for lag in list_carriers(model, signature.segments[s].event, other.reset):
+        carriers = list_carriers(model, signature.segments[s].event, other.reset)
+        for lag in (lag for lag in carriers if lag < len(tau)):
             turns = (ends[a] + float(tau[lag]) - ends[s]) / period
             if tau[lag] > 0.0 and abs(turns - round(turns)) < AT_JUMP:
                 return [DelayedEventLink(s, a, round(turns), lag)]

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from pddecont.codegen import NumericModel, find_non_finite
 from pddecont.model import find_start_digits, list_surfaces_met
 from pddecont.simulate.failure import FailureReason, MotionFailure
-from pddecont.simulate.integrator import LAST_EVENT, MODE, ZENO_TIME, IntegratorState, Status, T
+from pddecont.simulate.integrator import ADVANCED, LAST_EVENT, MODE, ZENO_TIME, IntegratorState, Status, T
 from pddecont.simulate.part_tables import PartTables
 from pddecont.simulate.start_modes import name_numbers
 
@@ -16,6 +16,8 @@ Array = NDArray[np.float64]
 # How far ahead a part of the vector field without a value is looked for, relative to the time: from the spacing of
 # numbers, 2^-52, by powers of 2 up to 2^-30, which is longer than any step that an integration ends with.
 SHORTEST_AHEAD, LONGEST_AHEAD = -52, -30
+# A delay that is so small where a motion ends has fallen to zero there: where is known to the tolerances.
+NEARLY_ZERO = 1e-6
 
 
 def diagnose_halt(
@@ -30,6 +32,14 @@ def diagnose_halt(
         event = list(tables.events)[state.count[LAST_EVENT]]
         reason = FailureReason.ACCUMULATION if status == Status.ZENO else FailureReason.SLIDING
         return MotionFailure(reason, float(state.clock[ZENO_TIME]), event, mode)
+    if status == Status.PAST_UNKNOWN:
+        return MotionFailure(FailureReason.PAST_UNKNOWN, t, None, mode)
+    if status == Status.ADVANCED:
+        lag = tables.plan.varying[state.lag_count[ADVANCED]]
+        y, xd = state.y[: numeric.n_states, None], delayed_values[:, None]
+        value = float(numeric.function([lag]).value(np.array([t]), y, xd, p)[0, 0])
+        falls = f"{lag} falls below zero" if abs(value) < NEARLY_ZERO else f"{lag} is {value:.6g}, below zero"
+        return MotionFailure(FailureReason.ADVANCED, t, None, mode, falls)
     part = _find_undefined_part(numeric, mode, state, p, delayed_values)
     if part:
         return MotionFailure(FailureReason.UNDEFINED, t, None, mode, part)

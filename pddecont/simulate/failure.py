@@ -18,6 +18,8 @@ class FailureReason(Enum):
     UNDEFINED = "undefined"  # the vector field has no value
     NOT_FINITE = "not finite"  # the solution is infinite or NaN
     STEP_TOO_SMALL = "step too small"  # no step meets the tolerances
+    ADVANCED = "advanced"  # a delay is below zero
+    PAST_UNKNOWN = "past unknown"  # a delay reaches farther back than the past is known
     SECTION_LEFT = "section left"  # it does not return to the section any more
     NO_RETURN = "no return"  # it does not return to the section in time
     NOT_SETTLED = "not settled"  # its returns still move when its time is over
@@ -36,6 +38,8 @@ HALTS = (
     FailureReason.UNDEFINED,
     FailureReason.NOT_FINITE,
     FailureReason.STEP_TOO_SMALL,
+    FailureReason.ADVANCED,
+    FailureReason.PAST_UNKNOWN,
 )
 
 
@@ -53,7 +57,8 @@ class MotionFailure:
         The event that it comes to a halt at, if it is one, or the switch whose surface repels it, and the mode that it
         is in.
     detail
-        Which part of the vector field has no value, and why; which surface repels it, where, and how.
+        Which part of the vector field has no value, and why; which surface repels it, where, and how; which delay is
+        below zero, and its value.
     is_stiff
         Whether the method for stiff models was used.
     """
@@ -108,6 +113,16 @@ def describe_failure(failure: MotionFailure) -> str:
                     if failure.is_stiff
                     else "a stiff model wants 'method: stiff'"
                 )
+            )
+        case FailureReason.ADVANCED:
+            return (
+                f"at t = {t:.12g} the delay {failure.detail}: from there on the equation would read the future; let the "
+                "delay stay positive"
+            )
+        case FailureReason.PAST_UNKNOWN:
+            return (
+                f"at t = {t:.12g} a delay reaches farther back than the past is known: it has grown to several times its "
+                "longest value before, or the motion began from a piece of another one"
             )
         case FailureReason.SECTION_LEFT:
             return f"the motion no longer returns to the section after t = {t:.6g}"

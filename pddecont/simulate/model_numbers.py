@@ -7,9 +7,12 @@ from numpy.typing import NDArray
 
 from pddecont.codegen import NumericModel
 from pddecont.delay import DelayMethod
+from pddecont.errors import ConvergenceError
+from pddecont.model import reads_generally
 from pddecont.simulate.integrator import ParameterValues, System
 from pddecont.simulate.method import Method
-from pddecont.simulate.part_tables import DIRECTIONS, PartTables
+from pddecont.simulate.part_tables import DIRECTIONS, PartTables, integers
+from pddecont.simulate.past_plan import evaluate_limits, find_integrated, list_integrand_cases
 from pddecont.simulate.returns import ReturnSection
 
 Array = NDArray[np.float64]
@@ -28,14 +31,18 @@ def make_system(
 
     A section that is an expression is one more event function, numbered after the model's own.
     """
-    model, n = numeric.model, numeric.n_states
+    model, n, plan = numeric.model, numeric.n_states, tables.plan
     order, length = delay.simulated_stages
-    pairs = np.array([(d.state, d.delay) for d in model.delayed], dtype=np.int64).reshape(-1, 2)
-    kept = np.unique(pairs[:, 0])
+    reads = [(d.state, slot, d.derivative) for d, slot in zip(model.delayed, plan.slots, strict=True)]
+    pairs = np.array(reads + [(-1, -1, 0)] * len(model.integrals), dtype=np.int64).reshape(-1, 3)
+    integrated = [model.states.index(s.name) for i in model.integrals for s in find_integrated(model, i)]
+    kept = np.unique([*(d.state for d in model.delayed), *integrated]).astype(np.int64)
     place = np.full(n, -1)
     place[kept] = np.arange(len(kept))
+    is_rate = tables.find_rates()
+    turns = np.array(plan.turns, dtype=np.int64).reshape(-1, 2)
     return System(
-        **tables.make_tables(with_jacobians=tangent or method.stiff, tangent=tangent),
+        **tables.make_tables(with_jacobians=tangent or method.stiff or any(is_rate), tangent=tangent),
         history=tables.functions.history,
         n=n,
         n_full=n + len(pairs) * order * length,
@@ -53,6 +60,20 @@ def make_system(
         stop_event=-1 if section.event is None else tables.events[section.event],
         stiff=int(method.stiff),
         n_modes=len(tables.modes),
+        is_general=int(reads_generally(model)),
+        n_values=len(model.delayed),
+        n_varying=len(plan.varying),
+        n_integrals=len(model.integrals),
+        n_turns=len(turns),
+        n_first_turns=plan.n_first,
+        pair_derivative=np.ascontiguousarray(pairs[:, 2]),
+        is_rate=integers(is_rate),
+        turn_kind=np.ascontiguousarray(turns[:, 0]),
+        turn_number=np.ascontiguousarray(turns[:, 1]),
+        low=integers(plan.low),
+        high=integers(plan.high),
+        lags=tables.functions.compile_cases([[lag] for lag in plan.varying]) if plan.varying else 0,
+        integrands=tables.functions.compile_cases(list_integrand_cases(model)) if model.integrals else 0,
     )
 
 
@@ -65,10 +86,17 @@ def make_values(
     the past.
     """
     model = numeric.model
-    tau = np.asarray(numeric.delays.value(p), dtype=float)
+    delays = np.asarray(numeric.delays.value(p), dtype=float)
+    for read in model.delayed:
+        if read.derivative and read.delay < len(delays) and delays[read.delay] == 0.0:
+            raise ConvergenceError(
+                f"the rate {model.states[read.state]}'(t - {model.find_delay(read)}) is read at a delay of zero, which is "
+                "the rate itself: write the equation solved for it"
+            )
+    tau = np.concatenate([delays, evaluate_limits(numeric, tables.plan, p)])
     bounds = [method.max_step]
     if delay.simulated_stages == (0, 0):
-        bounds += [x for x in tau if x > 0]
+        bounds += [x for x in delays if x > 0]
     if model.forced:
         bounds.append(float(numeric.period.value(p)[0]) / 2)
     return ParameterValues(

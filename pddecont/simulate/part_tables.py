@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from pddecont.codegen import ModelFunctions, write_rule
 from pddecont.model import (
+    TIME,
     Digits,
     Ending,
     Form,
@@ -34,6 +35,7 @@ from pddecont.model import (
     list_way_digits,
     write_repulsion,
 )
+from pddecont.simulate.past_plan import make_past_plan
 
 Integers = NDArray[np.int64]
 DIRECTIONS = {"rising": 1, "falling": -1, "any": 0}
@@ -118,6 +120,7 @@ class PartTables:
         stick: Mapping[str, str] | None = None,
     ) -> None:
         self.model, self.functions, self.section, self.stick = model, functions, section, stick or {}
+        self.plan = make_past_plan(model, set() if section is None else section.free_symbols)
         self.n_keys = max(1, len(functions.digits))
         self.modes: dict[str, int] = {}
         self.events: dict[str, int] = {}
@@ -338,7 +341,7 @@ class PartTables:
         rules = self._find_rules([None if rule is None else (rule, 0) for rule in decisions.rules])
         repulsions = self._find_rules(self._repulsions)
         clocks = self._list_clocks()
-        delayed = set(self.model.delayed_symbols)
+        delayed = set(self.model.read_symbols)
         names = list(self.events)
         after = [0 if self.model.events[name].after else -1 for name in names]
         reads = [any(delayed & e.free_symbols for e in form.exprs) for form in self._list_event_forms()]
@@ -374,7 +377,16 @@ class PartTables:
         }
 
     def _list_event_forms(self) -> list[Form]:
-        return [*self._forms["events"], *([] if self.section is None else [Form((self.section,))])]
+        """Return the event functions: the model's, the section's, and of each lag that varies t - lag and the lag."""
+        lags = [Form((expr,)) for lag in self.plan.varying for expr in (TIME - lag, lag)]
+        return [*self._forms["events"], *([] if self.section is None else [Form((self.section,))]), *lags]
+
+    def find_rates(self) -> list[bool]:
+        """Return of each value that is read whether it is a rate on which a field depends."""
+        exprs = [*self.plan.varying, *(e for form in self._forms["fields"] for e in form.exprs)]
+        used = set().union(*(e.free_symbols for e in exprs))
+        rates = {s for s, d in zip(self.model.delayed_symbols, self.model.delayed, strict=True) if d.derivative}
+        return [symbol in rates & used for symbol in self.model.read_symbols]
 
     def _add_functions(self) -> None:
         """Add what has no machine code yet, with what other modes that slide along the same surfaces will need too."""

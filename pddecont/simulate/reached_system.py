@@ -93,7 +93,7 @@ class ReachedSystem:
         numbers: dict[sympy.Symbol, float] = {TIME: float(work.landing[0])}
         numbers |= dict(zip(model.parameter_symbols, values.p.tolist(), strict=True))
         numbers |= dict(zip(model.state_symbols, work.landing[1 : n + 1].tolist(), strict=True))
-        numbers |= dict(zip(model.delayed_symbols, work.xd[: len(model.delayed)].tolist(), strict=True))
+        numbers |= dict(zip(model.read_symbols, work.xd[: len(model.read_symbols)].tolist(), strict=True))
         way = self.tables.add_way(leader, model.derived.choose(self.tables.endings[leader], numbers))
         self.work.asked[2:] = leader, way
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from pddecont.codegen import ModelFunctions, NumericModel
 from pddecont.delay import DelayMethod
 from pddecont.errors import ConvergenceError
-from pddecont.model import TIME, add_rests
+from pddecont.model import TIME, Model, add_rests, explain_direct_only, list_rates, reads_generally
 from pddecont.simulate.diagnosis import diagnose_halt
 from pddecont.simulate.failure import MotionFailure, describe_failure
 from pddecont.simulate.integrator import (
@@ -38,6 +38,7 @@ from pddecont.simulate.integrator import (
 from pddecont.simulate.method import Method
 from pddecont.simulate.model_numbers import make_values
 from pddecont.simulate.part_tables import PartTables
+from pddecont.simulate.past_at_start import read_past_at_start
 from pddecont.simulate.reached_system import ReachedSystem
 from pddecont.simulate.returns import ReturnSection
 from pddecont.simulate.start_modes import read_mode, read_start_modes
@@ -60,7 +61,8 @@ class Simulator:
     Raises
     ------
     ConvergenceError
-        If the chain of the delay method has growing solutions, or a tangent is asked of the stiff method.
+        If the chain of the delay method has growing solutions or cannot hold what the model reads, or a tangent is asked
+        of the stiff method or of a model whose tangent is not known.
     """
 
     numeric: NumericModel
@@ -80,6 +82,9 @@ class Simulator:
                 f"a chain of order {order} has growing solutions and cannot be simulated (orders 1 to 4 "
                 "can); give the simulating step 'delay: {method: direct}' and the orbit step the chain"
             )
+        _refuse_delay_method(model, self.delay)
+        if self.tangent:
+            _refuse_tangent(model)
         if self.tangent and self.method.stiff:
             raise ConvergenceError("Lyapunov exponents go with the explicit method; leave 'method: stiff' out")
 
@@ -159,6 +164,10 @@ class Simulator:
 
         It is None where both fields point away from a surface on which one starts.
         """
+        if reads_generally(self.numeric.model):
+            history = None if constant else self.history or self.numeric.model.history
+            xd = read_past_at_start(self.numeric, self.tables.plan, values.p, t, states, values.tau, history)
+            return read_start_modes(self.numeric, values.p, t, states, xd)
         delayed = self.numeric.model.delayed
         xd = np.empty((len(states), len(delayed)))
         for i, read in enumerate(delayed):
@@ -183,7 +192,7 @@ class Simulator:
         change_parameters(self.system, after, state, self.work, before)
         model = self.numeric.model
         if model.derived is not None and state.count[MODE] >= 0:
-            states, delayed = state.y[: self.system.n], self.work.xd[: len(model.delayed)]
+            states, delayed = state.y[: self.system.n], self.work.xd[: len(model.read_symbols)]
             was = list(self.tables.modes)[state.count[MODE]]
             mode = read_mode(self.numeric, after.p, float(state.clock[T]), states, delayed, was)
             state.count[MODE] = self.number_mode(mode)
@@ -194,7 +203,7 @@ class Simulator:
         """Return the history's states at ``t`` and their first three derivatives, each of shape (n_states,)."""
         exprs = self.history or self.numeric.model.history
         function = self.numeric.function([d for e in exprs for d in (e, *(e.diff(TIME, k) for k in (1, 2, 3)))])
-        n, m = self.numeric.n_states, len(self.numeric.model.delayed)
+        n, m = self.numeric.n_states, len(self.numeric.model.read_symbols)
         numbers = function.value(np.array([t]), np.zeros((n, 1)), np.zeros((m, 1)), np.asarray(p))[:, 0].reshape(n, 4)
         return list(numbers.T)
 
@@ -254,6 +263,26 @@ class Simulator:
 
     def diagnose(self, state: IntegratorState, status: Status, p: Array) -> MotionFailure:
         """Return why an integration at parameters ``p`` came to a halt."""
-        read_last = np.array(self.work.xd[: len(self.numeric.model.delayed)])
+        read_last = np.array(self.work.xd[: len(self.numeric.model.read_symbols)])
         failure = diagnose_halt(self.numeric, self.tables, state, status, p, read_last)
         return replace(failure, is_stiff=self.method.stiff)
+
+
+def _refuse_delay_method(model: Model, delay: DelayMethod) -> None:
+    why = explain_direct_only(model)
+    if why and (delay.simulated_stages != (0, 0) or delay.stages is not None):
+        raise ConvergenceError(f"{why}: only the direct method reads such a past; give 'delay: {{method: direct}}'")
+
+
+def _refuse_tangent(model: Model) -> None:
+    """Refuse the tangent where jumps come back in ways that it does not follow."""
+    rates = list_rates(model)
+    if rates:
+        raise ConvergenceError(
+            f"Lyapunov exponents are not computed for models that read rates of the past ({rates[0]}): jumps of the rate "
+            "never end there"
+        )
+    if model.integrals and not model.smooth:
+        raise ConvergenceError(
+            "Lyapunov exponents are not computed for models that have events and integrals over the past"
+        )

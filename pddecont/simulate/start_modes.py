@@ -17,7 +17,7 @@ NEAR = 1e-9
 def read_start_modes(numeric: NumericModel, p: Array, t: float, states: Array, delayed: Array) -> list[str | None]:
     """Return the modes of motions that start at ``t``; None where both fields point away from a surface.
 
-    ``states`` (n, n_states) and ``delayed`` values (n, n_delayed) are those at the start.
+    ``states`` (n, n_states) and the values read of the past, ``delayed`` (n, n_reads), are those at the start.
     """
     model, derived = numeric.model, numeric.model.derived
     if derived is None:
@@ -34,7 +34,7 @@ def read_mode(
 ) -> str | None:
     """Return the mode of a motion at ``t``; None where both fields point away from a surface that it is on.
 
-    ``states`` (n_states,) and ``delayed`` values (n_delayed,) are those at ``t``; relays with memory are between their
+    ``states`` (n_states,) and the values read of the past, ``delayed`` (n_reads,), are those at ``t``; relays with memory are between their
     thresholds what they were in the mode ``before``.
     """
     derived = numeric.model.derived
@@ -49,7 +49,7 @@ def read_mode(
 def name_numbers(numeric: NumericModel, p: Array, t: float, states: Array, delayed: Array) -> dict[sympy.Symbol, float]:
     """Return the numbers of the model's symbols: time, parameters, states and delayed values."""
     model = numeric.model
-    symbols = (*model.parameter_symbols, *model.state_symbols, *model.delayed_symbols)
+    symbols = (*model.parameter_symbols, *model.state_symbols, *model.read_symbols)
     return {TIME: t} | dict(zip(symbols, [*p.tolist(), *states.tolist(), *delayed.tolist()], strict=True))
 
 

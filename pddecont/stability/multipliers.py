@@ -24,6 +24,7 @@ from pddecont.orbit import Assembly, Orbit, transfer_orbit
 from pddecont.stability.candidates import find_candidates, is_deep, is_mapped_whole
 from pddecont.stability.characteristic import Characteristic, MapCharacteristic
 from pddecont.stability.counting import Counter
+from pddecont.stability.essential import find_essential_radius
 from pddecont.stability.monodromy import MonodromyOperator, linearise_period
 from pddecont.stability.refinement import SAME, Refined, find_vector, refine
 
@@ -66,8 +67,8 @@ class Multipliers:
     ``values`` holds all of them; ``nontrivial`` leaves out the trivial one of an autonomous orbit, whose distance to 1
     is ``trivial_error`` (NaN where there is none). ``residuals`` are those of ``values`` in the linearised equations.
     ``spurious`` is the largest modulus of those that belong to the mesh and not to the orbit (long delay lines have
-    some): they are left out, with all that are no larger. ``counted``: the argument principle confirms that none
-    outside the unit circle is missing.
+    some; delayed rates have an essential spectrum): they are left out, with all that are no larger. ``counted``: the
+    argument principle confirms that none outside the unit circle is missing.
     """
 
     values: Complex
@@ -128,6 +129,10 @@ def multipliers_of_map(monodromy: MonodromyOperator, orbit: Orbit, n: int | None
     residuals = np.array([m.residual for m in found], dtype=float)
     order = _order(values)
     values, residuals = values[order], residuals[order]
+    essential = find_essential_radius(orbit)
+    if essential > spurious:
+        own = np.abs(values) > essential
+        values, residuals, spurious = values[own], residuals[own], essential
     if not orbit.signature.needs_phase_reference:
         return Multipliers(values, values, spurious=spurious, residuals=residuals, counted=counted)
     error = float(np.min(np.abs(values - 1.0))) if len(values) else float("nan")

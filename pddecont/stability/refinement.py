@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 # A multiplier with a larger residual is none of the orbit's.
 RESIDUAL = 1e-11
-# A relative correction smaller than this is the last: its square is below rounding.
+# A relative correction smaller than this is the last where its square is below rounding.
 LAST_CORRECTION = 1e-8
 MAX_CORRECTIONS = 12
 # Rounding moves a multiplier of larger condition by more than this: it is one of several that (nearly) coincide, whose
@@ -62,8 +62,11 @@ def refine(characteristic: Characteristic, value: complex) -> Refined | None:
                 return None
             z = at * (1.0 + correction)
             if abs(correction) < LAST_CORRECTION:
-                # A step of inverse iteration moves the vector on with the multiplier.
-                return _conclude(characteristic, z, _normalise(factors.solve(derivative @ right)))
+                # A step of inverse iteration moves the vector on with the multiplier. Beside another multiplier, as at
+                # a fold, the next correction is not far below this one: then one more is made.
+                found = _conclude(characteristic, z, _normalise(factors.solve(derivative @ right)))
+                if found is not None:
+                    return found
     except (ConvergenceError, ZeroDivisionError, OverflowError):
         return None
     return None

@@ -12,6 +12,8 @@ from tests.orbits import segment_pieces
 # Two segments and a delay, and the frequency of one turn in their sum.
 THETA = np.array([9.0, 1.3, 3.8])
 LAG = np.array([0.0, 0.0, 1.0])
+# No delays that vary.
+NOTHING = np.zeros((0, 0))
 OMEGA = 2 * math.pi / (THETA[0] + THETA[1])
 
 
@@ -29,7 +31,7 @@ def check_theta_derivative(method, mesh, tolerance):
     """Compare a method's derivatives in durations and delay with differences of the fourth order."""
     values = np.random.default_rng(0).normal(size=(mesh.n_base, 2))
     operator = method.operator(mesh, THETA, LAG, mesh.equation_points)
-    exact = operator.theta_derivative(values, [0, 1, 2])
+    exact = operator.theta_derivative(values, [0, 1, 2], 0)
     for k in range(3):
         step = 1e-3 * np.eye(3)[k]
         near = delayed(method, mesh, THETA + step, values) - delayed(method, mesh, THETA - step, values)

@@ -44,8 +44,8 @@ def test_zero_delay_is_the_present_value():
     values = (times**3)[:, None]
     at = mesh.equation_times @ theta
     assert operator.weights.apply(values)[:, 0] == pytest.approx(at**3, abs=1e-10)
-    assert operator.theta_derivative(values, [0, 2])[:, 0, 1] == pytest.approx(-3 * at**2, abs=1e-9)
-    assert not operator.theta_derivative(values, [0, 2])[:, 0, 0].any()
+    assert operator.theta_derivative(values, [0, 2], 0)[:, 0, 1] == pytest.approx(-3 * at**2, abs=1e-9)
+    assert not operator.theta_derivative(values, [0, 2], 0)[:, 0, 0].any()
 
 
 @pytest.mark.parametrize("order", [1, 2, 3, 4])

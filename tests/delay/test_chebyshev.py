@@ -5,7 +5,7 @@ import pytest
 
 from pddecont.delay import Chebyshev
 from pddecont.delay.chebyshev import profile_line
-from tests.delay.meshes import LAG, OMEGA, THETA, check_theta_derivative, delayed, mesh_of
+from tests.delay.meshes import LAG, NOTHING, OMEGA, THETA, check_theta_derivative, delayed, mesh_of
 
 
 def line_transfer(omega, tau, n):
@@ -48,7 +48,7 @@ def test_zero_delay_is_the_present_value():
     values = (mesh.base_times(theta) ** 3)[:, None]
     at = mesh.equation_times @ theta
     assert operator.weights.apply(values)[:, 0] == pytest.approx(at**3, abs=1e-10)
-    assert operator.theta_derivative(values, [2])[:, 0, 0] == pytest.approx(-3 * at**2, abs=1e-9)
+    assert operator.theta_derivative(values, [2], 0)[:, 0, 0] == pytest.approx(-3 * at**2, abs=1e-9)
 
 
 def test_what_a_line_is():
@@ -56,4 +56,4 @@ def test_what_a_line_is():
     assert line.simulated_stages == (0, 0)
     assert line.stages.n == 1
     assert not line.tracks_breaking_points
-    assert line.mesh_is_valid(mesh_of(3, [2, 2]), THETA, LAG[None])
+    assert line.mesh_is_valid(mesh_of(3, [2, 2]), THETA, LAG[None], NOTHING)

@@ -92,6 +92,6 @@ def test_a_delay_of_zero_reads_the_present():
     values = np.stack([mesh.base_times(theta) ** 3, mesh.base_times(theta) ** 5 / 100], axis=1)
     exact = np.stack([-3 * at**2, -(at**4) / 20], axis=1)
     assert operator.weights.apply(values) == pytest.approx(np.stack([at**3, at**5 / 100], axis=1), abs=1e-9)
-    assert operator.theta_derivative(values, [2])[:, :, 0] == pytest.approx(exact, abs=1e-7)
-    assert not operator.theta_derivative(values, [0, 1]).any()
+    assert operator.theta_derivative(values, [2], 0)[:, :, 0] == pytest.approx(exact, abs=1e-7)
+    assert not operator.theta_derivative(values, [0, 1], 0).any()
     assert not operator.weights.wraps.any()

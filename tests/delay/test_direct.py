@@ -11,7 +11,7 @@ from pddecont.collocation import Mesh, MeshPoints, equal_cuts
 from pddecont.delay import Direct
 from pddecont.delay.direct import find_reads, reference_reads
 from pddecont.errors import ConvergenceError
-from tests.delay.meshes import LAG, THETA, check_theta_derivative, mesh_of
+from tests.delay.meshes import LAG, NOTHING, THETA, check_theta_derivative, mesh_of
 from tests.orbits import segment_pieces
 
 
@@ -25,7 +25,7 @@ def test_reads_are_right_for_any_delay(delay, split):
     operator = Direct().operator(mesh, theta, LAG, mesh.equation_points)
     times = mesh.equation_times @ theta
     assert np.max(np.abs(operator.weights.apply(values)[:, 0] - np.sin(w * (times - delay)))) < 1e-8
-    slope = operator.theta_derivative(values, [2])[:, 0, 0]
+    slope = operator.theta_derivative(values, [2], 0)[:, 0, 0]
     assert np.max(np.abs(slope + w * np.cos(w * (times - delay)))) < 1e-6
     turns = (delay - times) / 4
     clear = np.abs(turns - np.round(turns)) > 1e-9
@@ -97,20 +97,20 @@ def test_a_mesh_is_valid_until_reads_leave_their_pieces(track):
     """Of segments of 9 and 1.3, cut into 1.5 and 0.43, the point at 3.75 reads the end of the orbit, 3.8 before."""
     mesh = replace(mesh_of(3, [6, 3]), reference_theta=THETA)
     method, lags = Direct(track=track), LAG[None]
-    assert method.mesh_is_valid(mesh_of(3, [6, 3]), THETA, lags), "a mesh made for no theta is valid anywhere"
-    assert method.mesh_is_valid(mesh, THETA, lags)
-    assert method.mesh_is_valid(mesh, THETA - 0.02 * LAG, lags)
+    assert method.mesh_is_valid(mesh_of(3, [6, 3]), THETA, lags, NOTHING), "a mesh made for no theta is valid anywhere"
+    assert method.mesh_is_valid(mesh, THETA, lags, NOTHING)
+    assert method.mesh_is_valid(mesh, THETA - 0.02 * LAG, lags, NOTHING)
     # A little more, and it reads the start: allowed where breaking points are not tracked, and the interval near.
-    assert method.mesh_is_valid(mesh, THETA - 0.1 * LAG, lags) == (not track)
-    assert not method.mesh_is_valid(mesh, THETA - 2.0 * LAG, lags)
+    assert method.mesh_is_valid(mesh, THETA - 0.1 * LAG, lags, NOTHING) == (not track)
+    assert not method.mesh_is_valid(mesh, THETA - 2.0 * LAG, lags, NOTHING)
 
 
 def test_the_end_of_a_segment_may_not_pass_a_jump():
     """The end of segment 2 reads the end of segment 1 where the delay is that segment's duration."""
     theta = np.array([9.0, 1.3, 1.35])
     mesh = replace(mesh_of(3, [6, 3]), reference_theta=theta)
-    assert Direct(track=False).mesh_is_valid(mesh, theta + 0.02 * LAG, LAG[None])
-    assert not Direct(track=False).mesh_is_valid(mesh, theta - 0.1 * LAG, LAG[None])
+    assert Direct(track=False).mesh_is_valid(mesh, theta + 0.02 * LAG, LAG[None], NOTHING)
+    assert not Direct(track=False).mesh_is_valid(mesh, theta - 0.1 * LAG, LAG[None], NOTHING)
 
 
 def test_reads_that_mean_nothing_are_refused():

@@ -26,9 +26,8 @@ def fold(wide, columns):
 def test_all_periods_together_make_the_jacobian(name):
     """Where every period is alike, the linearised motion is the linearised orbit: row by row, but for its phase."""
     orbit = adapt_mesh(ORBITS[name](), MeshRule(4, intervals=8))
-    operators = orbit.equation_reads.operators
-    columns = LaggedColumns(orbit.problem, operators, {})
-    assembly = Assembly(orbit.problem, operators, columns)
+    columns = LaggedColumns(orbit.problem, orbit.equation_reads, {})
+    assembly = Assembly(orbit.problem, orbit.equation_reads, columns)
     wide = assembly.pattern.fill(assembly.evaluate(assembly.linearise(orbit, orbit.equation_reads))).toarray()
     jacobian = JacobianAssembler().make_jacobian(orbit).toarray()
     rows = Rows(orbit.problem.unknowns)
@@ -40,7 +39,7 @@ def test_all_periods_together_make_the_jacobian(name):
 
 def test_the_time_since_a_delayed_event_by_period():
     orbit = neuron()
-    columns = LaggedColumns(orbit.problem, orbit.equation_reads.operators, {})
+    columns = LaggedColumns(orbit.problem, orbit.equation_reads, {})
     (link,) = orbit.problem.links
     assert link.wraps >= 1
     weights = columns.find_elapsed_weights(link).reshape(columns.n_lags, -1)
@@ -54,7 +53,7 @@ def test_the_time_since_a_delayed_event_by_period():
 def test_a_read_of_an_earlier_period_is_one_of_its_columns():
     orbit = hard_wall()
     operators = orbit.equation_reads.operators
-    columns = LaggedColumns(orbit.problem, operators, {})
+    columns = LaggedColumns(orbit.problem, orbit.equation_reads, {})
     weights, points = operators[0].weights, np.arange(orbit.mesh.n_equation_points)
     period, own = np.divmod(columns.read_columns(weights, points, 1), columns.n_columns)
     assert np.array_equal(period, np.broadcast_to(weights.wraps[:, None], period.shape))
@@ -64,14 +63,14 @@ def test_a_read_of_an_earlier_period_is_one_of_its_columns():
 
 def test_room_for_all_periods_that_are_read():
     orbit = adapt_mesh(mackey_glass(), MeshRule(4, intervals=8))
-    short = LaggedColumns(orbit.problem, orbit.equation_reads.operators, {})
+    short = LaggedColumns(orbit.problem, orbit.equation_reads, {})
     long = with_parameter(orbit, "tau", 1.2 + 3 * orbit.period, MeshRule(4, intervals=8))
-    assert LaggedColumns(long.problem, long.equation_reads.operators, {}).n_lags == short.n_lags + 3
+    assert LaggedColumns(long.problem, long.equation_reads, {}).n_lags == short.n_lags + 3
 
 
 def test_the_state_after_a_segment():
     orbit = impact_oscillator()
-    columns = LaggedColumns(orbit.problem, orbit.equation_reads.operators, {})
+    columns = LaggedColumns(orbit.problem, orbit.equation_reads, {})
     unknowns = orbit.problem.unknowns
     assert columns.state_after(0).tolist() == unknowns.value_index[orbit.mesh.first_base[1]].tolist()
     # That after the last is no period's yet.

@@ -6,6 +6,8 @@ import numpy as np
 
 from pddecont.simulate.integrator.breaking import (
     add_breaking_points,
+    add_returns,
+    drop_breaking_points,
     find_next_stop,
     pass_breaking_points,
     queues_have_capacity,
@@ -23,6 +25,8 @@ from pddecont.simulate.integrator.history import (
     record_step,
     time_tolerance,
 )
+from pddecont.simulate.integrator.lag_crossing import find_lag_crossing, pass_lag
+from pddecont.simulate.integrator.overlap import leave_step
 from pddecont.simulate.integrator.sliding import return_to_surfaces
 from pddecont.simulate.integrator.state import (
     ARC,
@@ -33,6 +37,7 @@ from pddecont.simulate.integrator.state import (
     N_PENDING,
     N_REJECTED,
     N_STEPS,
+    PIECE_START,
     READY,
     T_START,
     UNRESOLVED,
@@ -60,6 +65,7 @@ def initialise(system, values, state, work, t, mode):
     c.clock[T] = c.clock[T_START] = t
     c.count[MODE] = mode
     c.count[FRESH] = 1
+    c.lag_time[PIECE_START] = t
     add_breaking_points(c, t, 0)
 
 
@@ -88,6 +94,8 @@ def change_parameters(system, values, state, work, before):
                     # w_k is the k-th derivative times the k-th power of the step of the chain.
                     ratio = c.tau[k] / before.tau[k] if before.tau[k] > 0.0 else 0.0
                     c.y[c.n + (i * c.chain_n + stage) * c.chain_order + power] *= ratio**power
+    elif moved and c.is_general == 1:
+        _renew_returns(c, t)
     elif moved:
         c.count[N_BREAKING] = 0
         last = c.past_arc[c.count[FIRST] & c.mask]
@@ -99,6 +107,19 @@ def change_parameters(system, values, state, work, before):
         pass_breaking_points(c, t)
     add_breaking_points(c, t, 0)
     read_delayed(c, t, c.y, c.xd, 0)
+
+
+@internal
+def _renew_returns(c, t):
+    """Note anew where the jumps between the pieces of the past come back after ``t`` by constant lags."""
+    c.count[N_BREAKING] = 0
+    last = -1
+    for number in range(c.count[FIRST], c.count[FIRST] + c.count[USED]):
+        j = number & c.mask
+        if c.past_piece[j] != last:
+            add_returns(c, c.past_time[j], c.past_level[j], c.past_size[j])
+        last = c.past_piece[j]
+    drop_breaking_points(c, t)
 
 
 @entry
@@ -186,12 +207,20 @@ def _finish_step(c, t, h, stop):
         )
         if s >= 0.0 and s < earliest:
             marked, hit, earliest = True, -1, s
+    lag, passed = -1, 0
+    if c.n_varying > 0:
+        lag, s, passed = find_lag_crossing(c, t, h)
+        if lag >= 0 and s < earliest - same:
+            marked, hit, earliest = False, -1, s
+        else:
+            lag = -1
     if c.count[UNRESOLVED] == 1:
         # An event function varies faster than a step of this length can show.
         c.count[UNRESOLVED] = 0
         if h > SHORTEST_RESOLVED * time_tolerance(t):
             c.next_step[c.count[MODE]] = h / UNRESOLVED_SHRINK
             c.count[READY] = 0
+            leave_step(c)
             c.count[N_REJECTED] += 1
             return Status.REACHED
     whole = earliest > 1.0
@@ -203,6 +232,8 @@ def _finish_step(c, t, h, stop):
     c.count[N_STEPS] += 1
     if not whole:
         interpolate_state(c, earliest, offset(c.trial, c.dimension), c.dimension)
+    if c.is_general == 1:
+        leave_step(c)
     for i in range(c.dimension):
         c.y[i] = c.trial[c.dimension + i]
     return_to_surfaces(c, end, h)
@@ -220,6 +251,8 @@ def _finish_step(c, t, h, stop):
     if marked:
         c.side[n_segments] = 0
         return Status.SECTION
+    if lag >= 0:
+        return pass_lag(c, lag, passed, end)
     return handle_events(c, hit, c.found_side[hit]) if hit >= 0 else Status.REACHED
 
 

@@ -2,41 +2,49 @@
 
 from __future__ import annotations
 
-from pddecont.simulate.integrator.calls import internal
-from pddecont.simulate.integrator.history import time_tolerance
-from pddecont.simulate.integrator.state import N_BREAKING, N_PENDING
+from pddecont.simulate.integrator.calls import call, internal
+from pddecont.simulate.integrator.history import read_delayed, time_tolerance
+from pddecont.simulate.integrator.past_reads import read_for_derivatives
+from pddecont.simulate.integrator.pieces import begin_piece
+from pddecont.simulate.integrator.state import MODE, N_BREAKING, N_PENDING
 
 # A jump in a derivative of order 8 or more leaves an error of h^8 once, which is the order of the method itself.
 LEVELS = 7
+# A jump of a rate that is so small a part of that at an event, in tolerances, changes less than a step's error allows.
+SMALLEST_JUMP = 1e-2
 
 
 @internal
 def add_breaking_points(c, t, level):
     """Note where a jump at ``t`` in a derivative of order ``level`` comes back: one order higher, each delay later."""
+    if c.is_general == 1:
+        add_jump(c, t, level, 1.0)
+        return
     if c.chain_n > 0 or level >= LEVELS:
         return
     for k in range(c.n_delays):
         if c.tau[k] > 0.0:
-            _insert(c, t + c.tau[k], level + 1)
+            _insert(c, t + c.tau[k], level + 1, 1.0)
 
 
 @internal
-def _insert(c, t, level):
+def _insert(c, t, level, size):
     """Add a breaking point at its place in the queue.
 
-    One that is there already, to rounding, keeps its time and gets the lower level of the two.
+    One that is there already, to rounding, keeps its time and gets the lower level of the two, and the larger size.
     """
-    times, levels, n = c.breaking_time, c.breaking_level, c.count[N_BREAKING]
+    times, levels, sizes, n = c.breaking_time, c.breaking_level, c.breaking_size, c.count[N_BREAKING]
     i = n
     while i > 0 and times[i - 1] > t:
         i -= 1
     for j in (i - 1, i):
         if 0 <= j < n and abs(times[j] - t) <= time_tolerance(t):
             levels[j] = min(levels[j], level)
+            sizes[j] = min(sizes[j], size) if max(sizes[j], size) < 0.0 else max(abs(sizes[j]), abs(size))
             return
     for j in range(n, i, -1):
-        times[j], levels[j] = times[j - 1], levels[j - 1]
-    times[i], levels[i] = t, level
+        times[j], levels[j], sizes[j] = times[j - 1], levels[j - 1], sizes[j - 1]
+    times[i], levels[i], sizes[i] = t, level, size
     c.count[N_BREAKING] = n + 1
 
 
@@ -44,12 +52,96 @@ def _insert(c, t, level):
 def pass_breaking_points(c, t):
     """Remove the breaking points up to ``t`` and note where their jumps come back."""
     while c.count[N_BREAKING] > 0 and c.breaking_time[0] <= t + time_tolerance(t):
-        passed, level = c.breaking_time[0], c.breaking_level[0]
+        passed, level, size = c.breaking_time[0], c.breaking_level[0], c.breaking_size[0]
         n = c.count[N_BREAKING] - 1
         for j in range(n):
             c.breaking_time[j], c.breaking_level[j] = c.breaking_time[j + 1], c.breaking_level[j + 1]
+            c.breaking_size[j] = c.breaking_size[j + 1]
         c.count[N_BREAKING] = n
-        add_breaking_points(c, passed, level)
+        if c.is_general == 0:
+            add_breaking_points(c, passed, level)
+            continue
+        if size < 0.0:
+            size *= -measure_rates(c, t)
+        if size > SMALLEST_JUMP * c.rtol:
+            add_jump(c, passed, level, size)
+
+
+@internal
+def drop_breaking_points(c, t):
+    """Remove the breaking points up to ``t``, whose jumps are in the past already."""
+    kept = 0
+    for j in range(c.count[N_BREAKING]):
+        if c.breaking_time[j] > t + time_tolerance(t):
+            c.breaking_time[kept], c.breaking_level[kept] = c.breaking_time[j], c.breaking_level[j]
+            c.breaking_size[kept] = c.breaking_size[j]
+            kept += 1
+    c.count[N_BREAKING] = kept
+
+
+@internal
+def add_jump(c, t, level, size):
+    """Begin a piece at a jump in the derivative of order ``level``, of a ``size``, and note where it comes back."""
+    if level < LEVELS:
+        begin_piece(c, t, level, size)
+    add_returns(c, t, level, size)
+
+
+@internal
+def add_returns(c, t, level, size):
+    """Note where a jump comes back by constant lags: one order higher as a value, in its own order as a rate.
+
+    A rate that is read is not smoother than the one that it becomes a part of: its jumps come back until the product of
+    the factors that they are multiplied with is small. A size below zero says that the factor is still to come.
+    """
+    for k in range(c.n_delays):
+        if c.tau[k] <= 0.0:
+            continue
+        if level < LEVELS:
+            _insert(c, t + c.tau[k], level + 1, size)
+        if _reads_rate(c, k):
+            _insert(c, t + c.tau[k], max(level, 1), -size)
+
+
+@internal
+def come_back(c, slot, t, level, size):
+    """Let a jump in the derivative of order ``level`` come back at ``t`` by the lag of a slot."""
+    if _reads_rate(c, slot):
+        by_rate = size * measure_rates(c, t)
+        if by_rate > SMALLEST_JUMP * c.rtol:
+            add_jump(c, t, max(level, 1), max(size, by_rate) if level == 0 else by_rate)
+            return
+    if level < LEVELS:
+        add_jump(c, t, level + 1, size)
+
+
+@internal
+def _reads_rate(c, slot):
+    """Return whether a rate that fields depend on is read by the lag of a slot."""
+    for i in range(c.n_values):
+        if c.is_rate[i] == 1 and c.pair_delay[i] == slot:
+            return True
+    return False
+
+
+@internal
+def measure_rates(c, t):
+    """Return how large a part of the rates that are read the rates now are at most: a norm of df/dx'(t - tau)."""
+    n, m = c.n, c.n_pairs
+    for i in range(n * (n + m)):
+        c.jacobian[i] = 0.0
+    read_delayed(c, t, c.y, c.xd, 0)
+    read_for_derivatives(c, t, c.y, c.xd)
+    mode = c.count[MODE]
+    call(c.field_jacobian[mode], c.field_case[mode], t, c.y, c.xd, c.p, c.jacobian)
+    largest = 0.0
+    for i in range(n):
+        row = 0.0
+        for j in range(m):
+            if c.is_rate[j] == 1:
+                row += abs(c.jacobian[n * n + i * m + j])
+        largest = max(largest, row)
+    return largest
 
 
 @internal

@@ -113,7 +113,11 @@ class Workspace(NamedTuple):
     (n, n + n_pairs + 1), ``gradient`` those of an event function. ``bernstein`` and ``stack`` have 64 rows of 10 and 4.
     ``digits`` are those that an event leads to (n_keys,). ``asked`` holds the segment whose way on is not in the tables
     and what is missing; then a segment (-1: none) and the way that it has to go (4,). ``landing`` holds
-    the time and the states after the reset of that segment (n + 1,).
+    the time and the states after the reset of that segment (n + 1,). ``lag`` holds the lags that vary (n_varying + 1,),
+    ``lag_least`` and ``lag_most`` the least and the greatest times that they read in a step; ``held`` an extension of
+    the present step (N_COEFFICIENTS rows), ``fresh_slope`` the slopes where a piece begins (dimension,), ``inside`` and
+    ``integrand`` the states at a time in the past and what an integrand is there (n + 2,), ``panels`` those that wait
+    to be integrated (64 rows of 3).
     """
 
     stages: Array
@@ -134,6 +138,14 @@ class Workspace(NamedTuple):
     digits: Integers
     asked: Integers
     landing: Array
+    lag: Array
+    lag_least: Array
+    lag_most: Array
+    held: Array
+    fresh_slope: Array
+    inside: Array
+    integrand: Array
+    panels: Array
 
 
 def make_workspace(system: System) -> Workspace:
@@ -159,4 +171,12 @@ def make_workspace(system: System) -> Workspace:
         np.zeros(system.n_keys, np.int64),
         np.full(4, -1, np.int64),
         np.zeros(n + 1),
+        np.zeros(system.n_varying + 1),
+        np.zeros(system.n_varying + 1),
+        np.zeros(system.n_varying + 1),
+        np.zeros(N_COEFFICIENTS * dimension),
+        np.zeros(dimension),
+        np.zeros(n + 2),
+        np.zeros(n + 2),
+        np.zeros(192),
     )

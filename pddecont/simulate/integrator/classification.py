@@ -10,7 +10,7 @@ from pddecont.simulate.integrator.advance import initialise
 from pddecont.simulate.integrator.buffers import make_log
 from pddecont.simulate.integrator.calls import entry, internal
 from pddecont.simulate.integrator.poincare import advance_to_return
-from pddecont.simulate.integrator.state import CONSTANT, T, enlarge, make_state
+from pddecont.simulate.integrator.state import CONSTANT, LONGEST, T, enlarge, make_state
 from pddecont.simulate.integrator.status import Status
 
 # How near to a return of an attractor a motion is taken to be on it, relative to the size of the attractor, and in
@@ -85,7 +85,11 @@ def classify_cells(
                 found, met = _find_near_return(points, state.y, size, values.atol), 1
                 since = state.clock[T]
             expected = -1 if found < 0 else following[found]
-            if found >= 0 and met > length[found] and state.clock[T] - since >= values.longest:
+            if (
+                found >= 0
+                and met > length[found]
+                and state.clock[T] - since >= max(values.longest, state.lag_time[LONGEST])
+            ):
                 labels[cell] = owner[found]
                 break
         times[cell] = state.clock[T]

@@ -31,6 +31,9 @@ Core = namedtuple(
     log_steps log_events log_n log_time log_length log_end log_mode log_arc log_value log_coefficients event_time
     event_segment event_arc event_before event_after stages extension trial slope xd xd_slope jacobian gradient
     after_reset past_trial crossing passed found_side bernstein stack digits asked landing
+    is_general n_values n_varying n_integrals n_turns n_first_turns pair_derivative is_rate turn_kind turn_number low high lags
+    integrands past_piece past_level past_size breaking_size lag_time lag_count lag lag_least lag_most held
+    fresh_slope inside integrand panels
 """,
 )
 
@@ -169,4 +172,32 @@ def make_core(system, values, state, log, work):
         pointer(work.digits),
         pointer(work.asked),
         pointer(work.landing),
+        system.is_general,
+        system.n_values,
+        system.n_varying,
+        system.n_integrals,
+        system.n_turns,
+        system.n_first_turns,
+        pointer(system.pair_derivative),
+        pointer(system.is_rate),
+        pointer(system.turn_kind),
+        pointer(system.turn_number),
+        pointer(system.low),
+        pointer(system.high),
+        system.lags,
+        system.integrands,
+        pointer(state.past_piece),
+        pointer(state.past_level),
+        pointer(state.past_size),
+        pointer(state.breaking_size),
+        pointer(state.lag_time),
+        pointer(state.lag_count),
+        pointer(work.lag),
+        pointer(work.lag_least),
+        pointer(work.lag_most),
+        pointer(work.held),
+        pointer(work.fresh_slope),
+        pointer(work.inside),
+        pointer(work.integrand),
+        pointer(work.panels),
     )

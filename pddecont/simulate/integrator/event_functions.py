@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from pddecont.simulate.integrator.calls import call, internal
 from pddecont.simulate.integrator.history import read_delayed, read_delayed_slopes, time_tolerance
+from pddecont.simulate.integrator.past_reads import read_for_derivatives
 from pddecont.simulate.integrator.rhs import evaluate_rhs
+from pddecont.simulate.integrator.state import ZERO
 
 # Rounding in the terms of an event function, relative to them, and in the time, in tolerances of it; both leave some
 # room above what a few operations make.
@@ -18,7 +20,8 @@ def evaluate_event(c, event, t, y):
         read_delayed(c, t, y, c.xd, 0)
     c.gradient[0] = 0.0
     call(c.event[event], c.event_case[event], t, y, c.xd, c.p, c.gradient)
-    return c.gradient[0]
+    # Functions beyond those of events are those of lags, whose zero is where something that they read begins or ends.
+    return c.gradient[0] if event < c.n_events else c.gradient[0] - c.lag_time[ZERO]
 
 
 @internal
@@ -33,6 +36,8 @@ def evaluate_event_slope(c, event, mode, t, y):
     for i in range(n + m + 1):
         gradient[i] = 0.0
     read_delayed(c, t, y, c.xd, 0)
+    if c.is_general == 1:
+        read_for_derivatives(c, t, y, c.xd)
     call(c.event_jacobian[event], c.event_case[event], t, y, c.xd, c.p, gradient)
     slope, moving = gradient[n + m], abs(gradient[n + m])
     size = moving * abs(t)

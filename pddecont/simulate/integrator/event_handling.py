@@ -8,6 +8,7 @@ from pddecont.simulate.integrator.calls import call, internal
 from pddecont.simulate.integrator.event_functions import evaluate_event, evaluate_event_slope
 from pddecont.simulate.integrator.event_sides import carry_sides
 from pddecont.simulate.integrator.history import read_delayed, time_tolerance
+from pddecont.simulate.integrator.lag_crossing import choose_pieces
 from pddecont.simulate.integrator.state import ARC, FRESH, LAST_EVENT, MODE, N_PENDING, READY, SHIFT, ZENO_TIME, T
 from pddecont.simulate.integrator.status import Status
 from pddecont.simulate.integrator.variational import find_event_shift, map_tangent, set_tangent
@@ -180,8 +181,6 @@ def _apply_event(c, segment, pending):
     _log_event(c, way, t)
     for i in range(n):
         c.y[i] = c.after_reset[i]
-    if c.tangent == 1:
-        set_tangent(c, target, t, shift)
     c.count[MODE] = target
     c.count[ARC] += 1
     c.count[FRESH], c.count[READY] = 1, 0
@@ -189,6 +188,10 @@ def _apply_event(c, segment, pending):
     c.clock[SHIFT] = shift
     c.segment_counts[way] += 1
     add_breaking_points(c, t, 0)
+    if c.is_general == 1:
+        choose_pieces(c, t)
+    if c.tangent == 1:
+        set_tangent(c, target, t, shift)
     for place in range(c.clock_first[event], c.clock_first[event + 1]):
         other = c.clock_event[place]
         add_pending(c, t + c.event_delay[other], other, shift)

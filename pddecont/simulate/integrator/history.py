@@ -3,29 +3,16 @@
 from __future__ import annotations
 
 from pddecont.simulate.integrator.buffers import N_COEFFICIENTS
-from pddecont.simulate.integrator.calls import call, internal, offset
-from pddecont.simulate.integrator.state import ARC, CONSTANT, FIRST, SHIFT, T_START, USED
-
-# Two times closer than so many units in the last place are one: enough for the rounding of sums of delays.
-TIME_UNITS = 32 * 2.220446049250313e-16
-
-
-@internal
-def time_tolerance(t):
-    """Return how close two times may be and still be one."""
-    return TIME_UNITS * max(1.0, abs(t))
-
-
-@internal
-def find_step_before(c, t, guess):
-    """Return the number of the last step that begins at ``t`` or before, found by walking from a ``guess``."""
-    first, end = c.count[FIRST], c.count[FIRST] + c.count[USED]
-    number = min(max(guess, first), end - 1)
-    while number + 1 < end and c.past_time[(number + 1) & c.mask] <= t:
-        number += 1
-    while number > first and c.past_time[number & c.mask] > t:
-        number -= 1
-    return number
+from pddecont.simulate.integrator.calls import internal, offset
+from pddecont.simulate.integrator.past_reads import drop_past, read_past, read_past_slopes
+from pddecont.simulate.integrator.ring import (
+    evaluate_extension,
+    evaluate_extension_slope,
+    evaluate_history,
+    find_step_before,
+    time_tolerance,
+)
+from pddecont.simulate.integrator.state import ARC, FIRST, PIECE, PIECE_LEVEL, PIECE_SIZE, SHIFT, T_START, USED
 
 
 @internal
@@ -74,38 +61,6 @@ def find_step_in_arc(c, t, k):
 
 
 @internal
-def evaluate_extension(value, coefficients, row, s):
-    """Return the value of a continuous extension at ``s`` in [0, 1].
-
-    ``coefficients`` points to the first of them; the next are ``row`` numbers apart.
-
-    Reference: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993), section II.6.
-    """
-    r, y = 1.0 - s, coefficients[6 * row] * s
-    y = (y + coefficients[5 * row]) * r
-    y = (y + coefficients[4 * row]) * s
-    y = (y + coefficients[3 * row]) * r
-    y = (y + coefficients[2 * row]) * s
-    y = (y + coefficients[row]) * r
-    return value + (y + coefficients[0]) * s
-
-
-@internal
-def evaluate_extension_slope(coefficients, row, s):
-    """Return the derivative of a continuous extension in ``s``."""
-    y, slope = 0.0, 0.0
-    for i in range(N_COEFFICIENTS - 1, -1, -1):
-        y += coefficients[i * row]
-        if i % 2 == 0:
-            slope = slope * s + y
-            y *= s
-        else:
-            slope = slope * (1.0 - s) - y
-            y *= 1.0 - s
-    return slope
-
-
-@internal
 def interpolate_state(c, s, y, n):
     """Write the first ``n`` variables at ``s`` in [0, 1] of the present step to ``y``."""
     for i in range(n):
@@ -120,18 +75,11 @@ def _locate_in_arc(c, t, k):
 
 
 @internal
-def _evaluate_history(c, order, t, state):
-    """Return a state of the history before the start, or its derivative of an order."""
-    if c.count[CONSTANT] == 1:
-        return 0.0 if order > 0 else c.constant[state]
-    c.past_trial[state] = 0.0
-    call(c.history, order, t, c.constant, c.constant, c.p, c.past_trial)
-    return c.past_trial[state]
-
-
-@internal
 def read_delayed(c, t, y, xd, part):
     """Write the delayed values at ``t`` to ``xd``: of the states (``part`` 0) or of the tangent (1)."""
+    if c.is_general == 1:
+        read_past(c, t, y, xd, part)
+        return
     base = part * c.n_full
     n_past = c.n_kept * (1 + c.tangent)
     for i in range(c.n_pairs):
@@ -141,7 +89,7 @@ def read_delayed(c, t, y, xd, part):
         elif c.chain_n > 0:
             xd[i] = y[base + c.n + (i * c.chain_n + c.chain_n - 1) * c.chain_order]
         elif c.reading[k] < 0:
-            xd[i] = 0.0 if part == 1 else _evaluate_history(c, 0, t - c.tau[k], state)
+            xd[i] = 0.0 if part == 1 else evaluate_history(c, 0, t - c.tau[k], state)
         else:
             j, s = _locate_in_arc(c, t - c.tau[k], k)
             column = part * c.n_kept + c.place[state]
@@ -156,6 +104,9 @@ def read_delayed(c, t, y, xd, part):
 @internal
 def read_delayed_slopes(c, t, y, dy, slopes):
     """Write the time derivatives of the delayed values at ``t`` to ``slopes``; ``dy`` are those of ``y``."""
+    if c.is_general == 1:
+        read_past_slopes(c, t, y, dy, slopes)
+        return
     n_past = c.n_kept * (1 + c.tangent)
     for i in range(c.n_pairs):
         state, k = c.pair_state[i], c.pair_delay[i]
@@ -164,7 +115,7 @@ def read_delayed_slopes(c, t, y, dy, slopes):
         elif c.chain_n > 0:
             slopes[i] = dy[c.n + (i * c.chain_n + c.chain_n - 1) * c.chain_order]
         elif c.reading[k] < 0:
-            slopes[i] = _evaluate_history(c, 1, t - c.tau[k], state)
+            slopes[i] = evaluate_history(c, 1, t - c.tau[k], state)
         else:
             j, s = _locate_in_arc(c, t - c.tau[k], k)
             first = offset(c.past_coefficients, j * N_COEFFICIENTS * n_past + c.place[state])
@@ -176,12 +127,17 @@ def record_step(c, t, length, end):
     """Add the step just made to the past and drop the steps that no delay reaches any more."""
     if c.n_kept == 0 or c.chain_n > 0:
         return
-    while c.count[USED] > 1 and c.past_end[c.count[FIRST] & c.mask] < end - c.longest - time_tolerance(end):
-        c.count[FIRST] += 1
-        c.count[USED] -= 1
+    if c.n_varying > 0:
+        drop_past(c, end)
+    else:
+        while c.count[USED] > 1 and c.past_end[c.count[FIRST] & c.mask] < end - c.longest - time_tolerance(end):
+            c.count[FIRST] += 1
+            c.count[USED] -= 1
     j = (c.count[FIRST] + c.count[USED]) & c.mask
     c.past_time[j], c.past_length[j], c.past_end[j] = t, length, end
     c.past_arc[j], c.past_shift[j] = c.count[ARC], c.clock[SHIFT]
+    c.past_piece[j], c.past_level[j] = c.lag_count[PIECE], c.lag_count[PIECE_LEVEL]
+    c.past_size[j] = c.lag_time[PIECE_SIZE]
     n_past = c.n_kept * (1 + c.tangent)
     for k in range(c.n_kept):
         for part in range(1 + c.tangent):

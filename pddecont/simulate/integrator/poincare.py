@@ -12,7 +12,7 @@ from pddecont.simulate.integrator.calls import entry, internal
 from pddecont.simulate.integrator.core import make_core
 from pddecont.simulate.integrator.history import time_tolerance
 from pddecont.simulate.integrator.rhs import evaluate_rhs
-from pddecont.simulate.integrator.state import MODE, READY, T
+from pddecont.simulate.integrator.state import LONGEST, MODE, READY, T
 from pddecont.simulate.integrator.status import Status
 
 # A motion has a period when it comes back so closely, relative to its size, or so close in errors allowed in a step,
@@ -100,7 +100,8 @@ def follow_to_period(system, values, state, work, returns, period, phase, t_end,
             # As many times as the period is long, and longer than the longest delay.
             if (
                 running[q] >= REPEATS * q
-                and times[row] - times[(number - 1 - min(running[q], capacity - 1)) % capacity] >= values.longest
+                and times[row] - times[(number - 1 - min(running[q], capacity - 1)) % capacity]
+                >= max(values.longest, state.lag_time[LONGEST])
                 and _is_smallest_period(distances, number, q, capacity, same)
             ):
                 return np.int64(Status.SECTION), q

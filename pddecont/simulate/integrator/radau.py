@@ -16,6 +16,7 @@ import numpy as np
 from pddecont.simulate.integrator.buffers import N_COEFFICIENTS
 from pddecont.simulate.integrator.calls import call, internal, offset
 from pddecont.simulate.integrator.history import read_delayed
+from pddecont.simulate.integrator.past_reads import find_lag, read_for_derivatives
 from pddecont.simulate.integrator.rhs import evaluate_rhs
 from pddecont.simulate.integrator.state import MODE
 
@@ -147,6 +148,8 @@ def _evaluate_jacobian(c, mode, t):
     n, m, full, y = c.n, c.n_pairs, c.n_full, c.y
     result = np.zeros((full, full))
     read_delayed(c, t, y, c.xd, 0)
+    if c.is_general == 1:
+        read_for_derivatives(c, t, y, c.xd)
     for i in range(n * (n + m)):
         c.jacobian[i] = 0.0
     call(c.field_jacobian[mode], c.field_case[mode], t, y, c.xd, c.p, c.jacobian)
@@ -155,7 +158,10 @@ def _evaluate_jacobian(c, mode, t):
             result[i, j] = c.jacobian[i * n + j]
         for j in range(m):
             slope = c.jacobian[n * n + i * m + j]
-            if c.tau[c.pair_delay[j]] == 0.0:
+            if c.is_general == 1:
+                if c.pair_delay[j] >= 0 and c.pair_derivative[j] == 0 and find_lag(c, c.pair_delay[j]) == 0.0:
+                    result[i, c.pair_state[j]] += slope
+            elif c.tau[c.pair_delay[j]] == 0.0:
                 result[i, c.pair_state[j]] += slope
             elif c.chain_n > 0:
                 result[i, n + (j * c.chain_n + c.chain_n - 1) * c.chain_order] += slope

@@ -4,21 +4,34 @@ from __future__ import annotations
 
 import numpy as np
 
-from pddecont.simulate.integrator.breaking import add_breaking_points, pass_breaking_points, queues_have_capacity
+from pddecont.simulate.integrator.breaking import (
+    LEVELS,
+    add_breaking_points,
+    add_returns,
+    drop_breaking_points,
+    pass_breaking_points,
+    queues_have_capacity,
+)
 from pddecont.simulate.integrator.buffers import make_log
-from pddecont.simulate.integrator.calls import entry
+from pddecont.simulate.integrator.calls import entry, internal
 from pddecont.simulate.integrator.core import make_core
 from pddecont.simulate.integrator.event_sides import note_sides
 from pddecont.simulate.integrator.history import choose_arcs, time_tolerance
+from pddecont.simulate.integrator.lag_crossing import choose_pieces
 from pddecont.simulate.integrator.state import (
     ARC,
     FIRST,
     FRESH,
+    KNOWN_FROM,
     LAST_EVENT,
     LAST_EVENT_TIME,
     MODE,
     N_BREAKING,
     N_STEPS,
+    PIECE,
+    PIECE_LEVEL,
+    PIECE_SIZE,
+    PIECE_START,
     READY,
     SHIFT,
     SIMULTANEOUS,
@@ -51,6 +64,13 @@ def begin_inside_arc(system, values, state, work, t, begin, mode, arc):
         c.accumulation[row] = -np.inf
         for i in range(1, 4):
             c.accumulation[row + i] = 0.0
+    if c.is_general == 1:
+        if not queues_have_capacity(c, c.count[USED]):
+            return np.int64(Status.CAPACITY)
+        _begin_pieces(c, t, begin)
+        note_sides(c, t)
+        c.count[FRESH] = 0
+        return np.int64(Status.REACHED)
     last = c.past_arc[c.count[FIRST] & c.mask]
     for number in range(c.count[FIRST], c.count[FIRST] + c.count[USED]):
         j = number & c.mask
@@ -65,3 +85,26 @@ def begin_inside_arc(system, values, state, work, t, begin, mode, arc):
     note_sides(c, t)
     c.count[FRESH] = 0
     return np.int64(Status.REACHED)
+
+
+@internal
+def _begin_pieces(c, t, begin):
+    """Let every step of the past be a piece of its own, and choose those that are read at ``t``.
+
+    Between the steps of a polynomial orbit derivatives jump by its error, within an arc by no more: such jumps come back
+    once.
+    """
+    first, end = c.count[FIRST], c.count[FIRST] + c.count[USED]
+    for number in range(first, end):
+        j = number & c.mask
+        starts_arc = number > first and c.past_arc[j] != c.past_arc[(number - 1) & c.mask]
+        c.past_piece[j], c.past_size[j] = number - first, 1.0
+        c.past_level[j] = 0 if starts_arc else LEVELS - 1
+        if number > first:
+            add_returns(c, c.past_time[j], c.past_level[j], c.past_size[j])
+    drop_breaking_points(c, t)
+    c.lag_count[PIECE], c.lag_time[PIECE_START] = end - first, t
+    c.lag_count[PIECE_LEVEL], c.lag_time[PIECE_SIZE] = LEVELS - 1, 1.0
+    c.lag_time[KNOWN_FROM] = begin
+    choose_arcs(c, t - JUST_BEFORE * time_tolerance(t))
+    choose_pieces(c, t)

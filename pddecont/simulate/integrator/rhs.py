@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pddecont.simulate.integrator.calls import call, internal
 from pddecont.simulate.integrator.history import read_delayed
+from pddecont.simulate.integrator.past_reads import read_for_derivatives
 
 
 @internal
@@ -21,6 +22,8 @@ def evaluate_rhs(c, mode, t, y, dy):
     if c.chain_n > 0:
         _evaluate_chain(c, y, dy, 0)
     if c.tangent == 1:
+        if c.is_general == 1:
+            read_for_derivatives(c, t, y, c.xd)
         read_delayed(c, t, y, c.xd_slope, 1)
         for i in range(n * (n + m)):
             c.jacobian[i] = 0.0

@@ -33,7 +33,8 @@ class IntegratorState(NamedTuple):
         (an event may cut it), the arc that it belongs to, how much later that arc began for the tangent, and the
         continuous extension of the states that are kept (capacity, n_kept), (capacity, N_COEFFICIENTS, n_kept).
     cursor, reading
-        The step that each delay read last, and the arc that it reads in the present step (n_delays,).
+        The step that each delay read last, and the arc that it reads in the present step (n_delays,); of a lag that
+        varies its piece (n_delays + n_varying,). Those of integrals follow among the former.
     pending_time, pending_event, pending_shift
         Delayed events under way, in order of time (capacity,).
     breaking_time, breaking_level
@@ -49,6 +50,13 @@ class IntegratorState(NamedTuple):
         How far from zero its last event left each of these functions: so far they count as zero (n_segments + 1,).
     next_step
         The length that the next step may have in each mode (n_modes,); 0: none was made there.
+    past_piece, past_level, past_size
+        Of each step of the past its piece, between one jump in a derivative and the next, which derivative jumps where
+        the piece begins, and how large at most its rate jumps there, relative to the jump at an event (capacity,).
+    breaking_size
+        The same of breaking points to come (capacity,).
+    lag_time, lag_count
+        Times and numbers of lags that vary, of rates and of integrals, by the places named below.
     resume
         1 if the events of the present moment are not all handled, the event that has to come next (-1: any), and the
         status to come back with when they are, and the segment
@@ -79,6 +87,12 @@ class IntegratorState(NamedTuple):
     residue: Array
     next_step: Array
     resume: Integers
+    past_piece: Integers
+    past_level: Integers
+    past_size: Array
+    breaking_size: Array
+    lag_time: Array
+    lag_count: Integers
 
 
 # Places in IntegratorState.clock: the present time, the start, where events accumulate, how much later the present arc
@@ -106,6 +120,16 @@ N_CLOCK = 5
     UNRESOLVED,
 ) = range(14)
 N_COUNT = 14
+# Places in IntegratorState.lag_time: when the present piece began, how large its rate jumped there at most, the longest
+# lag so far, from when on the past is known, the length of the step whose extension is held, what counts as zero of the
+# function t - lag at the moment, and when a lag last passed from one piece to another.
+PIECE_START, PIECE_SIZE, LONGEST, KNOWN_FROM, HELD_LENGTH, ZERO, LAST_TURN = range(7)
+N_LAG_TIME = 7
+# Places in IntegratorState.lag_count: the present piece, which derivative jumped where it began, 1 while an extension
+# of the present step is held to be read, 1 where the step read itself, 1 within a step, 1 where the past was read
+# farther back than it is known, a lag that is below zero (-1: none), and pieces changed at one time.
+PIECE, PIECE_LEVEL, HELD, OVERLAPS, IN_STEP, UNKNOWN, ADVANCED, TURNS_AT_ONCE = range(8)
+N_LAG_COUNT = 8
 
 
 @either
@@ -119,8 +143,13 @@ def make_state(system: System, values: ParameterValues, n_steps: int = 0) -> Int
     dimension = system.n_full * (1 + system.tangent)
     accumulation = np.zeros((n_events, 4))
     accumulation[:, 0] = -np.inf
-    reading = np.zeros(len(values.tau), np.int64)
+    n_slots = len(values.tau) + system.n_varying
+    reading = np.zeros(n_slots, np.int64)
     reading[:] = -1
+    lag_time = np.zeros(N_LAG_TIME)
+    lag_time[KNOWN_FROM] = lag_time[LAST_TURN] = -np.inf
+    lag_count = np.zeros(N_LAG_COUNT, np.int64)
+    lag_count[ADVANCED] = -1
     return IntegratorState(
         np.zeros(N_CLOCK),
         np.zeros(N_COUNT, np.int64),
@@ -133,7 +162,7 @@ def make_state(system: System, values: ParameterValues, n_steps: int = 0) -> Int
         np.zeros(capacity),
         np.zeros((capacity, n_past)),
         np.zeros((capacity, N_COEFFICIENTS, n_past)),
-        np.zeros(len(values.tau), np.int64),
+        np.zeros(n_slots + system.n_integrals, np.int64),
         reading,
         np.zeros(capacity),
         np.zeros(capacity, np.int64),
@@ -146,6 +175,12 @@ def make_state(system: System, values: ParameterValues, n_steps: int = 0) -> Int
         np.zeros(len(system.segment_mode) + 1),
         np.zeros(system.n_modes),
         np.zeros(4, np.int64),
+        np.zeros(capacity, np.int64),
+        np.zeros(capacity, np.int64),
+        np.zeros(capacity),
+        np.zeros(capacity),
+        lag_time,
+        lag_count,
     )
 
 
@@ -163,11 +198,13 @@ def enlarge(state: IntegratorState) -> IntegratorState:
     time, length, end = np.zeros(new), np.zeros(new), np.zeros(new)
     arc, shift = np.zeros(new, np.int64), np.zeros(new)
     value = np.zeros((new, state.past_value.shape[1]))
+    piece, level, size = np.zeros(new, np.int64), np.zeros(new, np.int64), np.zeros(new)
     coefficients = np.zeros((new, state.past_coefficients.shape[1], state.past_coefficients.shape[2]))
     for number in range(state.count[FIRST], state.count[FIRST] + state.count[USED]):
         i, j = number % old, number % new
         time[j], length[j], end[j] = state.past_time[i], state.past_length[i], state.past_end[i]
         arc[j], shift[j] = state.past_arc[i], state.past_shift[i]
+        piece[j], level[j], size[j] = state.past_piece[i], state.past_level[i], state.past_size[i]
         value[j] = state.past_value[i]
         coefficients[j] = state.past_coefficients[i]
     return IntegratorState(
@@ -195,4 +232,10 @@ def enlarge(state: IntegratorState) -> IntegratorState:
         state.residue,
         state.next_step,
         state.resume,
+        piece,
+        level,
+        size,
+        _double(state.breaking_size),
+        state.lag_time,
+        state.lag_count,
     )

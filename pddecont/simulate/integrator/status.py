@@ -19,3 +19,5 @@ class Status(IntEnum):
     NOT_FINITE = 8  # the solution or its slope is infinite or NaN
     REPELLED = 9  # both vector fields point away from a surface that the motion is on
     NEW_WAY = 10  # an event leads to where the tables have nothing yet: call again with larger ones
+    ADVANCED = 11  # a lag is below zero
+    PAST_UNKNOWN = 12  # a lag reaches farther back than the past is known

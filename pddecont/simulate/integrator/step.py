@@ -13,9 +13,11 @@ from pddecont.simulate.integrator.dop853 import (
 )
 from pddecont.simulate.integrator.event_sides import note_sides
 from pddecont.simulate.integrator.history import choose_arcs, time_tolerance
+from pddecont.simulate.integrator.lag_crossing import check_lags, choose_pieces
+from pddecont.simulate.integrator.overlap import enter_step, hold_extension, try_any_step
 from pddecont.simulate.integrator.radau import extend_stiff_step, try_stiff_step
 from pddecont.simulate.integrator.rhs import evaluate_rhs
-from pddecont.simulate.integrator.state import FRESH, MODE, N_REJECTED, READY
+from pddecont.simulate.integrator.state import FRESH, MODE, N_REJECTED, READY, UNKNOWN
 from pddecont.simulate.integrator.status import Status
 from pddecont.simulate.integrator.variational import choose_arcs_with_tangent
 
@@ -49,11 +51,18 @@ def make_step(c, t, stop):
         if c.tangent == 1
         else choose_arcs(c, t + 0.5 * _trial_length(c, first))
     )
-    if changed or c.count[READY] == 0 or c.stiff == 1:
+    if c.is_general == 1 and c.count[FRESH] == 1:
+        choose_pieces(c, t)
+    c.lag_count[UNKNOWN] = 0
+    if changed or c.count[READY] == 0 or c.stiff == 1 or c.is_general == 1:
         evaluate_rhs(c, mode, t, c.y, c.stages)
     else:
         for i in range(c.dimension):
             c.stages[i] = c.stages[N_STAGES * c.dimension + i]
+    if c.is_general == 1:
+        status = check_lags(c, t)
+        if status != Status.REACHED:
+            return 0.0, status
     if c.next_step[c.count[MODE]] == 0.0:
         c.next_step[c.count[MODE]] = _choose_first_length(c, t, first)
         choose_arcs(c, t + 0.5 * _trial_length(c, first))
@@ -61,9 +70,11 @@ def make_step(c, t, stop):
         note_sides(c, t)
     wanted = min(c.next_step[c.count[MODE]], c.max_step)
     # Delays, events, the section and the log read the extension of a step; without any of them there is none.
-    within = (c.n_delays > 0 and c.chain_n == 0) or c.n_segments > 0
+    within = (c.n_delays > 0 and c.chain_n == 0) or c.n_segments > 0 or c.is_general == 1
     extended = within or c.section >= 0 or c.log_steps > 0
     rejected = False
+    if c.is_general == 1:
+        enter_step(c)
     while True:
         h = wanted if STRETCH * wanted < rest else rest
         if rest > h > 0.5 * rest:
@@ -73,7 +84,10 @@ def make_step(c, t, stop):
                 if not math.isfinite(c.y[i]) or not math.isfinite(c.stages[i]):
                     return h, Status.NOT_FINITE
             return h, Status.STEP_TOO_SMALL
-        error = try_stiff_step(c, t, h) if c.stiff == 1 else try_explicit_step(c, t, h)
+        if c.is_general == 1:
+            error = try_any_step(c, t, h)
+        else:
+            error = try_stiff_step(c, t, h) if c.stiff == 1 else try_explicit_step(c, t, h)
         order = STIFF_ORDER if c.stiff == 1 else EXPLICIT_ORDER
         if error <= 1.0 and c.stiff == 0 and extended:
             extend_explicit_step(c, t, h)
@@ -93,6 +107,10 @@ def make_step(c, t, stop):
         wanted = h * (NOT_FINITE_SHRINK if not math.isfinite(error) else max(SHRINK, SAFETY * error ** (-1.0 / order)))
     if c.stiff == 1:
         extend_stiff_step(c)
+    if c.is_general == 1:
+        hold_extension(c, h)
+        if c.lag_count[UNKNOWN] == 1:
+            return h, Status.PAST_UNKNOWN
     return h, Status.REACHED
 
 

@@ -83,6 +83,22 @@ class System(NamedTuple):
         1 for Radau IIA, 0 for DOP853.
     n_modes
         Modes of the model.
+    is_general
+        1 where values are read by lags that vary, as rates, or as integrals; 0 where all of them are states constant
+        delays ago. What follows is read only where it is 1.
+    n_values
+        Delayed values; integrals come after them. The state and delay of an integral are -1.
+    n_varying, n_integrals, n_turns, n_first_turns
+        Lags that vary (their slots come after those of the constant ones), integrals, turns, and those of them that come
+        first: only derivatives need the others.
+    pair_derivative, is_rate
+        How often each value that is read is differentiated, and 1 for a rate that fields depend on (n_pairs,).
+    turn_kind, turn_number
+        What to evaluate in order: 0 a lag that varies, 1 a delayed value, 2 an integral, and its number (n_turns,).
+    low, high
+        The slots of each integral's limits (n_integrals,); -1 for zero.
+    lags, integrands
+        The addresses of the lags that vary, and of the integrands g: case 2 q is g, case 2 q + 1 dg/ds and dg/dx.
     """
 
     field: Integers
@@ -145,6 +161,20 @@ class System(NamedTuple):
     stop_event: int
     stiff: int
     n_modes: int
+    is_general: int
+    n_values: int
+    n_varying: int
+    n_integrals: int
+    n_turns: int
+    n_first_turns: int
+    pair_derivative: Integers
+    is_rate: Integers
+    turn_kind: Integers
+    turn_number: Integers
+    low: Integers
+    high: Integers
+    lags: int
+    integrands: int
 
 
 class ParameterValues(NamedTuple):
@@ -153,7 +183,8 @@ class ParameterValues(NamedTuple):
     Attributes
     ----------
     p, tau, event_delay
-        Parameters (n_parameters,), delays (n_delays,), and the delay of each event that is a delayed one (n_events,).
+        Parameters (n_parameters,), constant delays and limits of integrals (n_delays,), and the delay of each event
+        that is a delayed one (n_events,).
     max_step
         The longest step.
     rtol, atol

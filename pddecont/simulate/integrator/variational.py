@@ -13,8 +13,10 @@ from __future__ import annotations
 from pddecont.simulate.integrator.calls import call, internal, offset
 from pddecont.simulate.integrator.event_functions import evaluate_event_slope
 from pddecont.simulate.integrator.history import choose_arcs, find_step_before, read_delayed, read_delayed_slopes
+from pddecont.simulate.integrator.past_reads import read_for_derivatives
+from pddecont.simulate.integrator.pieces import find_first_step
 from pddecont.simulate.integrator.rhs import evaluate_rhs
-from pddecont.simulate.integrator.state import MODE, T_START, USED
+from pddecont.simulate.integrator.state import FIRST, MODE, SHIFT, T_START, USED
 
 
 @internal
@@ -41,6 +43,8 @@ def map_tangent(c, reset, mode, t, shift):
     flow, moved, result = c.slope, offset(c.slope, 2 * c.dimension), offset(c.slope, c.dimension)
     evaluate_rhs(c, mode, t, y, flow)
     read_delayed(c, t, y, c.xd, 0)
+    if c.is_general == 1:
+        read_for_derivatives(c, t, y, c.xd)
     for i in range(n * (n + m + 1)):
         c.jacobian[i] = 0.0
     call(c.reset_jacobian[reset], c.reset_case[reset], t, y, c.xd, c.p, c.jacobian)
@@ -65,6 +69,31 @@ def set_tangent(c, mode, t, shift):
     evaluate_rhs(c, mode, t, c.y, c.slope)
     for i in range(c.n_full):
         c.y[c.n_full + i] = c.slope[c.dimension + i] - c.slope[i] * shift
+
+
+@internal
+def jump_at_lag(c, k, slot, target, later, t):
+    """Let the tangent jump where lag ``k`` passes to piece ``target``; the ``later`` of both begins at the jump there.
+
+    With the read time a(t) = t - lag and a jump at xi, a neighbour passes it (d xi - d a) / a' later.
+    """
+    n, m, y = c.n, c.n_pairs, c.y
+    slope, _ = evaluate_event_slope(c, c.n_events + 2 * k, c.count[MODE], t, y)
+    read_delayed(c, t, y, c.xd_slope, 1)
+    moved = 0.0
+    for i in range(n):
+        moved += c.gradient[i] * y[c.n_full + i]
+    for i in range(m):
+        moved += c.gradient[n + i] * c.xd_slope[i]
+    number = find_first_step(c, later)
+    inside = number < c.count[FIRST] + c.count[USED]
+    own = c.past_shift[number & c.mask] if inside else c.clock[SHIFT]
+    shift = (own - moved) / slope if slope != 0.0 else 0.0
+    evaluate_rhs(c, c.count[MODE], t, y, offset(c.slope, c.dimension))
+    c.reading[slot] = target
+    evaluate_rhs(c, c.count[MODE], t, y, c.slope)
+    for i in range(c.n_full):
+        y[c.n_full + i] += (c.slope[c.dimension + i] - c.slope[i]) * shift
 
 
 @internal

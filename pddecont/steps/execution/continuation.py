@@ -21,6 +21,7 @@ from pddecont.bifurcation import (
 )
 from pddecont.continuation import (
     END_POINT,
+    Boundary,
     BranchPoint,
     BranchState,
     CurvePoint,
@@ -38,6 +39,7 @@ from pddecont.orbit import (
     OrbitHorizon,
     PeriodicOrbitSystem,
     RangeBoundary,
+    VaryingDelayBoundary,
     bound_amplitude,
     estimate_error,
     list_images,
@@ -125,7 +127,14 @@ class _Branch:
         amplitude = bound_amplitude(self.first.point.at.orbit)
         first = self.first.point.at.orbit
         delays = DelayBoundary(first.numeric, first.parameters, first.problem.free_index)
-        boundaries = (RangeBoundary(self.settings.free, self.settings.ranges), delays, DurationBoundary(), amplitude)
+        varying = [VaryingDelayBoundary(first.numeric)] if first.numeric.model.varying else []
+        boundaries: list[Boundary[Any]] = [
+            RangeBoundary(self.settings.free, self.settings.ranges),
+            delays,
+            *varying,
+            DurationBoundary(),
+            amplitude,
+        ]
         home = _make_home(_turn(self.first, way), self.settings.widths)
         horizon = OrbitHorizon(self.first.point.at.orbit.free)
         for _ in range(MAX_SIGNATURES):

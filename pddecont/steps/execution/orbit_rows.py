@@ -28,7 +28,7 @@ def make_orbit_meta(plan: Plan, step: PlannedStep[Any], recorded: Step | None = 
     return {
         "monitors": list(plan.monitors),
         "events": list(dict.fromkeys([*before, *plan.model.events])),
-        "delayed": [s.name for s in plan.model.delayed_symbols],
+        "delayed": [s.name for s in plan.model.read_symbols],
         "kinds": {kind.label: kind.name for kind in list_kinds()},
         "mesh_settings": step.mesh_settings,
         "units": find_units(plan),
@@ -141,7 +141,9 @@ def find_surfaces(orbit: Orbit, events: Sequence[str]) -> Array:
         }:
             continue
         function = orbit.numeric.event(event.name)
-        d = function.derivatives(np.zeros(2), np.outer(np.ones(n), [0.0, 1.0]), np.zeros((len(model.delayed), 2)), p)
+        d = function.derivatives(
+            np.zeros(2), np.outer(np.ones(n), [0.0, 1.0]), np.zeros((len(model.read_symbols), 2)), p
+        )
         rounding = ROUNDING * (1 + np.max(np.abs(d.dx), initial=0.0))
         if np.allclose(d.dx[:, 0], d.dx[:, 1], rtol=0, atol=rounding) and np.all(np.isfinite(d.value)):
             result[i] = 0.0

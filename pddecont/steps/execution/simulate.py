@@ -34,7 +34,7 @@ def compute_trajectory(
     """Return the trajectory of a simulate step by ``method``; ``on_progress`` is called with times reached."""
     settings = step.settings
     # Signals read delayed values of what is recorded.
-    longest = max(float(np.max(plan.numeric.delays.value(p), initial=0.0)) for _, p in settings.stages)
+    longest = max(plan.numeric.find_longest_delay(p) for _, p in settings.stages)
     return simulate(
         plan.numeric,
         settings.parameters,
@@ -46,7 +46,7 @@ def compute_trajectory(
         constant=settings.start.constant,
         history=settings.history,
         schedule=settings.schedule,
-        keep_from=settings.record_from - longest,
+        keep_from=max(settings.record_from - longest, 0.0),
         on_progress=on_progress,
     )
 

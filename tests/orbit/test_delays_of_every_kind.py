@@ -1,0 +1,53 @@
+"""Smooth orbits with delays that vary, rates and integrals of the past, against Fourier collocation."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from pddecont.collocation import MeshRule
+from pddecont.orbit.system import PeriodicOrbitSystem, measure_orbit
+from tests.delay_kinds import KINDS, exact, solve
+
+
+def measure_error(kind, orbit):
+    """Return the largest error of an orbit's base values, its phase fitted where it has none of its own."""
+    known, times = exact(kind), orbit.start + orbit.mesh.base_times(orbit.theta)
+    shift = 0.0
+    for _ in range(5 if not KINDS[kind][3] else 0):
+        rate = known(times + shift, 1)[0]
+        shift += float(rate @ (orbit.values[:, 0] - known(times + shift)[0]) / (rate @ rate))
+    return float(np.max(np.abs(orbit.values[:, 0] - known(times + shift)[0])))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_smooth_orbits_against_fourier_collocation(kind):
+    orbit = solve(kind, MeshRule(7, None, 1e-12))
+    assert abs(orbit.period - exact(kind).period) < 1e-10
+    assert measure_error(kind, orbit) < 1e-10
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_orders(kind):
+    """Values converge with order m + 1 as with constant delays; rates of polynomials of degree m with order m."""
+    degree = 4
+    coarse, fine = (measure_error(kind, solve(kind, MeshRule(degree, n, None))) for n in (32, 64))
+    assert math.log2(coarse / fine) > (degree - 0.3 if kind == "neutral" else degree + 0.7)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_derivatives_are_those_of_the_residuals(kind):
+    orbit = solve(kind, MeshRule(3, 8, None))
+    free = tuple(orbit.numeric.model.parameters)
+    system = PeriodicOrbitSystem(orbit.with_free(free).problem, measure_orbit(orbit))
+    x = orbit.with_free(free).x
+    x = x + 1e-3 * np.sin(np.arange(len(x)))
+    jacobian, step = system.at(x).jacobian().toarray(), 1e-5
+    for column, unit in enumerate(np.eye(len(x))):
+        pairs = [(8.0, step), (-1.0, 2 * step)]
+        slope = sum(w * (system.at(x + h * unit).residual - system.at(x - h * unit).residual) for w, h in pairs) / (
+            12 * step
+        )
+        assert jacobian[:, column] == pytest.approx(slope, abs=2e-9 * np.max(np.abs(jacobian)))
