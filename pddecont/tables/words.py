@@ -123,8 +123,8 @@ def describe_neutral(radius: Scalar) -> str:
             "characteristic roots may lie to the right of the imaginary axis, and no count of them is made"
         )
     return (
-        f"the coefficients of delayed rates come to {float(radius):.6g} together, near 1: infinitely many characteristic "
-        "roots lie next to the imaginary axis, and small changes of parameters may put them to its right"
+        f"the coefficients of delayed rates come to {float(radius):.6g} together, near 1: infinitely many "
+        "characteristic roots lie next to the imaginary axis, and small changes of parameters may put them to its right"
     )
 
 
