@@ -35,11 +35,11 @@ from pddecont.simulate.integrator import (
     make_state,
     run,
 )
+from pddecont.simulate.known_past import make_constant_past, make_history_past, read_values
 from pddecont.simulate.method import Method
 from pddecont.simulate.model_numbers import make_values
 from pddecont.simulate.part_tables import PartTables
 from pddecont.simulate.reached_system import ReachedSystem
-from pddecont.simulate.read_values import make_constant_past, make_history_past, read_values
 from pddecont.simulate.returns import ReturnSection
 from pddecont.simulate.start_modes import read_mode, read_start_modes
 
