@@ -115,7 +115,9 @@ def _find_end(motion, panel, read_times, event):
 
     motion.trial = panel
     for lag, read_time in read_times.items():
-        low, high = motion.find_ends(motion.reading.get(lag, motion.find_piece(read_time(motion.t, motion.states, motion))))
+        low, high = motion.find_ends(
+            motion.reading.get(lag, motion.find_piece(read_time(motion.t, motion.states, motion)))
+        )
         at = lambda t, r=read_time: r(t, motion.evaluate(panel, t), motion)  # noqa: E731
         if np.isfinite(high):
             look(lambda t, high=high: at(t) - high, lag, 1)
@@ -182,7 +184,13 @@ def _mend_pieces(motion, panel, read_times):
     for lag, read_time in read_times.items():
         there, later = read_time(panel[0], motion.states, motion), read_time(soon, motion.evaluate(panel, soon), motion)
         low, high = motion.find_ends(motion.reading.setdefault(lag, motion.find_piece(there)))
-        way = 1 if later > high + 1e-13 and there >= high - 1e-12 else -1 if later < low - 1e-13 and there <= low + 1e-12 else 0
+        way = (
+            1
+            if later > high + 1e-13 and there >= high - 1e-12
+            else -1
+            if later < low - 1e-13 and there <= low + 1e-12
+            else 0
+        )
         motion.reading[lag] += way
         mended = mended or way != 0
     return mended
