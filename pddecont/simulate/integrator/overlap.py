@@ -1,7 +1,7 @@
 """Steps that read themselves: lags shorter than a step, lags that vanish, and integrals that begin at the present.
 
-Such a step is implicit. It is repeated with the extension that the last try left, beginning with that of the step before
-it continued, until the extension is its own.
+Such a step is implicit. It is repeated with the extension that the last try left, beginning with that of the step
+before it continued, until the extension is its own.
 
 Reference: Bellen, Zennaro, Numerical Methods for Delay Differential Equations (2003), section 4.1 (overlapping).
 """
