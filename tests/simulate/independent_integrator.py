@@ -1,8 +1,8 @@
 """An integrator for delay equations of every kind that shares nothing with the program: panels of Picard iterations.
 
-On a panel [t, t + h] the motion is a Chebyshev series; x -> x(t) + int f is repeated on its nodes until nothing changes.
-What is read of the panel itself is the iterate. Panels end where a lag passes from one smooth piece of the past to
-the next, and where an event function crosses zero; both are found on the series by bisection.
+On a panel [t, t + h] the motion is a Chebyshev series; x -> x(t) + int f is repeated on its nodes until nothing
+changes. What is read of the panel itself is the iterate. Panels end where a lag passes from one smooth piece of the
+past to the next, and where an event function crosses zero; both are found on the series by bisection.
 """
 
 from __future__ import annotations
