@@ -61,8 +61,8 @@ class Simulator:
     Raises
     ------
     ConvergenceError
-        If the chain of the delay method has growing solutions or cannot hold what the model reads, or a tangent is asked
-        of the stiff method or of a model whose tangent is not known.
+        If the chain of the delay method has growing solutions or cannot hold what the model reads, or a tangent is
+        asked of the stiff method or of a model whose tangent is not known.
     """
 
     numeric: NumericModel
@@ -288,8 +288,8 @@ def _refuse_tangent(model: Model) -> None:
     rates = list_rates(model)
     if rates:
         raise ConvergenceError(
-            f"Lyapunov exponents are not computed for models that read rates of the past ({rates[0]}): jumps of the rate "
-            "never end there"
+            f"Lyapunov exponents are not computed for models that read rates of the past ({rates[0]}): jumps of the "
+            "rate never end there"
         )
     if model.integrals and not model.smooth:
         raise ConvergenceError(
