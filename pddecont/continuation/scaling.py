@@ -13,15 +13,18 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Scaling:
-    """Typical size and weight of each unknown, shape (n_unknowns,) each: |dx|^2 = sum_i weight_i (dx_i / scale_i)^2."""
+    """Typical size and weight of each unknown, shape (n_unknowns,) each: |dx|^2 = sum_i weight_i (dx_i / scale_i)^2.
+
+    An unknown of weight 0 follows from others and makes no length of its own.
+    """
 
     scale: Array
     weight: Array
 
     @cached_property
     def size(self) -> Array:
-        """How far each unknown moves when a direction of length one lies along it."""
-        return self.scale / np.sqrt(self.weight)
+        """How far each unknown moves when a direction of length one lies along it; its scale where it has no weight."""
+        return self.scale / np.sqrt(np.where(self.weight > 0.0, self.weight, 1.0))
 
     def dot(self, a: Array, b: Array) -> float:
         """Return the inner product of two directions."""

@@ -39,7 +39,7 @@ def simulate_onwards(orbit: Orbit, p: Array, n_turns: float) -> Trajectory:
     states = orbit.mesh.interpolate(orbit.values, at)[0]
     simulator = Simulator(orbit.numeric, Direct())
     values = simulator.values(np.asarray(p, dtype=float))
-    past = make_past(orbit, begin - ROOM * values.longest, begin)
+    past = make_past(orbit, begin - ROOM * max(values.longest, find_reach(orbit)), begin)
     pending = [(orbit.start + t, name) for t, since, name in list_started_events(orbit) if since < begin < t]
     t = orbit.start + begin
     state = restart_motion(simulator, values, past, t, states, orbit.signature.segments[s].mode, pending)

@@ -12,7 +12,7 @@ from pddecont.collocation import Density, Mesh, MeshRule
 from pddecont.model import Segment
 from pddecont.orbit.orbit import Orbit
 from pddecont.orbit.problem import OrbitProblem
-from pddecont.orbit.remesh import find_density, make_mesh
+from pddecont.orbit.remesh import find_density, make_mesh, transfer_orbit
 from pddecont.orbit.signature import Signature, link_delayed_events
 
 Array = NDArray[np.float64]
@@ -42,7 +42,8 @@ def resegment(orbit: Orbit, spans: Sequence[SegmentSpan], rule: MeshRule, n_peri
     signature = Signature(problem.numeric, tuple(span.segment for span in spans))
     start = orbit.start + spans[0].begin
     durations = np.array([span.end - span.begin for span in spans])
-    theta = np.concatenate([durations, orbit.theta[orbit.mesh.n_segments :]])
+    n_known = orbit.mesh.n_segments + len(problem.numeric.model.delays)
+    theta = np.concatenate([durations, orbit.theta[orbit.mesh.n_segments : n_known]])
     links = link_delayed_events(signature, problem.parameters, durations)
 
     def on(mesh: Mesh, reference: Array | None = None) -> OrbitProblem:
@@ -52,7 +53,10 @@ def resegment(orbit: Orbit, spans: Sequence[SegmentSpan], rule: MeshRule, n_peri
     mesh = make_mesh(on(Mesh(rule.degree, len(spans), ())), theta, rule, density)
     values = sample_spans(orbit, orbit.values, spans, mesh, theta)
     new = on(mesh, values if signature.needs_phase_reference else None)
-    return Orbit(new, new.unknowns.join(values, durations, start, np.zeros(0)))
+    guess = Orbit(new, new.unknowns.join(values, durations, start, np.zeros(0)))
+    if not problem.numeric.model.varying:
+        return guess
+    return transfer_orbit(guess, make_mesh(new, theta, rule, density, guess))
 
 
 def _follow_density(orbit: Orbit, spans: Sequence[SegmentSpan], durations: Array, tol: float) -> Density:

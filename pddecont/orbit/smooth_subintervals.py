@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from pddecont.collocation import Mesh, MeshPoints
 from pddecont.orbit.orbit import Orbit
+from pddecont.orbit.preimages import PreimageSearch
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
@@ -49,7 +50,16 @@ def find_smooth_subintervals(orbit: Orbit, intervals: Ints, *, delays: bool) -> 
     if not delays or orbit.problem.delay.stages is not None:
         return whole
     mesh, theta = orbit.mesh, orbit.theta
-    echoes = ((mesh.start @ theta)[:, None] + theta[mesh.n_segments :]).ravel()
+    n_constant = len(orbit.numeric.model.delays)
+    starts, delays_now = mesh.start @ theta, theta[mesh.n_segments : mesh.n_segments + n_constant]
+    echoes = (starts[:, None] + delays_now).ravel()
+    if orbit.numeric.model.varying:
+        search = PreimageSearch(orbit)
+        numbers = range(n_constant, n_constant + len(orbit.numeric.model.varying))
+        # Between breaking points what is read bends by no more than the orbit's error.
+        edges = [float(piece.start @ theta) for piece in mesh.pieces]
+        later = [b for k in numbers for edge in edges for b, _ in search.find(k, edge)]
+        echoes = np.concatenate([echoes, later])
     cuts, _ = mesh.locate(theta, echoes)
     kept = (cuts.sigma > APART) & (cuts.sigma < 1.0 - APART) & np.isin(cuts.interval, intervals)
     interval = np.concatenate([cuts.interval[kept], intervals])

@@ -106,7 +106,7 @@ class PeriodicOrbitSystem:
         weight[unknowns.values] = 1.0 / unknowns.values.stop
         scale[unknowns.moving] = scale[unknowns.start] = sizes.period
         weight[unknowns.durations] = 1.0 / (unknowns.durations.stop - unknowns.durations.start)
-        weight[unknowns.breaking] = 1.0 / unknowns.values.stop
+        weight[unknowns.breaking] = 0.0
         scale[unknowns.free] = sizes.ranges
         return Scaling(scale, weight)
 
