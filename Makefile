@@ -48,6 +48,7 @@ bench: setup         ## ratios, each measured in one process
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.run
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.continuation
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.equilibria
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.delays
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.simulator
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.effects
 

@@ -83,15 +83,20 @@ def _load_model(file: str, without: tuple[str, ...]) -> tuple[Model, list[str] |
 
 def model_info(file: str, without: tuple[str, ...]) -> dict[str, Any]:
     """Return what a model, or a run file and its model, holds."""
+    from pddecont.model import list_reads
+
     model, steps = _load_model(file, without)
-    delays = [s.name for s in model.delayed_symbols]
+    read = list_reads(model)
+    # Values by constant delays are named even where only rates of switches need them.
+    read |= {s for r, s in zip(model.delayed, model.delayed_symbols, strict=True) if r.delay < len(model.delays)}
     return {
         "model": model.name,
         "reference": model.reference,
         "states": list(model.states),
         "parameters": dict(model.parameters),
         "forcing period": None if model.period is None else str(model.period),
-        "delayed": delays,
+        "delayed": [s.name for s in model.delayed_symbols if s in read],
+        **({"integrals": [s.name for s in model.integral_symbols if s in read]} if model.integrals else {}),
         "switches": [] if model.derived is None else _describe_switches(model.derived),
         **(_list_parts(model) if model.derived is None or model.derived.builds_all else _describe_many(model)),
         "effects": list(model.effects),

@@ -12,4 +12,3 @@ from .numeric_model import ParameterFunction as ParameterFunction
 from .numpy_backend import ArrayFunction as ArrayFunction
 from .numpy_backend import Derivatives as Derivatives
 from .numpy_backend import Structure as Structure
-from .past_values import read_past as read_past

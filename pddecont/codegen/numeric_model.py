@@ -122,16 +122,6 @@ class NumericModel:
         """Return a delay as a function of the parameters, n_out = 1."""
         return self.parameter_function((self.model.delays[number],))
 
-    def find_longest_delay(self, p: Array) -> float:
-        """Return how far back the model reads at parameters ``p``: infinitely far where delays or limits vary."""
-        model, longest = self.model, float(np.max(self.delays.value(p), initial=0.0))
-        known = set(model.parameter_symbols)
-        limits = [limit for integral in model.integrals for limit in (integral.low, integral.high)]
-        if model.varying or any(not limit.free_symbols <= known for limit in limits):
-            return np.inf
-        found: list[float] = self.parameter_function(tuple(limits)).value(p).tolist()
-        return max([longest, *found])
-
     def varying_delay(self, number: int) -> ArrayFunction:
         """Return a delay that varies, n_out = 1."""
         return self._named("delay", str(number), [self.model.varying[number]])

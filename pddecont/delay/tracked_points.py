@@ -6,7 +6,7 @@ x'(t - tau) reads is not smoothed: it comes back in the same derivative, times t
 until it has faded.
 
 References: Bellen, Zennaro, Numerical Methods for Delay Differential Equations (2003), chapter 2; Neves, Feldstein, J.
-Approximation Theory 16 (1976), for the order of the jumps.
+Math. Anal. Appl. 56 (1976), for the order of the jumps.
 """
 
 from __future__ import annotations

@@ -117,7 +117,8 @@ class CharacteristicMatrix:
                 slope = slope - rate[:, None, None] * through
         for term in self.distributed:
             for whole, part in zip((matrix, slope), term.transform(roots), strict=True):
-                np.subtract.at(whole, (slice(None), term.rows, term.columns), part)
+                for entry, (row, column) in enumerate(zip(term.rows.tolist(), term.columns.tolist(), strict=True)):
+                    whole[:, row, column] -= part[:, entry]
         return matrix, slope
 
     def list_factors(self, roots: Complex | complex) -> list[tuple[Complex, Complex]]:
@@ -145,8 +146,8 @@ class CharacteristicMatrix:
         """A number that no root to the right of the imaginary axis exceeds in modulus, where |H| <= 1.
 
         It is the largest eigenvalue of (I - sum |N_k|)^-1 (|A_0| + sum |A_k| + sum |K_q|), N_k those A_k through which
-        rates are read, from above by Collatz and Wielandt's quotients. Where sum |N_k| has an eigenvalue of 1 or more it is
-        another one, or infinite: there may be infinitely many such roots then, and where higher derivatives are read.
+        rates are read, from above by Collatz and Wielandt's quotients. Where sum |N_k| has an eigenvalue of 1 or more
+        it is another one, or infinite, as where higher derivatives are read: infinitely many such roots may be there.
         """
         orders = self.read_orders
         if np.any(orders > 1):

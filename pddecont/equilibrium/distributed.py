@@ -62,7 +62,7 @@ class DistributedTerm:
         points, weights = make_points(self.panels)
         widths = np.abs(np.diff(self.panels))
         squares = np.sum((self.kernel(points) ** 2 * np.abs(weights)).reshape(len(self.rows), len(widths), -1), axis=2)
-        return np.sum(np.sqrt(squares * widths), axis=1)
+        return np.asarray(np.sum(np.sqrt(squares * widths), axis=1))
 
     def project(self, reads: Kernel, rate: float) -> Array:
         """Return the integrals of k times functions whose values ``reads`` returns, shape (n_entries, n_functions).

@@ -1,7 +1,7 @@
 """The vector field along a rest with small exponential motions beside it, to the first order in each.
 
-Along x + sum_j e_j q_j exp(lambda_j t) the coefficient of e_1 e_2 is the second derivative B(u_1, u_2) of the field as a
-functional of the past, that of e_1 e_2 e_3 the third one, u_j the j-th motion. A value read by a delay that varies is
+Along x + sum_j e_j q_j exp(lambda_j t) the coefficient of e_1 e_2 is the second derivative B(u_1, u_2) of the field as
+a functional of the past, that of e_1 e_2 e_3 the third one, u_j the j-th motion. A value read by a delay that varies is
 
     x(t - tau) = x + sum_j e_j q_j exp(lambda_j (t - tau_0)) exp(-lambda_j (tau - tau_0))
 
@@ -181,9 +181,9 @@ class Expansion:
         return Place(s, np.repeat(self.at.states[:, None], len(s), axis=1), np.zeros((0, len(s))))
 
     def _follow(self, partials: ExpressionPartials, s: Array, delta: Complex) -> Complex:
-        """Return the jets of an integrand at lags ``s`` (n_points,) that move by the jets ``delta`` (n_terms, n_points).
+        """Return the jets of an integrand at lags ``s`` (n_points,), with constant terms, shape (n_terms, n_points).
 
-        Shape (n_terms, n_points), with the constant term.
+        The lags move by the jets ``delta`` of the same shape.
         """
         n = len(self.at.states)
         arguments = np.zeros((self.n_terms, len(partials.symbols), len(s)), dtype=complex)

@@ -1,7 +1,7 @@
 """Partial derivatives of expressions in states and values of the past, as multilinear forms.
 
-A function f(y_1 .. y_m) reads states, delayed values and integrals, and an integrand its lag: the y_a. Of each order all
-partial derivatives that are not zero are one compiled function; the forms B(u, v) = sum d2f/(dy_a dy_b) u_a v_b and
+A function f(y_1 .. y_m) reads states, delayed values and integrals, and an integrand its lag: the y_a. Of each order
+all partial derivatives that are not zero are one compiled function; the forms B(u, v) = sum d2f/(dy_a dy_b) u_a v_b and
 C(u, v, w) sum over them.
 """
 

@@ -50,8 +50,8 @@ def find_panels(kernel: Kernel, low: float, high: float) -> Array:
     """
     if low == high:
         return np.array([low, high])
-    first, (one,) = low + (high - low) / FIRST * np.arange(FIRST + 1), _integrate(kernel, np.array([low, high]))
-    parts = _integrate(kernel, first)
+    (one,) = _integrate(kernel, np.array([low, high]))
+    parts = _integrate(kernel, np.linspace(low, high, FIRST + 1))
     sizes = np.sum([part.size for part in parts], axis=0)
     difference = np.abs(one.integral - np.sum([part.integral for part in parts], axis=0))
     if np.all(one.tail <= ROUNDING * sizes) and np.all(difference <= ROUNDING * sizes):

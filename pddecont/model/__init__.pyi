@@ -40,6 +40,7 @@ from .parts import Event as Event
 from .parts import Form as Form
 from .parts import Segment as Segment
 from .reduced_reads import keep_reads as keep_reads
+from .reduced_reads import list_reads as list_reads
 from .reduction import ReferencedNames as ReferencedNames
 from .repulsion import list_surfaces_met as list_surfaces_met
 from .repulsion import write_repulsion as write_repulsion

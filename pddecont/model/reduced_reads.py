@@ -55,6 +55,29 @@ def put_in_reads(model: Model, values: Values) -> tuple[Model, dict[sympy.Symbol
     return _arrange(model, delays, delayed, integrals), symbols
 
 
+def list_reads(model: Model) -> set[sympy.Symbol]:
+    """Return the symbols of what a model's equations, and its delays and limits, read of the past.
+
+    Those that only derivatives need are not among them.
+    """
+    if model.derived is None:
+        functions = [event.function for event in model.events.values()]
+        exprs = [e for part in (*model.modes.values(), *model.resets.values()) for e in part]
+        exprs += [h for h in functions if h is not None]
+    else:
+        equations = model.derived.equations
+        exprs = [*equations.field, *(s.argument for s in equations.switches)]
+        exprs += [e for jump in equations.jumps for e in (*jump.reset, jump.function) if e is not None]
+    known, found = set(model.read_symbols), set[sympy.Symbol]()
+    inside = {s: [model.find_delay(r)] for r, s in zip(model.delayed, model.delayed_symbols, strict=True)}
+    inside |= {s: [i.low, i.high] for i, s in zip(model.integrals, model.integral_symbols, strict=True)}
+    ahead = {s for expr in exprs for s in expr.free_symbols} & known
+    while ahead:
+        found |= ahead
+        ahead = {s for read in ahead for expr in inside[read] for s in expr.free_symbols} & known - found
+    return found
+
+
 def keep_reads(model: Model, used: Collection[sympy.Symbol]) -> Model:
     """Return a model that reads no more of the past than the symbols ``used``, and what those depend on."""
     needed = set(used)

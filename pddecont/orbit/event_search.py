@@ -9,10 +9,11 @@ import numpy as np
 import scipy.optimize
 from numpy.typing import NDArray
 
-from pddecont.codegen import NumericModel, read_past
+from pddecont.codegen import NumericModel
 from pddecont.errors import SignatureError
 from pddecont.model import WAYS, Segment
 from pddecont.orbit.sampled_motion import AT_EDGE, SampledMotion
+from pddecont.simulate import make_past_plan, read_values
 
 # Periods back up to which integrals over the past are taken piece by piece.
 MOST_PERIODS = 20
@@ -50,7 +51,13 @@ class EventSearch:
         """Return an event function at times on curves of the motion, shape (n_times,)."""
         motion, x = self.motion, self.motion.evaluate(t, curve=curve)
         reach = np.arange(-MOST_PERIODS, 2)[:, None] * motion.period
-        xd = read_past(self.numeric, t, x.T, self.p, motion.evaluate, np.sort((motion.edges + reach).ravel()))
+        edges = np.unique(motion.edges + reach)
+        plan = make_past_plan(self.numeric.model)
+
+        def read(times: Array, order: int) -> Array:
+            return motion.evaluate(times, order).T
+
+        xd = read_values(self.numeric, plan, self.p, t, x.T, read, edges)
         return np.asarray(self.numeric.event(event).value(t, x.T, xd, self.p)[0])
 
     def list_candidates(self, segment: Segment, signature: Sequence[Segment]) -> tuple[Candidate, ...]:

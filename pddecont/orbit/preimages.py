@@ -11,6 +11,8 @@ from pddecont.orbit.orbit import Orbit
 Array = NDArray[np.float64]
 # Places in a mesh interval at which delays are sampled, beyond twice the degree.
 MORE_SAMPLES = 1
+# How near to a sample a known breaking time may lie on its other side, in periods.
+KNOWN = 1e-9
 # Halvings of the bracket of a time: the unknown that it becomes is found by Newton's method.
 N_STEPS = 24
 
@@ -29,6 +31,19 @@ class PreimageSearch:
         self.times = mesh.times(points) @ orbit.theta
         self.reads = self.times - orbit.read(points).lags
         self.inside = np.tile(np.append(np.ones(len(places) - 1, dtype=bool), False), mesh.n_intervals)[:-1]
+
+    def crosses_anew(self, delay: int, moments: Array, known: Array) -> bool:
+        """Return whether a delay reads one of ``moments`` (n,), or one some periods before, at a time not ``known`` (m,).
+
+        Times are told apart as far as samples lie apart.
+        """
+        number, period = delay - self.n_constant, self.orbit.period
+        turns = np.floor((self.reads[number] - moments[:, None]) / period)
+        crossed = np.any(np.diff(turns, axis=1) != 0.0, axis=0) & self.inside
+        room = KNOWN * period
+        first = np.searchsorted(np.sort(known), self.times[:-1] - room)
+        last = np.searchsorted(np.sort(known), self.times[1:] + room, side="right")
+        return bool(np.any(crossed & (first == last)))
 
     def find(self, delay: int, moment: float) -> list[tuple[float, int]]:
         """Return the times b at which delay number ``delay`` reads ``moment`` less n periods, each with its n."""

@@ -82,9 +82,13 @@ def _join(points: list[list[BreakingPoint]]) -> list[Piece]:
 
 def find_fading(orbit: Orbit, sources: DiscontinuitySources) -> dict[int, float]:
     """Return by how much jumps shrink, at most, where rates of each delay read them on an orbit."""
-    problem, model, reads = orbit.problem, orbit.numeric.model, orbit.equation_reads
+    problem, model, mesh = orbit.problem, orbit.numeric.model, orbit.mesh
     sizes = {k: 0.0 for k, gain in sources.gains.items() if gain < 1}
-    for mode, points in group_by_mode(problem) if sizes else []:
+    if not sizes:
+        return sizes
+    # The mesh may read nothing any more of what it was made to read.
+    reads = orbit.read(mesh.grid(mesh.basis.nodes))
+    for mode, points in group_by_mode(problem):
         function = problem.numeric.mode(mode)
         d = function.derivatives(reads.t[points], reads.x[:, points], reads.xd[:, points], orbit.parameters)
         for q, slope in zip(function.structure().dxd[1], d.dxd, strict=True):
@@ -121,6 +125,8 @@ def mesh_is_valid(orbit: Orbit) -> bool:
         varying = orbit.equation_reads.lags if orbit.numeric.model.varying else np.zeros((0, 0))
     except ConvergenceError:
         return False
+    if _breaking_times_are_known(orbit):
+        return orbit.problem.delay.mesh_is_valid(mesh, theta, orbit.problem.lags, varying)
     now = find_pieces(orbit.problem, theta, mesh.degree, orbit)
     if len(now.pieces) != len(mesh.pieces):
         return False
@@ -131,6 +137,24 @@ def mesh_is_valid(orbit: Orbit) -> bool:
     if any(not np.array_equal(a.source, b.source) for a, b in zip(now.breaking, mesh.breaking, strict=True)):
         return False
     return orbit.problem.delay.mesh_is_valid(mesh, theta, orbit.problem.lags, varying)
+
+
+def _breaking_times_are_known(orbit: Orbit) -> bool:
+    """Return whether an orbit with delays that vary has its mesh edges in order, and no breaking time beside them.
+
+    False says that they have to be found to know.
+    """
+    mesh, sources = orbit.mesh, orbit.signature.discontinuity_sources
+    if not sources.varying or not mesh.breaking or sources.delays or sources.gains:
+        return False
+    if not np.all(mesh.length @ orbit.theta > 0.0):
+        return False
+    edges = np.array([piece.start @ orbit.theta for piece in mesh.pieces] + [orbit.period])
+    search = PreimageSearch(orbit)
+    reached = [b.level for b in mesh.breaking]
+    moments = [*zip(sources.jumps, orbit.event_times[1:], strict=True), *zip(reached, orbit.breaking, strict=True)]
+    early = np.array([time for level, time in moments if level < mesh.degree])
+    return not any(search.crosses_anew(k, early, edges) for k in sources.varying)
 
 
 def mesh_meets_tolerance(orbit: Orbit, rule: MeshRule) -> bool:

@@ -20,6 +20,7 @@ from pddecont.model import (
     Model,
     ReferencedNames,
     add_rests,
+    explain_direct_only,
     leave_out_effects,
     parse_expression,
 )
@@ -266,6 +267,7 @@ class _StepPlanner:
             known,
             self.folder,
         )
+        self._check_delay_method((*path, "delay"), given)
         varied = set(kind.list_varied(step.body))
         all_may_vary = not varied and kind.holds in (Holding.BRANCH, Holding.ATTRACTORS)
         self.known[step.name] = {} if all_may_vary else {k: v for k, v in known.items() if k not in varied}
@@ -283,6 +285,16 @@ class _StepPlanner:
             step.model_dump(mode="json", by_alias=True),
             given.files,
         )
+
+    def _check_delay_method(self, path: Path, given: StepInput[Any]) -> None:
+        """Check that a step's delay method can hold what the model reads of the past."""
+        why = explain_direct_only(given.model)
+        if why and given.delay.method != "direct":
+            given.checker.add_error(
+                path,
+                f"{why}: a delay method '{given.delay.method}' holds states a constant time ago and nothing else; give "
+                "'delay: {method: direct}'",
+            )
 
     def _find_known(self, step: StepBlock, assignments: Mapping[str, ParameterFormula]) -> dict[str, float]:
         """Return the parameters that a step is sure to start with: those of where it starts, then its own."""

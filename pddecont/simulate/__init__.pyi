@@ -28,8 +28,12 @@ from .motion_task import MotionTask as MotionTask
 from .nearby_cycle import find_nearby_cycle as find_nearby_cycle
 from .past import Past as Past
 from .past import make_extension_basis as make_extension_basis
+from .past_plan import find_longest_lag as find_longest_lag
+from .past_plan import make_past_plan as make_past_plan
 from .period_detection import Cycle as Cycle
 from .period_detection import detect_period as detect_period
+from .read_values import read_along as read_along
+from .read_values import read_values as read_values
 from .restart import MotionRecord as MotionRecord
 from .restart import follow_motion as follow_motion
 from .restart import restart_motion as restart_motion

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from pddecont.simulate.failure import FailureReason, MotionFailure
 from pddecont.simulate.integrator import (
+    LONGEST,
     IntegratorState,
     ParameterValues,
     Status,
@@ -115,7 +116,7 @@ def find_attractor(
         failure = simulator.diagnose(state, status, values.p)
     elif status == Status.REACHED and not settings.forcing_period:
         times = returns.times[np.arange(max(0, n_returns - capacity), n_returns) % capacity]
-        if has_left_section(times, t_end, values.longest):
+        if has_left_section(times, t_end, max(values.longest, float(state.lag_time[LONGEST]))):
             failure, period = MotionFailure(FailureReason.SECTION_LEFT, float(times[-1])), 0
     # Of a motion without a period at most the later half of its returns is kept: the earlier ones are its way there.
     kept = min(period or min(settings.n_kept, max(n_returns // 2, 1)), n_returns, capacity - 1)

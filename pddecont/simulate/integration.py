@@ -13,6 +13,7 @@ from pddecont.codegen import NumericModel
 from pddecont.delay import DelayMethod
 from pddecont.simulate.integrator import N_STEPS, IntegratorState, Log, Status, make_log
 from pddecont.simulate.method import Method
+from pddecont.simulate.past_plan import find_longest_lag
 from pddecont.simulate.simulator import Simulator
 from pddecont.simulate.trajectory import Events, Trajectory
 
@@ -58,7 +59,7 @@ def simulate(
     """
     simulator = Simulator(numeric, delay, method or Method(), history=history)
     changes = [(t, np.asarray(q, dtype=float)) for t, q in schedule if t < t_end]
-    longest = max([float(np.max(numeric.delays.value(q), initial=0.0)) for _, q in changes], default=0.0)
+    longest = max([find_longest_lag(numeric, q) for _, q in changes], default=0.0)
     values = simulator.values(np.asarray(p, dtype=float), longest)
     state = simulator.start(values, initial, mode, constant=constant)
     return record_trajectory(simulator, values.p, state, t_end, changes, keep_from, longest, on_progress)

@@ -132,6 +132,12 @@ def evaluate_limits(numeric: NumericModel, plan: PastPlan, p: Array) -> Array:
     return numeric.parameter_function(limits).value(p) if limits else np.zeros(0)
 
 
+def find_longest_lag(numeric: NumericModel, p: Array) -> float:
+    """Return the longest of the constant delays and limits of integrals, 0 where there is none."""
+    constant = make_past_plan(numeric.model).constant
+    return float(np.max(numeric.parameter_function(constant).value(p), initial=0.0)) if constant else 0.0
+
+
 def find_integrated(model: Model, integral: Integral) -> list[sympy.Symbol]:
     """Return the symbols of the states that an integrand reads."""
     return [symbol for symbol in model.state_symbols if symbol in integral.integrand.free_symbols]

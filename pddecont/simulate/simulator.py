@@ -38,8 +38,8 @@ from pddecont.simulate.integrator import (
 from pddecont.simulate.method import Method
 from pddecont.simulate.model_numbers import make_values
 from pddecont.simulate.part_tables import PartTables
-from pddecont.simulate.past_at_start import read_past_at_start
 from pddecont.simulate.reached_system import ReachedSystem
+from pddecont.simulate.read_values import make_constant_past, make_history_past, read_values
 from pddecont.simulate.returns import ReturnSection
 from pddecont.simulate.start_modes import read_mode, read_start_modes
 
@@ -165,8 +165,8 @@ class Simulator:
         It is None where both fields point away from a surface on which one starts.
         """
         if reads_generally(self.numeric.model):
-            history = None if constant else self.history or self.numeric.model.history
-            xd = read_past_at_start(self.numeric, self.tables.plan, values.p, t, states, values.tau, history)
+            reads = [self._read_at_start(values.p, row, t, constant=constant) for row in states]
+            xd = np.array(reads).reshape(len(states), -1)
             return read_start_modes(self.numeric, values.p, t, states, xd)
         delayed = self.numeric.model.delayed
         xd = np.empty((len(states), len(delayed)))
@@ -174,6 +174,15 @@ class Simulator:
             past = states[:, read.state] if constant else self.evaluate_history(values.p, t - values.tau[read.delay])[0]
             xd[:, i] = past if constant else past[read.state]
         return read_start_modes(self.numeric, values.p, t, states, xd)
+
+    def _read_at_start(self, p: Array, states: Array, t: float, *, constant: bool) -> Array:
+        """Return what a motion that starts at ``t`` with ``states`` (n_states,) reads there, shape (n_reads,)."""
+        if constant:
+            past = make_constant_past(states)
+        else:
+            past = make_history_past(self.numeric, self.history or self.numeric.model.history, p)
+        found = read_values(self.numeric, self.tables.plan, p, np.array([t]), states[:, None], past, np.array([t]))
+        return found[:, 0]
 
     def change_parameters(
         self, state: IntegratorState, values: ParameterValues, p: Array, longest: float = 0.0

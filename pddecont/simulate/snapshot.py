@@ -8,12 +8,16 @@ from numpy.typing import NDArray
 from pddecont.codegen import NumericModel
 from pddecont.simulate.integrator import (
     FIRST,
+    KNOWN_FROM,
     LAST_EVENT,
     LAST_EVENT_TIME,
+    LAST_TURN,
     MODE,
     N_BREAKING,
     N_COEFFICIENTS,
     N_PENDING,
+    PIECE_SIZE,
+    PIECE_START,
     READY,
     SHIFT,
     T_START,
@@ -65,6 +69,10 @@ def pack(state: IntegratorState) -> Array:
         state.breaking_time[breaking],
         state.breaking_level[breaking],
     ]
+    # What only lags that vary, rates and integrals need is not kept of other models.
+    if state.lag_time[PIECE_SIZE] > 0.0:
+        parts += [state.lag_time, state.lag_count, state.breaking_size[breaking]]
+        parts += [state.past_piece[ring], state.past_level[ring], state.past_size[ring]]
     return np.concatenate([np.ravel(part).astype(float) for part in parts])
 
 
@@ -123,6 +131,12 @@ def unpack(system: System, values: ParameterValues, row: Array) -> IntegratorSta
         take((n_breaking,)),
         _check_whole(take((n_breaking,))),
     )
+    if system.is_general:
+        state.lag_time[:], state.lag_count[:] = take(state.lag_time.shape), _check_whole(take(state.lag_count.shape))
+        state.breaking_size[:n_breaking] = take((n_breaking,))
+        for numbers in (state.past_piece, state.past_level):
+            numbers[ring] = _check_whole(take((used,)))
+        state.past_size[ring] = take((used,))
     if len(left) or np.any((state.pending_event < 0) | (state.pending_event >= max(1, len(system.after)))):
         raise ValueError(NOT_THIS_MODEL)
     state.count[READY] = 0
@@ -168,6 +182,8 @@ def shift_time(state: IntegratorState, t: float) -> IntegratorState:
     back = read_time(state) - t
     for place in (T, T_START, ZENO_TIME, LAST_EVENT_TIME):
         state.clock[place] -= back
+    for place in (PIECE_START, KNOWN_FROM, LAST_TURN):
+        state.lag_time[place] -= back
     for times in (state.past_time, state.past_end, state.pending_time, state.breaking_time, state.accumulation[:, 0]):
         times -= back
     return state

@@ -13,6 +13,7 @@ from pddecont.simulate.integrator import ParameterValues
 from pddecont.simulate.lyapunov import LyapunovExponent, find_lyapunov_exponent
 from pddecont.simulate.motion_row import unpack_motion
 from pddecont.simulate.motion_task import MotionTask
+from pddecont.simulate.past_plan import find_longest_lag
 from pddecont.simulate.returns import ReturnSettings
 from pddecont.simulate.simulator import Simulator
 from pddecont.simulate.snapshot import find_restart_time, read_time, shift_time
@@ -59,7 +60,7 @@ def sweep_chunk(task: MotionTask, chunk: SweepChunk) -> list[SweepAttractor]:
     # A motion that is carried along keeps as much of its past as the longest delay on the way will read.
     longest = 0.0
     if chunk.carried:
-        longest = max(float(simulator.numeric.delays.value(point.p).max(initial=0.0)) for point in chunk.points)
+        longest = max(find_longest_lag(simulator.numeric, point.p) for point in chunk.points)
     before: list[Attractor] = []
     found: list[SweepAttractor] = []
     for point in chunk.points:

@@ -119,19 +119,21 @@ class Trajectory:
             y = (y + self.coefficients[step, i]) * (s if i % 2 == 0 else 1.0 - s)
         return y + self.value[step]
 
-    def rate(self, t: Array, order: int = 1) -> Array:
-        """Return a derivative of the states at times ``t``, shape (n_times, n_states); at an event that after it."""
+    def differentiate(self, t: Array, order: int) -> Array:
+        """Return the states at times ``t``, or their derivatives of an order, shape (n_times, n_states)."""
+        if order == 0:
+            return self(t)
         step = np.clip(np.searchsorted(self.time, t, side="right") - 1, 0, len(self.time) - 1)
-        s = (t - self.time[step]) / self.length[step]
-        # The extension as a polynomial in the share of the step, by Horner's rule in its own basis.
-        parts = [np.zeros((len(t), self.value.shape[1])) for _ in range(order + 1)]
+        s = ((t - self.time[step]) / self.length[step])[:, None]
+        # Derivatives of the same recursion as above, by the product rule.
+        found = [np.zeros((len(t), self.value.shape[1])) for _ in range(order + 1)]
         for i in range(self.coefficients.shape[1] - 1, -1, -1):
-            parts[0] = parts[0] + self.coefficients[step, i]
-            factor, sign = (s, 1.0) if i % 2 == 0 else (1.0 - s, -1.0)
+            factor, slope = (s, 1.0) if i % 2 == 0 else (1.0 - s, -1.0)
+            found[0] = found[0] + self.coefficients[step, i]
             for k in range(order, 0, -1):
-                parts[k] = parts[k] * factor[:, None] + k * sign * parts[k - 1]
-            parts[0] = parts[0] * factor[:, None]
-        return np.asarray(parts[order] / self.length[step, None] ** order)
+                found[k] = found[k] * factor + k * slope * found[k - 1]
+            found[0] = found[0] * factor
+        return np.asarray(found[order] / self.length[step][:, None] ** order)
 
     def sample(self, per_step: int = 4) -> tuple[Array, Array, list[str]]:
         """Return times, states (n_times, n_states) and modes, ``per_step`` times in every step.

@@ -119,12 +119,12 @@ def describe_neutral(radius: Scalar) -> str:
     """Return what it means for roots that past rates have coefficients near one, or larger ones."""
     if float(radius) >= 1.0:
         return (
-            f"the coefficients of past rates come to {float(radius):.6g} together, not below 1: infinitely many "
+            f"the coefficients of delayed rates come to {float(radius):.6g} together, not below 1: infinitely many "
             "characteristic roots may lie to the right of the imaginary axis, and no count of them is made"
         )
     return (
-        f"the coefficients of past rates come to {float(radius):.6g} together, near 1: infinitely many characteristic "
-        "roots lie next to the imaginary axis, and small changes of parameters may put them to its right"
+        f"the coefficients of delayed rates come to {float(radius):.6g} together, near 1: infinitely many "
+        "characteristic roots lie next to the imaginary axis, and small changes of parameters may put them to its right"
     )
 
 

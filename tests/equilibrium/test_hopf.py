@@ -59,6 +59,40 @@ def test_two_pairs_meet_the_scalar_equation_of_each():
     assert np.max(np.abs(point.states)) < 1e-13
 
 
+def test_two_pairs_of_a_lag_that_moves():
+    """The lag tau + 3 sin x - v^2 is tau at rest: the points are the same."""
+    moving = {
+        **DUFFING,
+        "modes": {"m": {"x'": "v", "v'": "-0.05*v - 0.5*x - x**3 - b*(x - x(t - tau - 3*sin(x) + v**2))"}},
+    }
+    motion, p = make_motion(moving)
+    problem = HopfProblem(motion, (0, 1), np.array([0.1, 0.1]), np.array([0.7, 20.0]))
+    point = solve_hopf(problem, guess([0.01, 0.0], [0.71, 0.92], [[1.0, 0.71j], [1.0, 0.92j]], p))
+    assert point.parameters == pytest.approx([0.17372466484, 17.41694540797], abs=1e-10)
+    assert np.max(np.abs(point.states)) < 1e-13
+
+
+def test_two_pairs_with_a_past_rate_and_an_integral():
+    """-w^2 + 0.05 i w + 1/2 + b (1 - e^(-i w tau)) + 0.02 i w e^(-2 i w) + (1 - e^(-i w)) / (50 i w) = 0 for both."""
+    mixed = {
+        **DUFFING,
+        "modes": {
+            "m": {
+                "x'": "v",
+                "v'": "-0.05*v - 0.5*x - x**3 - b*(x - x(t - tau)) - 0.02*x'(t - 2)"
+                " - integral(x(t - s)/50, s, 0, 1 + v)",
+            }
+        },
+    }
+    motion, p = make_motion(mixed)
+    problem = HopfProblem(motion, (0, 1), np.array([0.1, 0.1]), np.array([0.7, 20.0]))
+    point = solve_hopf(problem, guess([0.01, 0.0], [0.71, 0.92], [[1.0, 0.71j], [1.0, 0.92j]], p))
+    b, tau = point.parameters
+    for w in point.frequencies:
+        e = 0.02j * w * np.exp(-2j * w) + (1 - np.exp(-1j * w)) / (50j * w)
+        assert abs(-(w**2) + 0.05j * w + 0.5 + b * (1 - np.exp(-1j * w * tau)) + e) < 1e-13
+
+
 def test_the_units_of_states_and_time_do_not_change_the_point():
     """States in units of 1e-5, time in units of 1e6."""
     small = {**WRIGHT, "modes": {"m": {"x'": "1e6*r*x*(1 - x(t - tau)/1e5)"}}}

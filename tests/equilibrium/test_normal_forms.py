@@ -4,9 +4,10 @@ import math
 
 import numpy as np
 import pytest
+from mpmath import mpf
 
 from pddecont.delay import Chain
-from pddecont.equilibrium import Equilibrium, find_birth
+from pddecont.equilibrium import Equilibrium, find_birth, find_roots
 from pddecont.equilibrium.normal_forms import Forms, find_cubic_coefficient, find_fold_coefficient
 from tests.equilibrium import harmonic_balance
 from tests.equilibrium.hopf_models import ALL, OF_EVERY_KIND
@@ -118,6 +119,41 @@ def test_the_coefficient_with_a_moving_lag_in_closed_form():
     forms = Forms(at)
     assert find_cubic_coefficient(forms, forms.find_critical(1j * w)) == pytest.approx(expected, rel=1e-13)
     assert expected.real / w == pytest.approx(0.0137439515417, rel=1e-10)
+
+
+def test_a_delay_that_a_threshold_defines():
+    """int_0^tau (1 + q x(t - s)) ds = 1 and x' = 1/2 - a x(t - tau) (1 + x/5): the delay is a state here.
+
+    Its own root beside those of the equation is -1/tau. The equation written by hand has no such state: |q| is that of
+    x alone, and c1 / |q_x|^2 is the same.
+    """
+    model = {
+        "name": "threshold",
+        "states": ["x"],
+        "parameters": {"a": 1.8, "q": 0.6},
+        "delays": {"tau": {"where": "integral(1 + q*x(t - s), s, 0, tau) = 1"}},
+        "modes": {"m": {"x'": "0.5 - a*x(t - tau)*(1 + 0.2*x)"}},
+        "initial": {"x": 0.3},
+    }
+
+    def field(read, a):
+        tau, q = mpf(1), mpf(3) / 5
+        for _ in range(9):
+            over = harmonic_balance.integrate(lambda s: 1 + q * read(0, s), mpf(0), tau) - 1
+            tau -= over / (1 + q * read(0, tau))
+        return [mpf(1) / 2 - a * read(0, tau) * (1 + read(0, 0) / 5)]
+
+    expected = harmonic_balance.find_birth(field, [0.3], 1.8, 1.8)
+    x = expected.states[0]
+    tau = 1 / (1 + 0.6 * x)
+    at = make_equilibrium(model, {"a": expected.parameter}, [x, tau])
+    assert np.max(np.abs(at.motion.rate(at.states, at.parameters))) < 1e-15
+    roots = find_roots(at.motion.linearise(at.states, at.parameters))
+    assert roots.counted and np.min(np.abs(roots.values + 1 / tau)) < 1e-13
+    forms = Forms(at)
+    critical = forms.find_critical(1j * expected.frequency)
+    cubic = find_cubic_coefficient(forms, critical) / abs(critical.right[0]) ** 2
+    assert abs(cubic - expected.cubic) < 1e-12 * abs(expected.cubic)
 
 
 @pytest.mark.parametrize(("scale", "sign"), [(0.5, 1), (1.0, 1), (2.0, 1), (-0.5, 1), (-1.0, 1), (-2.0, -1)])

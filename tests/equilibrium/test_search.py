@@ -6,6 +6,7 @@ import pytest
 from pddecont.codegen import NumericModel
 from pddecont.delay import Direct
 from pddecont.equilibrium import ConstantMotion, find_equilibria, find_passed_side
+from pddecont.errors import ConvergenceError
 from tests.runs import plan
 
 CHUA = {
@@ -115,6 +116,37 @@ def test_a_fold_is_undecided_in_each_mode():
     (place,) = findings.undecided
     assert place.mode == "m"
     assert place.low[0] <= 0.5 <= place.high[0] < place.low[0] + 1e-5
+
+
+def test_integrals_are_searched_in_closed_form():
+    """x (1 - x) of rates of the past and lags that vary, and y = int_0^1 y^2 e^(-q s) ds: zero or q / (1 - e^(-q))."""
+    model = {
+        "name": "kernel",
+        "states": ["x", "y"],
+        "parameters": {"q": 0.5, "h": 1.0},
+        "modes": {
+            "m": {
+                "x'": "x(t - 1 - y)*(1 - x) + 0.3*x'(t - h - x**2)",
+                "y'": "-y + integral(exp(-q*s)*y(t - s)**2, s, 0, h)",
+            }
+        },
+        "initial": {"x": 0.1},
+    }
+    other = 0.5 / (1 - np.exp(-0.5))
+    found = admissible(search(model, [-2, -0.5], [2, 3]))
+    assert np.allclose(found, [[0, 0], [0, other], [1, 0], [1, other]], atol=1e-13)
+
+
+def test_where_an_integral_has_no_closed_form_no_proof_is_claimed():
+    model = {
+        "name": "kernel",
+        "states": ["x"],
+        "parameters": {"h": 1.0},
+        "modes": {"m": {"x'": "0.1 - integral(exp(-s**2)*tanh(x(t - s)*s), s, 0, h)"}},
+        "initial": {"x": 0.1},
+    }
+    with pytest.raises(ConvergenceError, match="closed forms"):
+        search(model, [-2], [2])
 
 
 @pytest.mark.parametrize("n", [2, 4])

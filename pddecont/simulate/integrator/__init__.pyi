@@ -29,6 +29,7 @@ from .state import N_BREAKING as N_BREAKING
 from .state import N_PENDING as N_PENDING
 from .state import N_REJECTED as N_REJECTED
 from .state import N_STEPS as N_STEPS
+from .state import PIECE_SIZE as PIECE_SIZE
 from .state import PIECE_START as PIECE_START
 from .state import READY as READY
 from .state import SHIFT as SHIFT

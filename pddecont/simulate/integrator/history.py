@@ -76,10 +76,16 @@ def _locate_in_arc(c, t, k):
 
 @internal
 def read_delayed(c, t, y, xd, part):
-    """Write the delayed values at ``t`` to ``xd``: of the states (``part`` 0) or of the tangent (1)."""
+    """Write what is read of the past at ``t`` to ``xd``: of the states (``part`` 0) or of the tangent (1)."""
     if c.is_general == 1:
         read_past(c, t, y, xd, part)
-        return
+    else:
+        read_states(c, t, y, xd, part)
+
+
+@internal
+def read_states(c, t, y, xd, part):
+    """Write the delayed values at ``t`` to ``xd``, all of them states constant delays ago."""
     base = part * c.n_full
     n_past = c.n_kept * (1 + c.tangent)
     for i in range(c.n_pairs):

@@ -114,7 +114,7 @@ def _evaluate_lag(c, t, y, xd, k):
         c.reading[slot] = stay_in_piece(c, c.reading[slot], there)
 
 
-@internal
+@inlined
 def _read_value(c, t, y, dy, i, more, part):
     """Return delayed value ``i``, differentiated ``more`` times again; at no lag at all ``y``, or ``dy``.
 
@@ -152,7 +152,7 @@ def _read_value(c, t, y, dy, i, more, part):
     return evaluate_extension_derivative(value, coefficients, n_past, s, order) / length**order
 
 
-@internal
+@inlined
 def _evaluate_held(c, variable, t, order):
     """Return a variable, or its derivative, on the extension of the present step that is held."""
     length = c.lag_time[HELD_LENGTH]

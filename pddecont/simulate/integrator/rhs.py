@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from pddecont.simulate.integrator.calls import call, internal
-from pddecont.simulate.integrator.history import read_delayed
-from pddecont.simulate.integrator.past_reads import read_for_derivatives
+from pddecont.simulate.integrator.history import read_delayed, read_states
+from pddecont.simulate.integrator.past_reads import read_for_derivatives, read_past
 
 
 @internal
@@ -15,7 +15,11 @@ def evaluate_rhs(c, mode, t, y, dy):
     of all these].
     """
     n, m = c.n, c.n_pairs
-    read_delayed(c, t, y, c.xd, 0)
+    # Both are called from here, so that a model without lags that vary has no further call.
+    if c.is_general == 1:
+        read_past(c, t, y, c.xd, 0)
+    else:
+        read_states(c, t, y, c.xd, 0)
     for i in range(n):
         dy[i] = 0.0
     call(c.field[mode], c.field_case[mode], t, y, c.xd, c.p, dy)

@@ -15,6 +15,7 @@ from pddecont.runfile import Checker, Delay, Path, Plan, Source, StepInput, make
 from pddecont.simulate import (
     MotionTask,
     Trajectory,
+    find_longest_lag,
     find_restart_time,
     read_time,
     record_trajectory,
@@ -66,9 +67,7 @@ def continue_attractor(context: Context, recorded: Step, source: Source) -> tupl
     except ValueError as exc:
         raise ResultsError(f"step '{source.step}': {exc}; the file is damaged or was made by a changed model") from exc
     state = shift_time(state, find_restart_time(plan.numeric, attractor.p, attractor.p, read_time(state)))
-    longest = plan.numeric.find_longest_delay(attractor.p)
-    # How far back delays that vary will reach is not known: as far as a few turns.
-    longest = longest if np.isfinite(longest) else TURNS * attractor.turn
+    longest = find_longest_lag(plan.numeric, attractor.p)
     duration = max(TURNS, LEAST / attractor.period) * attractor.turn + longest
     return record_trajectory(simulator, attractor.p, state, read_time(state) + duration), attractor.p
 

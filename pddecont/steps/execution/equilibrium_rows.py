@@ -18,7 +18,7 @@ from pddecont.runfile import Plan, PlannedStep
 from pddecont.steps.execution.units import find_units
 
 Array = NDArray[np.float64]
-# From here on past rates have coefficients that are said to be near one.
+# From here on delayed rates have coefficients that are said to be near one.
 NEAR_ONE = 0.9
 
 

@@ -8,9 +8,9 @@ import numpy as np
 import sympy
 from numpy.typing import NDArray
 
-from pddecont.codegen import NumericModel, read_past
-from pddecont.model import TIME
-from pddecont.simulate import Trajectory
+from pddecont.codegen import NumericModel
+from pddecont.model import reads_generally
+from pddecont.simulate import Trajectory, read_along
 
 Array = NDArray[np.float64]
 
@@ -30,22 +30,24 @@ def evaluate_signals(
     Delayed values before the trajectory are those of ``past``, expressions in t.
     """
     model = numeric.model
-    function = numeric.function(signals)
-    histories = [numeric.function([e.diff(TIME, k) if k else e for e in past]) for k in range(3)]
+    function, history = numeric.function(signals), numeric.function(past)
     out = np.empty((len(times), len(signals)))
     stage = np.searchsorted([t for t, _ in stages], times, side="right") - 1
     for k, (_, p) in enumerate(stages):
         here = stage == k
-
-        def read(t: Array, order: int, p: Array = p) -> Array:
-            found, before = trajectory(t) if order == 0 else trajectory.rate(t, order), t < 0.0
+        if reads_generally(model):
+            reads = read_along(numeric, p, times[here], states[here].T, trajectory, past)
+            out[here] = function.value(times[here], states[here].T, reads, p).T
+            continue
+        t, tau = times[here], numeric.delays.value(p)
+        xd = np.empty((len(model.delayed), len(t)))
+        for row, read in enumerate(model.delayed):
+            back = t - tau[read.delay]
+            before = back < 0.0
+            xd[row] = trajectory(back)[:, read.state]
             if np.any(before):
                 n = int(np.sum(before))
-                empty = np.zeros((len(model.states), n)), np.zeros((len(model.read_symbols), n))
-                found[before] = histories[order].value(t[before], *empty, p).T
-            return found
-
-        t = times[here]
-        xd = read_past(numeric, t, states[here].T, p, read, np.append(trajectory.time, trajectory.t_end))
+                empty = np.zeros((len(model.states), n)), np.zeros((len(model.delayed), n))
+                xd[row, before] = history.value(back[before], *empty, p)[read.state]
         out[here] = function.value(t, states[here].T, xd, p).T
     return out

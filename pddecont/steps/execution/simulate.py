@@ -10,7 +10,7 @@ import numpy as np
 from pddecont.reasons import make_reason
 from pddecont.results import SIMULATE, Step
 from pddecont.runfile import Plan, PlannedStep
-from pddecont.simulate import Method, Trajectory, simulate
+from pddecont.simulate import Method, Trajectory, find_longest_lag, simulate
 from pddecont.steps.context import Context
 from pddecont.steps.execution.ending import report_done
 from pddecont.steps.execution.signals import evaluate_signals
@@ -34,7 +34,7 @@ def compute_trajectory(
     """Return the trajectory of a simulate step by ``method``; ``on_progress`` is called with times reached."""
     settings = step.settings
     # Signals read delayed values of what is recorded.
-    longest = max(plan.numeric.find_longest_delay(p) for _, p in settings.stages)
+    longest = max(find_longest_lag(plan.numeric, p) for _, p in settings.stages)
     return simulate(
         plan.numeric,
         settings.parameters,
@@ -46,7 +46,8 @@ def compute_trajectory(
         constant=settings.start.constant,
         history=settings.history,
         schedule=settings.schedule,
-        keep_from=max(settings.record_from - longest, 0.0),
+        # How far back delays that vary reach is not known beforehand.
+        keep_from=-np.inf if plan.model.varying else settings.record_from - longest,
         on_progress=on_progress,
     )
 
