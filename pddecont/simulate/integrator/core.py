@@ -32,7 +32,8 @@ Core = namedtuple(
     event_segment event_arc event_before event_after stages extension trial slope xd xd_slope jacobian gradient
     after_reset past_trial crossing passed found_side bernstein stack digits asked landing
     is_general n_values n_varying n_integrals n_turns n_first_turns pair_derivative is_rate turn_kind turn_number
-    low high lags integrands past_piece past_level past_size breaking_size lag_time lag_count lag lag_least lag_most held
+    low high lags integrands past_piece past_level past_size
+    breaking_size lag_time lag_count lag lag_least lag_most held
     fresh_slope inside integrand panels
 """,
 )
