@@ -20,7 +20,7 @@ RULE = MeshRule(6, intervals=20)
 
 def test_pieces_lie_between_breaking_points():
     orbit = hard_wall()
-    pieces = find_pieces(orbit.problem, orbit.theta, 4)
+    pieces = find_pieces(orbit.problem, orbit.theta, 4).pieces
     points = find_breaking_points(orbit.signature.discontinuity_sources, orbit.theta, 1, 4)[0]
     ends = np.array([point.coefficients for point in points]) @ orbit.theta
     assert [piece.start @ orbit.theta for piece in pieces] == pytest.approx(ends[:-1])
@@ -32,7 +32,7 @@ def test_pieces_lie_between_breaking_points():
 @pytest.mark.parametrize("method", [Direct(track=False), Chain(2, 5)])
 def test_ways_that_do_not_track_have_one_piece_a_segment(method):
     problem = circle("s", "s", method=method).problem
-    assert len(find_pieces(problem, np.array([6.0, 6.0, 1.0]), 5)) == 2
+    assert len(find_pieces(problem, np.array([6.0, 6.0, 1.0]), 5).pieces) == 2
 
 
 def test_a_mesh_knows_what_it_was_made_for():
