@@ -137,6 +137,6 @@ def _add_varying(mesh: Mesh, row: Array) -> Mesh:
     if not (0 <= n_breaking < n_theta and n_varying >= 1 and len(row) == 3 + size + n_varying * n_points):
         raise ValueError("the row is not that of a mesh")
     breaking = tuple(
-        BreakingTime(int(b[0]), b[2:].copy(), int(b[1])) for b in row[3 : 3 + size].reshape(n_breaking, -1)
+        BreakingTime(int(b[0]), b[2:].copy(), int(b[1])) for b in row[3 : 3 + size].reshape(n_breaking, 2 + n_theta)
     )
     return replace(mesh, breaking=breaking, reference_lags=row[3 + size :].reshape(n_varying, n_points).copy())

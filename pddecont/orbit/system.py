@@ -23,6 +23,8 @@ from pddecont.orbit.residual import compute_residual
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
+# Solutions in a row that a mesh may be too coarse for, and what each one more makes of the error that the next aims at.
+USUAL_MESHES, STRICTER = 3, 0.4
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +86,8 @@ class PeriodicOrbitSystem:
     """The orbits of one problem with its free parameters.
 
     ``rule`` says how its meshes are made (None: the mesh stays), ``density`` where the last solution wanted its
-    intervals; ``assembler`` makes Jacobians, and is shared by systems on one mesh.
+    intervals; ``assembler`` makes Jacobians, and is shared by systems on one mesh. ``n_coarse`` counts the meshes in a
+    row that were too coarse for the solutions found on them.
     """
 
     problem: OrbitProblem
@@ -92,6 +95,7 @@ class PeriodicOrbitSystem:
     rule: MeshRule | None = None
     density: Density | None = None
     assembler: JacobianAssembler = field(default_factory=JacobianAssembler, repr=False)
+    n_coarse: int = 0
 
     def at(self, x: Array) -> OrbitEvaluation:
         """Return the equations at the unknowns ``x``."""
@@ -136,14 +140,16 @@ class PeriodicOrbitSystem:
         """Return the system on a mesh made for an orbit, with that orbit and ``others`` in its unknowns.
 
         A solution (``solved``) tells where intervals are wanted; a guess gets them where the last solution wanted them.
+        Where meshes made for solutions turn out too coarse again and again, as where steep parts are read by delays
+        that vary, they are made for less and less of an error.
         """
         assert self.rule is not None
-        orbit, density = at.orbit, self.density
+        orbit, density, n_coarse = at.orbit, self.density, self.n_coarse + solved
         if self.rule.tol is not None and (density is None or (solved and mesh_is_valid(orbit))):
-            density = find_density(orbit, self.rule.tol)
+            density = find_density(orbit, self.rule.tol * STRICTER ** max(0, n_coarse - USUAL_MESHES))
         mesh = make_mesh(self.problem, orbit.theta, self.rule, density, orbit)
         moved = transfer_orbit(orbit, mesh)
-        system = PeriodicOrbitSystem(moved.problem, self.sizes, self.rule, density)
+        system = PeriodicOrbitSystem(moved.problem, self.sizes, self.rule, density, n_coarse=n_coarse)
         carried = [moved.x if other is at.x else transfer_orbit(Orbit(self.problem, other), mesh).x for other in others]
         return system, moved.x, carried
 

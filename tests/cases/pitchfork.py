@@ -1,4 +1,4 @@
-"""The pitchfork of ``pitchfork_neutral.yaml`` by Fourier collocation: where symmetric orbits have an asymmetric neighbour.
+"""The pitchfork of ``pitchfork_neutral.yaml`` by Fourier collocation: where symmetric orbits have asymmetric ones near.
 
 Symmetric orbits, x(t + T/2) = -x(t), have odd harmonics alone. The equation linearised about one does not mix even
 harmonics with odd ones: the pitchfork is where its even part is singular.

@@ -65,7 +65,9 @@ def find_extrema(orbit):
                 return sign * float(orbit(s)[i])
 
             near = t[int(np.argmin(sign * orbit(t)[i]))]
-            best = minimize_scalar(height, bounds=(near - t[1], near + t[1]), method="bounded", options={"xatol": 1e-10})
+            best = minimize_scalar(
+                height, bounds=(near - t[1], near + t[1]), method="bounded", options={"xatol": 1e-10}
+            )
             pair.append(sign * best.fun)
         found.append((pair[0], pair[1]))
     return Extrema(orbit.period, found)
