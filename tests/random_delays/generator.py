@@ -39,11 +39,11 @@ def draw_model(seed):
     return DrawnModel(model, tuple(parts.kinds))
 
 
-def driven(draw, rough):
+def driven(draw, remembers=False):
     """Return the parts of a driven oscillator, and its force."""
     states = States(("x", "v"))
     parameters = {"omega": draw.between(0.8, 2.0), "A": draw.between(0.6, 1.2), "c": draw.between(0.25, 0.6)}
-    parts = Parts(draw, states, parameters, forced=True, rough=rough)
+    parts = Parts(draw, states, parameters, forced=True, remembers=remembers)
     force = name("A") * call("cos", name("omega") * name("t")) - name("c") * states["v"] - states["x"]
     if draw.chance(0.4):
         force = force - parts.add("a", draw.between(0.1, 0.5)) * states["x"] ** 3
@@ -52,7 +52,7 @@ def driven(draw, rough):
 
 def smooth_driven(draw):
     """A driven oscillator with late forces."""
-    parts, force = driven(draw, rough=False)
+    parts, force = driven(draw, remembers=True)
     flow = {"x": parts.states["v"], "v": force}
     return parts, {"modes": {"m": flow}, "initial": {"x": 0.1, "v": 0.0}}
 
@@ -60,7 +60,7 @@ def smooth_driven(draw):
 def late_feedback(draw):
     """Negative feedback by a lag that varies, with other late terms: it oscillates by itself."""
     states = States(("x",))
-    parts = Parts(draw, states, {"k": draw.between(0.2, 0.8)}, forced=False, rough=False)
+    parts = Parts(draw, states, {"k": draw.between(0.2, 0.8)}, forced=False, remembers=False)
     lag = draw_lag(parts, 1.5, 2.5)
     gain = parts.add("g", draw.between(2.0, 3.0))
     flow = 0 - name("k") * states["x"] - gain * call("tanh", read_late(parts, "x", lag)) + draw_terms(parts, 0.05, 0.2)
@@ -69,7 +69,7 @@ def late_feedback(draw):
 
 def hard_wall(draw):
     """A driven oscillator with late forces that strikes a wall."""
-    parts, force = driven(draw, rough=True)
+    parts, force = driven(draw)
     x, v = parts.states["x"], parts.states["v"]
     parts.parameters |= {"wall": draw.between(0.0, 0.6), "r": draw.between(0.3, 0.8)}
     return parts, {
@@ -83,7 +83,7 @@ def hard_wall(draw):
 
 def soft_wall(draw):
     """A driven oscillator with late forces and an elastic wall."""
-    parts, force = driven(draw, rough=True)
+    parts, force = driven(draw)
     x, v = parts.states["x"], parts.states["v"]
     parts.parameters |= {"wall": draw.between(0.0, 0.5), "stiff": draw.between(2.0, 10.0)}
     push = name("stiff") * (x - name("wall"))
@@ -102,7 +102,7 @@ def late_relay(draw):
     """A relay that sees its output by a lag that varies, with other late terms."""
     states = States(("x",))
     parameters = {"k": draw.between(-0.2, 0.5), "up": draw.between(0.6, 1.4), "down": draw.between(0.6, 1.4)}
-    parts = Parts(draw, states, parameters, forced=False, rough=True)
+    parts = Parts(draw, states, parameters, forced=False, remembers=False)
     seen = read_late(parts, "x", draw_lag(parts, 0.8, 2.0))
     flow = draw_terms(parts, 0.05, 0.15) - name("k") * states["x"]
     return parts, {

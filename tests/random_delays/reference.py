@@ -12,14 +12,12 @@ from itertools import pairwise
 
 import numpy as np
 from scipy.integrate import solve_ivp
-from scipy.special import roots_laguerre
 
 from tests.fourier import find_fourier_orbit
 
 FUNCTIONS = {"cos": np.cos, "sin": np.sin, "tanh": np.tanh, "exp": np.exp, "pi": np.pi}
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(12)
-FINE_NODES, FINE_WEIGHTS = np.polynomial.legendre.leggauss(28)
-LAGUERRE = roots_laguerre(40)
+FINE_NODES, FINE_WEIGHTS = np.polynomial.legendre.leggauss(40)
 # Coefficients of Fourier series that are so small, in sizes of the states, are none.
 RESOLVED = 1e-9
 HARMONICS = (24, 48, 96)
@@ -60,28 +58,30 @@ def check_smooth(model, orbit):
             return (0.5 * (high - low) * g(lags, read(t[:, None] - lags))) @ FINE_WEIGHTS
 
         def remember(g, rate, low):
-            return g(read(t[:, None] - low - LAGUERRE[0] / rate)) @ LAGUERRE[1]
+            # Of a periodic function: one period, each time with the weights of all the periods before.
+            lags = 0.5 * orbit.period * (FINE_NODES + 1)
+            kernel = 0.5 * orbit.period * rate * np.exp(-rate * lags) / -np.expm1(-rate * orbit.period)
+            return g(read(t[:, None] - low - lags)) @ (FINE_WEIGHTS * kernel)
 
         return np.array(field(t, x, late, integrate, remember))
 
-    autonomous = model.period is None
-    found, near = None, lambda t: past(t + orbit.start)[:n_states]
+    autonomous, found = model.period is None, None
+    begin = 0.0
     if autonomous:
         # The series begins where its first state is largest.
         t = orbit.start + np.linspace(0, orbit.period, 4001)
-        top = t[int(np.argmax(past(t)[0]))]
-        near = lambda t: past(t + top)[:n_states]  # noqa: E731
-    else:
-        near = lambda t: past(t)[:n_states]  # noqa: E731
+        begin = t[int(np.argmax(past(t)[0]))]
     for n in HARMONICS:
-        found = find_fourier_orbit(flow_at, found or near, orbit.period, n, free_period=autonomous, steps=8)
+        found = find_fourier_orbit(
+            flow_at, found or (lambda t: past(t + begin)[:n_states]), orbit.period, n, free_period=autonomous, steps=8
+        )
         if np.max(np.abs(found.coefficients[:, 0]) / orbit.sizes[:n_states]) < RESOLVED:
             break
     else:
         return Verdict(np.inf, "Fourier collocation is not resolved")
     if found.residual > 1e-9:
         return Verdict(np.inf, "Fourier collocation does not converge")
-    return Verdict(_measure_distance(found, past, orbit, n_states, top if autonomous else 0.0, autonomous))
+    return Verdict(_measure_distance(found, past, orbit, n_states, begin, autonomous))
 
 
 def _measure_distance(found, past, orbit, n_states, begin, autonomous):
@@ -119,7 +119,8 @@ class Past:
 
     def list_edges(self, low, high):
         """Return the edges of pieces between two times."""
-        turns = np.arange(*(np.floor((np.array([low, high]) - self.orbit.start) / self.orbit.period) + [0, 1]))
+        first, last = np.floor((np.array([low, high]) - self.orbit.start) / self.orbit.period)
+        turns = np.arange(first, last + 1)
         edges = (self.edges + self.orbit.period * turns[:, None]).ravel()
         return edges[(edges > low) & (edges < high)]
 

@@ -16,15 +16,15 @@ from tests.random_models.formula import Formula, States, call, name
 class Parts:
     """What terms are drawn with: random numbers, the states, parameters so far, whether time may stand in lags.
 
-    ``kinds`` collects the kinds of term drawn. ``rough`` is whether motions have events: what all the past is
-    remembered by is left out there, for the calculation apart reads a finite past.
+    ``kinds`` collects the kinds of term drawn. ``remembers`` is whether integrals over all the past may be among them:
+    the calculation apart has them for smooth motions of a period that is known.
     """
 
     draw: Draw
     states: States
     parameters: dict[str, float]
     forced: bool
-    rough: bool
+    remembers: bool
     kinds: list[str] = field(default_factory=list)
 
     def add(self, stem, value):
@@ -110,7 +110,7 @@ def remembered(parts, gain):
 
 def draw_terms(parts, low=0.05, high=0.25):
     """Return the sum of one to three terms, each of a kind drawn."""
-    kinds = [varying, varying, neutral, distributed, *([] if parts.rough else [remembered])]
+    kinds = [varying, varying, neutral, distributed, *([remembered] if parts.remembers else [])]
     total = None
     for _ in range(parts.draw.one_of([1, 1, 2, 3])):
         term = parts.draw.one_of(kinds)(parts, parts.add("K", parts.draw.signed(low, high)))
