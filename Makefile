@@ -7,7 +7,7 @@ OUT := out
 MODELS ?= 90
 FIRST ?= 1000
 
-.PHONY: setup demo figures test reliability random-models stress check docs reference layers bench cost tracking chain-order schema clean \
+.PHONY: setup demo figures test reliability random-models random-delays stress check docs reference layers bench cost tracking chain-order schema clean \
   distclean
 setup: $(ENV)/ready
 
@@ -34,6 +34,10 @@ reliability: setup   ## docs/reliability.md, from the suite itself
 random-models: setup ## MODELS random models from seed FIRST on; `make reliability` counts them too
 	mkdir -p $(OUT)/random_models
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m tests.random_models $(FIRST) $(MODELS) $(OUT)/random_models
+
+random-delays: setup ## 200 random models with delays that vary, rates and integrals of the past, from seed FIRST on
+	mkdir -p $(OUT)/random_delays
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m tests.random_delays $(FIRST) 200 $(OUT)/random_delays
 
 stress: setup        ## a million random events against exact solutions; minutes
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest tests/simulate/test_random_events.py
