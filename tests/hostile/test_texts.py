@@ -40,7 +40,7 @@ SECONDS = 10.0
 SCOPE = Scope(
     {**{n: make_symbol(n) for n in ("x", "v", "a", "b", *inputs.NAMES) if n not in ("t", "pi", "sin")}},
     states=("x", "v"),
-    delayed=lambda state, delay: make_delayed_symbol(state, delay),
+    delayed=make_delayed_symbol,
 )
 # All that generated code may name: arguments, functions, and common parts c0, c1, ...
 ALLOWED = {

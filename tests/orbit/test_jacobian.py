@@ -9,7 +9,7 @@ import scipy.sparse as sp
 from pddecont.codegen import NumericModel
 from pddecont.collocation import Mesh, MeshRule, equal_cuts
 from pddecont.delay import Chain, Chebyshev, Direct
-from pddecont.model import load_model
+from pddecont.model import explain_direct_only, load_model
 from pddecont.orbit import Orbit, OrbitProblem, Signature, make_eventless, make_mesh
 from pddecont.orbit.jacobian import JacobianAssembler
 from pddecont.orbit.residual import compute_residual
@@ -80,6 +80,8 @@ def orbit_of(numeric, segments, method, free, degree=3, intervals=9, n_periods=1
 def test_shipped_models(path, method):
     numeric = NumericModel(load_model(str(path))[0])
     model = numeric.model
+    if METHODS[method].stages is not None and explain_direct_only(model):
+        pytest.skip(f"refused where methods are chosen: {explain_direct_only(model)}")
     free = FREE.get(path.stem) or tuple(list(model.parameters)[:2])
     # Cars on a ring have hundreds of segments, all of them alike.
     segments = tuple(model.segments.values())[: None if model.derived is None else 16]

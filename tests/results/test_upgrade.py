@@ -28,8 +28,11 @@ def reasons_of(kind, labels, notes, meta=None):
     return [reason_from_json(packed[a:b]) for a, b in itertools.pairwise(ends)]
 
 
-# That of a motion that both fields push off a surface came with format 4.
-@pytest.mark.parametrize("reason", [r for r in FailureReason if r != FailureReason.REPELLED])
+# That of a motion that both fields push off a surface came with format 4, those of delays that vary later.
+LATER = {FailureReason.REPELLED, FailureReason.ADVANCED, FailureReason.PAST_UNKNOWN}
+
+
+@pytest.mark.parametrize("reason", [r for r in FailureReason if r not in LATER])
 def test_failures_of_motions_keep_their_reason_event_and_sentence(reason):
     cut = SENTENCES[reason][:200]
     [found] = reasons_of("sweep", [""], [cut])

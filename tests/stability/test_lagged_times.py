@@ -18,12 +18,18 @@ def test_an_event_some_periods_ago(n_segments, ended, wraps, spare):
     """It lies after ``ended`` segments of period k - w, less all of the periods k - w .. k - 1."""
     ended = min(ended, n_segments)
     coefficients = np.where(np.arange(n_segments) < ended, 1.0, 0.0) - wraps
-    found = spread_over_lags(coefficients, wraps + 1 + spare)
+    found = spread_over_lags(coefficients, wraps + 1 + spare, n_segments)
     durations = np.random.default_rng(n_segments).uniform(1, 2, found.shape)
     since = np.sum(durations[wraps, :ended]) - np.sum(durations[1 : wraps + 1])
     assert np.sum(found * durations) == pytest.approx(since)
     # Where all periods are alike nothing else is left.
     assert np.sum(found, axis=0) == pytest.approx(coefficients)
+
+
+def test_a_breaking_time_some_periods_ago():
+    """b of period k - 2, which begins two periods before this one."""
+    found = spread_over_lags(np.array([-2.0, -2.0, 0.0, 1.0]), 4, 2)
+    assert found.tolist() == [[0, 0, 0, 0], [-1, -1, 0, 0], [-1, -1, 0, 1], [0, 0, 0, 0]]
 
 
 def test_the_deepest_lag_is_that_of_the_breaking_points():
