@@ -55,6 +55,9 @@ def test_every_models_functions_and_derivatives(path):
             d, dx, dxd, _, dt = all_derivatives(function, arguments)
             k = function.n_out
             assert called(value, which, t, x, xd, p, k) == pytest.approx(d.value[:, 0], rel=1e-14, abs=1e-15)
+            if kind != "field" and not tangent:
+                # The stiff method asks for derivatives of the field alone.
+                continue
             parts = [dx[:, :, 0].ravel(), dxd[:, :, 0].ravel(), *([dt[:, 0]] if with_time else [])]
             expected = np.concatenate(parts)
             assert called(jacobian, which, t, x, xd, p, len(expected)) == pytest.approx(expected, rel=1e-13, abs=1e-14)
