@@ -16,8 +16,9 @@ MODEL_NOTE = """\
 What `pddecont run` and `pddecont check` read as a model. The run block `run:` has the keys of a
 [run file](run_file.md) but `model`. Expressions: numbers, declared names, `+ - * / **`, parentheses, `pi`, `t`, delayed
 values `name(t - delay)`, rates `name'(t - delay)`, `integral(expression, s, low, high)` over lags s
-([delays of every kind](../howto/delays.md)), and `sin cos tan asin acos atan atan2 sinh cosh tanh exp log sqrt`; in models that give
-`equations` also `sign heaviside abs max min clip deadzone where coulomb hysteresis mod square`
+([delays of every kind](../howto/delays.md)), and
+`sin cos tan asin acos atan atan2 sinh cosh tanh exp log sqrt`; in models that give `equations` also
+`sign heaviside abs max min clip deadzone where coulomb hysteresis mod square`
 ([what they are](../howto/equations.md)). Conditions (`when`): expressions compared with `> >= < <=`, joined by `and`,
 `or`, `not`. A mapping takes names that you choose to what is
 said."""

@@ -55,12 +55,46 @@ class Place:
 
 
 @dataclass(frozen=True, eq=False)
+class Rest:
+    """What a model reads at an equilibrium, and of exponential motions there: the same for all expansions."""
+
+    at: Equilibrium
+    _shares: dict[complex, Complex] = field(default_factory=dict, repr=False)
+
+    @cached_property
+    def place(self) -> Place:
+        """The equilibrium as one point."""
+        at = self.at
+        return Place(np.zeros(1), at.states[:, None], at.motion.read(at.states, at.parameters)[:, None])
+
+    @cached_property
+    def lags(self) -> Array:
+        """How long ago values are read (n_delays,)."""
+        at = self.at
+        return at.motion.reads.find_lags(at.states, self.place.reads[:, 0], at.parameters)
+
+    def find_shares(self, root: complex) -> Complex:
+        """Return what delayed values are of the present one of a motion exp(root t), by these lags (n_delayed,)."""
+        if root not in self._shares:
+            model, method = self.at.motion.numeric.model, self.at.motion.method
+            groups = dict.fromkeys((v.delay, v.derivative) for v in model.delayed)
+            share = {g: complex(find_share(method, root, float(self.lags[g[0]]), g[1])[0]) for g in groups}
+            self._shares[root] = np.array([share[v.delay, v.derivative] for v in model.delayed], dtype=complex)
+        return self._shares[root]
+
+
+@dataclass(frozen=True, eq=False)
 class Expansion:
     """The expansion of what a model reads at an equilibrium along ``directions``, at most three; see ``jets``."""
 
-    at: Equilibrium
+    rest: Rest
     directions: tuple[Exponential, ...]
     _known: dict[int, Complex] = field(default_factory=dict, repr=False)
+
+    @property
+    def at(self) -> Equilibrium:
+        """The equilibrium."""
+        return self.rest.at
 
     @property
     def n_terms(self) -> int:
@@ -70,17 +104,7 @@ class Expansion:
     def find_last(self) -> Complex:
         """Return the coefficient of the product of all e_j of the vector field, shape (n_states,)."""
         partials = self.at.motion.partials
-        return self._compose(partials, self._list_arguments(partials), self._rest, self.n_terms - 1)[:, 0]
-
-    @cached_property
-    def _rest(self) -> Place:
-        at = self.at
-        return Place(np.zeros(1), at.states[:, None], at.motion.read(at.states, at.parameters)[:, None])
-
-    @cached_property
-    def _lags(self) -> Array:
-        at = self.at
-        return at.motion.reads.find_lags(at.states, self._rest.reads[:, 0], at.parameters)
+        return self._compose(partials, self._list_arguments(partials), self.rest.place, self.n_terms - 1)[:, 0]
 
     def _compose(
         self, partials: ExpressionPartials, arguments: Sequence[Complex], place: Place, mask: int
@@ -103,7 +127,7 @@ class Expansion:
         partials = self.at.motion.find_partials((expr,))
         arguments, jet = self._list_arguments(partials), np.zeros(self.n_terms, dtype=complex)
         for mask in range(1, self.n_terms):
-            jet[mask] = self._compose(partials, arguments, self._rest, mask)[0, 0]
+            jet[mask] = self._compose(partials, arguments, self.rest.place, mask)[0, 0]
         return jet
 
     def _list_arguments(self, partials: ExpressionPartials) -> list[Complex]:
@@ -113,20 +137,13 @@ class Expansion:
         n_delayed = len(model.delayed)
         for j, u in enumerate(self.directions):
             found[1 << j][:n, 0] = u.vector
-            found[1 << j][n : n + n_delayed, 0] = u.vector[self.at.motion.reads.states] * self._find_shares(u)
+            found[1 << j][n : n + n_delayed, 0] = u.vector[self.at.motion.reads.states] * self.rest.find_shares(u.root)
         for number in (partials.used - n).tolist():
             if 0 <= number < len(model.read_symbols) and self._moves(number):
                 jet = self._find_read(number)
                 for mask in range(1, self.n_terms):
                     found[mask][n + number, 0] = jet[mask]
         return found
-
-    def _find_shares(self, u: Exponential) -> Complex:
-        """Return what delayed values are of the state's present one, by the lags at rest (n_delayed,)."""
-        model, method = self.at.motion.numeric.model, self.at.motion.method
-        groups = dict.fromkeys((v.delay, v.derivative) for v in model.delayed)
-        share = {g: complex(find_share(method, u.root, float(self._lags[g[0]]), g[1])[0]) for g in groups}
-        return np.array([share[v.delay, v.derivative] for v in model.delayed], dtype=complex)
 
     def _moves(self, number: int) -> bool:
         """Return whether something read is an integral, or has a delay that varies."""
@@ -144,10 +161,11 @@ class Expansion:
     def _read_delayed(self, number: int) -> Complex:
         model = self.at.motion.numeric.model
         read = model.delayed[number]
+        lag, order = float(self.rest.lags[read.delay]), read.derivative
         delta, jet = self._expand(model.find_delay(read)), np.zeros(self.n_terms, dtype=complex)
         for j, u in enumerate(self.directions):
             start = np.zeros(self.n_terms, dtype=complex)
-            start[1 << j] = u.vector[read.state] * u.root**read.derivative * np.exp(-u.root * self._lags[read.delay])
+            start[1 << j] = u.vector[read.state] * u.root**order * np.exp(-u.root * lag)
             jet += multiply(start, make_decay(u.root, delta))
         return jet
 
@@ -155,7 +173,7 @@ class Expansion:
         """Return an integral over the lags at rest, and over the strips by which its limits move."""
         motion, at = self.at.motion, self.at
         integral = motion.numeric.model.integrals[number]
-        low, high = motion.reads.find_limits(number, at.states, self._rest.reads[:, 0], at.parameters)
+        low, high = motion.reads.find_limits(number, at.states, self.rest.place.reads[:, 0], at.parameters)
         partials = motion.find_partials((integral.integrand,))
         jet = np.zeros(self.n_terms, dtype=complex)
         if low != high:

@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 
 from pddecont.continuation import factor
 from pddecont.equilibrium.equations import Equilibrium
-from pddecont.equilibrium.expansion import Expansion, Exponential
+from pddecont.equilibrium.expansion import Expansion, Exponential, Rest
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -57,6 +57,11 @@ class Forms:
         """The characteristic matrix."""
         return self.at.motion.linearise(self.at.states, self.at.parameters)
 
+    @cached_property
+    def rest(self) -> Rest:
+        """What is read at the equilibrium."""
+        return Rest(self.at)
+
     def second(self, u: Exponential, v: Exponential) -> Complex:
         """Return B(u, v) of two motions, shape (n_states,)."""
         return self._expand(u, v)
@@ -82,7 +87,7 @@ class Forms:
         return CriticalRoot(root, q, p)
 
     def _expand(self, *directions: Exponential) -> Complex:
-        return np.asarray(Expansion(self.at, directions).find_last(), dtype=complex)
+        return np.asarray(Expansion(self.rest, directions).find_last(), dtype=complex)
 
 
 def _make_real(vector: Complex) -> Complex:

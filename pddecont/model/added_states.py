@@ -56,8 +56,8 @@ class AddedStates:
         """
         states = tuple(map(make_symbol, self.file.states))
         equations = [memory.equation for memory in self.past.memories]
-        for name, condition in self.conditions.items():
-            equation = sympy.S.Zero
+        for name in self.delays:
+            equation, condition = sympy.S.Zero, self.conditions.get(name, make_symbol(name))
             with self.findings.noting(("delays", name, "where")):
                 self._check_jumps(condition, states, resets)
                 equation = make_delay_equation(condition, make_symbol(name), states, field, self.past)
@@ -82,7 +82,8 @@ class AddedStates:
         for memory in self.past.memories:
             with self.findings.noting(("initial",)):
                 found.append(memory.at_start(self.file.states, history))
-        for name, condition in self.conditions.items():
+        for name in self.delays:
+            condition = self.conditions.get(name, make_symbol(name))
             given = self.file.initial.get(name)
             guess = None if given is None else evaluate(sympy.sympify(float(given)), self.past.numbers)
             with self.findings.noting(("delays", name, "where")):

@@ -21,7 +21,7 @@ from pddecont.model.derived_modes import DerivedModes, TooManySwitchesError, mak
 from pddecont.model.document import Document, KeyPath, parse_document, read_text
 from pddecont.model.equations import check_kind, declare_switches, read_equations
 from pddecont.model.evaluation import evaluate
-from pddecont.model.expression import TIME, Scope
+from pddecont.model.expression import INTEGRAL, TIME, Scope
 from pddecont.model.findings import Findings
 from pddecont.model.initial_digits import find_start_mode
 from pddecont.model.lagged import find_reading_symbols, make_symbol
@@ -36,7 +36,7 @@ from pddecont.model.names import (
 from pddecont.model.nonsmooth import SwitchCollector
 from pddecont.model.parts import IDENTITY, Event, Segment
 from pddecont.model.past_checks import list_negative_delays, measure_rates
-from pddecont.model.past_reads import INTEGRAL, PastReads
+from pddecont.model.past_reads import PastReads
 from pddecont.model.periodicity import explain_non_periodic
 from pddecont.model.rest import find_resets_to_rest
 from pddecont.model.schema import DelayCondition, DelayedEvent, ModelFile

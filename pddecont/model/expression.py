@@ -53,6 +53,8 @@ FUNCTIONS: dict[str, tuple[Callable[..., sympy.Expr], int]] = {
     "sqrt": (sympy.sqrt, 1),
 }
 NONSMOOTH = {"abs", "sign", "sgn", "heaviside", "Heaviside", "min", "max", "Min", "Max", "Abs", "floor", "ceil", "mod"}
+# The integral over the past, of which no delay is made.
+INTEGRAL = "integral"
 IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*\Z")
 TIME = sympy.Symbol("t", real=True)
 PI_NAME = "pi"
@@ -347,7 +349,9 @@ class _Translator:
             raise ExpressionError(
                 f"{written} is a second derivative; only values and first derivatives can be delayed", node.col_offset
             )
-        inner = replace(self.scope, symbols={**self.scope.symbols, "t": TIME}, time=True, builtins={}, place="a delay")
+        symbols = {**self.scope.symbols, "t": TIME}
+        integral = {name: builtin for name, builtin in self.scope.builtins.items() if name == INTEGRAL}
+        inner = replace(self.scope, symbols=symbols, time=True, builtins=integral, place="a delay")
         argument = _Translator(inner).visit(node.args[0], depth + 1)
         delay = sympy.expand(TIME - argument)
         if derivative and delay == 0:

@@ -119,8 +119,9 @@ def make_memory(
     for (rate, power, of), coefficient in grouped.items():
         if evaluate(rate, numbers) <= 0:
             raise ExpressionError(f"{KERNEL}; here r is {evaluate(rate, numbers):g} at the given parameters")
-        last = _find_chain(of, low, rate, power, past, memories, names)
-        value += coefficient * factorial(power) / rate ** (power + 1) * last.symbol
+        # What no state enters is what it always was: no memory is needed.
+        held = _find_chain(of, low, rate, power, past, memories, names).symbol if of.free_symbols & symbols else of
+        value += coefficient * factorial(power) / rate ** (power + 1) * held
     return Remembered(value, tuple(memories[len(known) :]))
 
 

@@ -6,8 +6,8 @@ import ast
 import re
 
 _DECIMAL_COMMA = re.compile(r"\s*[-+]?\d{1,40},\d{1,40}\s*", re.ASCII)
-# A name with a prime, and the bracket after it, if there is one.
-_DERIVATIVE = re.compile(r"([A-Za-z_][A-Za-z0-9_]*)'\s*(\(?)")
+# A name with a prime.
+_DERIVATIVE = re.compile(r"([A-Za-z_][A-Za-z0-9_]*)'")
 
 
 def is_infinite(text: str) -> bool:
@@ -21,16 +21,16 @@ def suggest_point(text: str) -> str:
 
 
 def find_derivative(text: str) -> tuple[str, int] | None:
-    """Return why a derivative, ``x'`` or ``x'(t - tau)``, cannot stand in an expression, and where it does; or None."""
+    """Return why a derivative ``x'`` of the present cannot stand in an expression, and where it does; or None."""
     found = _DERIVATIVE.search(text)
     if found is None:
         return None
-    name, called = found.groups()
-    if called:
-        message = f"{name}'(...) is the derivative of a delayed value; only values can be delayed: {name}(t - tau)"
-    else:
-        message = f"{name}' is a derivative, which cannot be used in an expression; write what it is equal to"
-    return message, found.start()
+    name = found.group(1)
+    return (
+        f"{name}' is a derivative, which cannot be used in an expression but delayed, {name}'(t - tau); write what it "
+        "is equal to",
+        found.start(),
+    )
 
 
 def is_moment(node: ast.expr) -> bool:

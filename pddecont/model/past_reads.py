@@ -27,7 +27,6 @@ from pddecont.model.lagged import (
 from pddecont.model.memory import INFINITE, Memory, make_memory
 from pddecont.model.syntax import ExpressionError, unmask
 
-INTEGRAL = "integral"
 Made = TypeVar("Made")
 WRITTEN = "integral(expression in s and x(t - s), s, low, high)"
 

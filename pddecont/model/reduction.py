@@ -252,7 +252,8 @@ def _delays(cut: Reduction) -> Reduction:
     for _, s in reads:
         if now[s] not in left.delayed_symbols:
             cut.reasons["delayed"][s.name] = "its delay is 0" if s in zero else "nothing left reads it"
-    kept = {full.find_delay(read) for read, s in reads if now[s] in left.delayed_symbols}
+    every = zip(full.delayed, full.delayed_symbols, strict=True)
+    kept = {full.find_delay(read) for read, s in every if now[s] in left.delayed_symbols}
     for read, s in reads:
         if full.find_delay(read) not in kept:
             why = "it is 0" if s in zero else "nothing left is delayed by it"

@@ -19,6 +19,9 @@ from pddecont.simulate import MotionRecord, ParameterValues, Past, Simulator, fo
 Array = NDArray[np.float64]
 # The error allowed in a step of the simulation, relative to the size of the states.
 RTOL, ATOL = 1e-9, 1e-11
+# Where models read more than states a constant time ago, steps pass over the edges of the orbit's polynomials, and
+# their errors are some thirty times as large at the same tolerance.
+FINE_RTOL = 1e-11
 # Steps after which a simulation is given up, and done with the next simulator instead.
 MAX_STEPS = 4000
 # How much more of the past is kept than delays reach back, relative to them.

@@ -33,7 +33,7 @@ class PreimageSearch:
         self.inside = np.tile(np.append(np.ones(len(places) - 1, dtype=bool), False), mesh.n_intervals)[:-1]
 
     def crosses_anew(self, delay: int, moments: Array, known: Array) -> bool:
-        """Return whether a delay reads one of ``moments`` (n,), or one some periods before, at a time not ``known`` (m,).
+        """Return whether a delay reads one of ``moments`` (n,), or periods before it, at a time not ``known`` (m,).
 
         Times are told apart as far as samples lie apart.
         """

@@ -15,9 +15,10 @@ import numpy as np
 
 from pddecont.codegen import NumericModel
 from pddecont.delay import DelayMethod, Direct
+from pddecont.model import reads_generally
 from pddecont.orbit.durations import find_instants
 from pddecont.orbit.estimate import estimate_error
-from pddecont.orbit.examination import RTOL, Examination
+from pddecont.orbit.examination import FINE_RTOL, RTOL, Examination
 from pddecont.orbit.judgement import ESTIMATED, judge
 from pddecont.orbit.orbit import Orbit
 from pddecont.orbit.verdict import DRIFTS, Verification
@@ -43,7 +44,8 @@ class Referee:
         Where a delay line holds the history, delayed values are what the orbit says.
         """
         made = DrivenSimulator if self.is_driven else Simulator
-        return tuple(made(self.numeric, Direct(), Method(rtol=RTOL, stiff=stiff)) for stiff in (False, True))
+        rtol = FINE_RTOL if reads_generally(self.numeric.model) else RTOL
+        return tuple(made(self.numeric, Direct(), Method(rtol=rtol, stiff=stiff)) for stiff in (False, True))
 
     @property
     def is_driven(self) -> bool:

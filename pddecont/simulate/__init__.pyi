@@ -19,6 +19,8 @@ from .integration import record_trajectory as record_trajectory
 from .integration import simulate as simulate
 from .integrator import ParameterValues as ParameterValues
 from .integrator import find_machine_code as find_machine_code
+from .known_past import read_along as read_along
+from .known_past import read_values as read_values
 from .lyapunov import LyapunovExponent as LyapunovExponent
 from .lyapunov import find_lyapunov_exponent as find_lyapunov_exponent
 from .method import Method as Method
@@ -32,8 +34,6 @@ from .past_plan import find_longest_lag as find_longest_lag
 from .past_plan import make_past_plan as make_past_plan
 from .period_detection import Cycle as Cycle
 from .period_detection import detect_period as detect_period
-from .read_values import read_along as read_along
-from .read_values import read_values as read_values
 from .restart import MotionRecord as MotionRecord
 from .restart import follow_motion as follow_motion
 from .restart import restart_motion as restart_motion

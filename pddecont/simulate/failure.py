@@ -116,13 +116,13 @@ def describe_failure(failure: MotionFailure) -> str:
             )
         case FailureReason.ADVANCED:
             return (
-                f"at t = {t:.12g} the delay {failure.detail}: from there on the equation would read the future; let the "
-                "delay stay positive"
+                f"at t = {t:.12g} the delay {failure.detail}: from there on the equation would read the future; "
+                "let the delay stay positive"
             )
         case FailureReason.PAST_UNKNOWN:
             return (
-                f"at t = {t:.12g} a delay reaches farther back than the past is known: it has grown to several times its "
-                "longest value before, or the motion began from a piece of another one"
+                f"at t = {t:.12g} a delay reaches farther back than the past is known: it has grown to several times "
+                "its longest value before, or the motion began from a piece of another one"
             )
         case FailureReason.SECTION_LEFT:
             return f"the motion no longer returns to the section after t = {t:.6g}"

@@ -90,8 +90,8 @@ def make_values(
     for read in model.delayed:
         if read.derivative and read.delay < len(delays) and delays[read.delay] == 0.0:
             raise ConvergenceError(
-                f"the rate {model.states[read.state]}'(t - {model.find_delay(read)}) is read at a delay of zero, which is "
-                "the rate itself: write the equation solved for it"
+                f"the rate {model.states[read.state]}'(t - {model.find_delay(read)}) is read at a delay of zero, which "
+                "is the rate itself: write the equation solved for it"
             )
     tau = np.concatenate([delays, evaluate_limits(numeric, tables.plan, p)])
     bounds = [method.max_step]

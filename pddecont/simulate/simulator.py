@@ -35,11 +35,11 @@ from pddecont.simulate.integrator import (
     make_state,
     run,
 )
+from pddecont.simulate.known_past import make_constant_past, make_history_past, read_values
 from pddecont.simulate.method import Method
 from pddecont.simulate.model_numbers import make_values
 from pddecont.simulate.part_tables import PartTables
 from pddecont.simulate.reached_system import ReachedSystem
-from pddecont.simulate.read_values import make_constant_past, make_history_past, read_values
 from pddecont.simulate.returns import ReturnSection
 from pddecont.simulate.start_modes import read_mode, read_start_modes
 
@@ -61,8 +61,8 @@ class Simulator:
     Raises
     ------
     ConvergenceError
-        If the chain of the delay method has growing solutions or cannot hold what the model reads, or a tangent is asked
-        of the stiff method or of a model whose tangent is not known.
+        If the chain of the delay method has growing solutions or cannot hold what the model reads, or a tangent is
+        asked of the stiff method or of a model whose tangent is not known.
     """
 
     numeric: NumericModel
@@ -288,8 +288,8 @@ def _refuse_tangent(model: Model) -> None:
     rates = list_rates(model)
     if rates:
         raise ConvergenceError(
-            f"Lyapunov exponents are not computed for models that read rates of the past ({rates[0]}): jumps of the rate "
-            "never end there"
+            f"Lyapunov exponents are not computed for models that read rates of the past ({rates[0]}): jumps of the "
+            "rate never end there"
         )
     if model.integrals and not model.smooth:
         raise ConvergenceError(

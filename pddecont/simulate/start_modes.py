@@ -34,8 +34,8 @@ def read_mode(
 ) -> str | None:
     """Return the mode of a motion at ``t``; None where both fields point away from a surface that it is on.
 
-    ``states`` (n_states,) and the values read of the past, ``delayed`` (n_reads,), are those at ``t``; relays with memory are between their
-    thresholds what they were in the mode ``before``.
+    ``states`` (n_states,) and the values read of the past, ``delayed`` (n_reads,), are those at
+    ``t``; relays with memory are between their thresholds what they were in the mode ``before``.
     """
     derived = numeric.model.derived
     if derived is None:

@@ -12,6 +12,7 @@ import pytest
 from pddecont.errors import ModelError, PddecontError
 from pddecont.model import parse_document, parse_model
 from pddecont.tables import describe_endings
+from tests.cases.pitchfork import find_pitchfork
 from tests.cases.test_cases import HERE, follow, load, until
 from tests.runs import change, labels, monitor, multipliers, parameter, run
 
@@ -100,6 +101,17 @@ def test_a_pitchfork_just_after_a_pair_has_met_is_found(tmp_path, mended):
     assert place == pytest.approx(0.481996, abs=1e-6)
     assert not any("not located" in text for text in describe_endings(branch))
     mended("pitchfork_lost", "1 change of stability not located", f"BP at {place:.7g}", ".481996")
+
+
+def test_the_same_pitchfork_of_the_neutral_equation_itself(tmp_path, mended):
+    """With the delayed acceleration in place of a difference quotient over .001, which moves the point by 2.4e-7."""
+    branch = follow("pitchfork_neutral", tmp_path)
+    place = parameter(branch, "k", "BP1")
+    # The default mesh tolerance; the program is 1.2e-8 off.
+    assert place == pytest.approx(find_pitchfork(), abs=1e-7)
+    assert [label for label in labels(branch) if label[:2] in ("BP", "LP")] == ["BP1", "LP1"]
+    assert not any("not located" in text for text in describe_endings(branch))
+    mended("pitchfork_neutral", "a difference quotient", f"BP at {place:.9g}", "the neutral equation itself")
 
 
 def test_contacts_that_a_symmetric_orbit_loses_at_once_are_removed_together(tmp_path, mended):

@@ -37,7 +37,9 @@ def test_every_function(name):
 def test_delayed_values():
     assert parse_expression("x(t - 2*beta)", SCOPE) == sympy.Symbol(f"x|{2 * sympy.Symbol('beta', real=True)}")
     assert parse_expression("x(-beta + t) - x(t - beta)", SCOPE) == 0
-    assert "does not depend on t" in str(error_of("x(2*t - 1)"))
+    assert "derivative at the present time" in str(error_of("x'(t)"))
+    assert "second derivative" in str(error_of("x''(t - beta)"))
+    assert "not smooth, and a delay has to be" in str(error_of("x(t - abs(beta))"))
 
 
 @pytest.mark.parametrize(

@@ -66,7 +66,7 @@ def test_shipped_models_are_free_of_warnings(path):
         ("{v: -0.8*v}", "{w: -0.8*v}", 12, 12, "sets 'w', which is not a state"),
         ("forcing: {period: 2*pi/omega}\n", "", 6, 3, "'t' appears in modes 'free' but the model has no 'forcing'"),
         ("x(t - tau)", "x(t + tau)", 4, 39, "the delay -tau is -0.5"),
-        ("x(t - tau)", "x(t - v)", 4, 39, "a delay is an expression in parameters, but this one holds v"),
+        ("x(t - tau)", "x(t - abs(v))", 4, 43, "'abs' is not smooth, and a delay has to be"),
         ("v': force}\n  touch", "w': force}\n  touch", 7, 17, "'w'' is not the derivative of a state"),
         ("free: {x': v, v': force}", "free: {x': v}", 7, 3, "does not say what v' is"),
         ("free: {x': v, v'", "free: {x': v, v", 7, 17, "write v'"),

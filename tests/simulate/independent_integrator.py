@@ -1,11 +1,13 @@
-"""An integrator for delay equations of every kind that shares nothing with the program: Picard iterations on panels.
+"""An integrator for delay equations of every kind that shares nothing with the program: panels of Picard iterations.
 
-On a panel [t, t + h] the motion is a Chebyshev series; x -> x(t) + int f is repeated on its nodes until nothing changes.
-What is read of the panel itself is the iterate. Panels end where a lag passes from one smooth piece of the past to the
-next, and where an event function crosses zero; both are found on the series by bisection.
+On a panel [t, t + h] the motion is a Chebyshev series; x -> x(t) + int f is repeated on its nodes until nothing
+changes. What is read of the panel itself is the iterate. Panels end where a lag passes from one smooth piece of the
+past to the next, and where an event function crosses zero; both are found on the series by bisection.
 """
 
 from __future__ import annotations
+
+from itertools import pairwise
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -70,7 +72,7 @@ class Motion:
         panels = [*self.panels, *([] if self.trial is None else [self.trial])]
         cuts = sorted({t - high, t - low, *(e for p in panels for e in p[:2] if t - high < e < t - low)})
         total = 0.0
-        for a, b in zip(cuts[:-1], cuts[1:], strict=True):
+        for a, b in pairwise(cuts):
             middle = 0.5 * (a + b)
             inside = [p for p in panels if p[0] <= middle <= p[1]]
             for node, weight in zip(nodes, weights, strict=True):
@@ -115,14 +117,17 @@ def _find_end(motion, panel, read_times, event):
 
     motion.trial = panel
     for lag, read_time in read_times.items():
+
+        def at(t, read_time=read_time):
+            return read_time(t, motion.evaluate(panel, t), motion)
+
         low, high = motion.find_ends(
             motion.reading.get(lag, motion.find_piece(read_time(motion.t, motion.states, motion)))
         )
-        at = lambda t, r=read_time: r(t, motion.evaluate(panel, t), motion)  # noqa: E731
         if np.isfinite(high):
-            look(lambda t, high=high: at(t) - high, lag, 1)
+            look(lambda t, at=at, high=high: at(t) - high, lag, 1)
         if np.isfinite(low):
-            look(lambda t, low=low: low - at(t), lag, -1)
+            look(lambda t, at=at, low=low: low - at(t), lag, -1)
     if event is not None:
         look(lambda t: event(t, motion.evaluate(panel, t), motion), "event", 1)
     return found
@@ -135,6 +140,13 @@ def integrate(f, read_times, history, states, t_end, h, event=None, reset=None, 
     ``event`` function that rises through zero resets the states; ``breaks`` are further times at which panels end.
     """
     motion = Motion(history, states)
+    # Panels that are too long diverge, and are halved.
+    with np.errstate(all="ignore"):
+        _fill(motion, f, read_times, t_end, h, event, reset, breaks)
+    return motion
+
+
+def _fill(motion, f, read_times, t_end, h, event, reset, breaks):
     while motion.t < t_end - 1e-14:
         length = min([h, t_end - motion.t, *(b - motion.t for b in breaks if b > motion.t + 1e-13)])
         motion.trial = None
@@ -153,7 +165,6 @@ def integrate(f, read_times, history, states, t_end, h, event=None, reset=None, 
             motion.reading = {}
         elif what is not None:
             motion.reading[what] += way
-    return motion
 
 
 def _advance(motion, f, length, read_times, event):

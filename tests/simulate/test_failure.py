@@ -31,6 +31,10 @@ SENTENCES = {
     FailureReason.STEP_TOO_SMALL: "no step is small enough near t = 1.23456789 in mode 'fly': the solution grows "
     "without bound there, or the vector field has a singularity or a jump that no event marks; a stiff model wants "
     "'method: stiff'",
+    FailureReason.ADVANCED: "at t = 1.23456789012 the delay log(x) takes the logarithm of zero: from there on the "
+    "equation would read the future; let the delay stay positive",
+    FailureReason.PAST_UNKNOWN: "at t = 1.23456789012 a delay reaches farther back than the past is known: it has "
+    "grown to several times its longest value before, or the motion began from a piece of another one",
     FailureReason.SECTION_LEFT: "the motion no longer returns to the section after t = 1.23457",
     FailureReason.NO_RETURN: "the motion does not come back to the section in the time of the transient",
     FailureReason.NOT_SETTLED: "the motion has not settled in the time of the transient: its last returns still move, "

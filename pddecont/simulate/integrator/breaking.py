@@ -31,17 +31,25 @@ def add_breaking_points(c, t, level):
 def _insert(c, t, level, size):
     """Add a breaking point at its place in the queue.
 
-    One that is there already, to rounding, keeps its time and gets the lower level of the two, and the larger size.
+    One that is there already, to rounding, keeps its time and gets the lower level of the two. Where rates are read
+    each level has its own size, as a value and as a rate.
     """
     times, levels, sizes, n = c.breaking_time, c.breaking_level, c.breaking_size, c.count[N_BREAKING]
     i = n
     while i > 0 and times[i - 1] > t:
         i -= 1
-    for j in (i - 1, i):
+    first, last = i - 1, i
+    while c.is_general == 1 and first > 0 and abs(times[first - 1] - t) <= time_tolerance(t):
+        first -= 1
+    for j in range(first, last + 1):
         if 0 <= j < n and abs(times[j] - t) <= time_tolerance(t):
-            levels[j] = min(levels[j], level)
-            sizes[j] = min(sizes[j], size) if max(sizes[j], size) < 0.0 else max(abs(sizes[j]), abs(size))
-            return
+            t = times[j]
+            if c.is_general == 0:
+                levels[j] = min(levels[j], level)
+                return
+            if levels[j] == level and sizes[j] * size > 0.0:
+                sizes[j] = max(sizes[j], size) if size > 0.0 else min(sizes[j], size)
+                return
     for j in range(n, i, -1):
         times[j], levels[j], sizes[j] = times[j - 1], levels[j - 1], sizes[j - 1]
     times[i], levels[i], sizes[i] = t, level, size
@@ -183,4 +191,7 @@ def find_next_stop(c, t_stop):
 def queues_have_capacity(c, n_events):
     """Return whether what ``n_events`` events bring fits into the queues."""
     most = n_events * (c.n_delays + 1) * (c.n_events + 1) + LEVELS
+    if c.is_general == 1:
+        # At one time each level may come back as a value and as a rate, and each of both as either again.
+        most += 4 * LEVELS * (c.n_delays + 1)
     return (c.count[N_BREAKING] + most < c.mask + 1) and (c.count[N_PENDING] + most < c.mask + 1)

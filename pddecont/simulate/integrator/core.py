@@ -31,9 +31,9 @@ Core = namedtuple(
     log_steps log_events log_n log_time log_length log_end log_mode log_arc log_value log_coefficients event_time
     event_segment event_arc event_before event_after stages extension trial slope xd xd_slope jacobian gradient
     after_reset past_trial crossing passed found_side bernstein stack digits asked landing
-    is_general n_values n_varying n_integrals n_turns n_first_turns pair_derivative is_rate turn_kind turn_number low high lags
-    integrands past_piece past_level past_size breaking_size lag_time lag_count lag lag_least lag_most held
-    fresh_slope inside integrand panels
+    is_general n_values n_varying n_integrals n_turns n_first_turns pair_derivative is_rate turn_kind turn_number
+    low high lags integrands past_piece past_level past_size breaking_size lag_time lag_count lag
+    lag_least lag_most held fresh_slope inside integrand panels
 """,
 )
 

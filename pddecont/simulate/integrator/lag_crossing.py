@@ -23,8 +23,8 @@ from pddecont.simulate.integrator.state import ADVANCED, LAST_TURN, MODE, PIECE,
 from pddecont.simulate.integrator.status import Status
 from pddecont.simulate.integrator.variational import jump_at_lag
 
-# Beyond the range of times that the stages of a step read, a lag reads no more than this part of it: between two stages,
-# a fifth of a step apart or less, a read time that turns goes beyond both by a twenty-fifth of the range.
+# Beyond the range of times that the stages of a step read, a lag reads no more than this part of it: between two
+# stages, a fifth of a step apart or less, a read time that turns goes beyond both by a twenty-fifth of the range.
 BEYOND = 0.25
 # What a lag passes: the end of its piece, its beginning, or the present.
 NOTHING, END, BEGIN, PRESENT = 0, 1, 2, 3

@@ -1,7 +1,7 @@
 """Steps that read themselves: lags shorter than a step, lags that vanish, and integrals that begin at the present.
 
-Such a step is implicit. It is repeated with the extension that the last try left, beginning with that of the step before
-it continued, until the extension is its own.
+Such a step is implicit. It is repeated with the extension that the last try left, beginning with that of the step
+before it continued, until the extension is its own.
 
 Reference: Bellen, Zennaro, Numerical Methods for Delay Differential Equations (2003), section 4.1 (overlapping).
 """
@@ -19,7 +19,7 @@ from pddecont.simulate.integrator.state import HELD, HELD_LENGTH, IN_STEP, MODE,
 
 # Repetitions of one step: a contraction by a half leaves 2^-30 of the first error, and slower ones want shorter steps.
 MAX_REPETITIONS = 30
-# What the last repetition may still change, in tolerances: small beside the error of the step itself.
+# What the last repetition may still change, in errors of the step, or in tolerances where these are less.
 REPETITION_TOL = 1e-3
 # The error that asks for a step a third to a half as long, whatever the order: there the repetitions converge faster.
 NOT_CONVERGED = 1e3
@@ -47,7 +47,7 @@ def try_any_step(c, t, h):
         hold_extension(c, h)
         if not math.isfinite(change):
             return math.inf
-        if change <= REPETITION_TOL:
+        if change <= REPETITION_TOL * min(1.0, error):
             return error
         # Changes as small as rounding in an extension shrink no further.
         if repetition > 1 and change >= last:

@@ -65,8 +65,8 @@ GAUSS = np.array(
         0.0,
     ]
 )
-# Where both rules agree so well, relative to the integral of the absolute value, that of 15 points is exact to rounding.
-# A part is halved no more often than this: below it a kernel is not smooth.
+# Where both rules agree so well, relative to the integral of the absolute value, that of 15 points is exact to
+# rounding. A part is halved no more often than this: below it a kernel is not smooth.
 AGREED, MAX_HALVINGS = 1e-11, 20
 # Where the states of a part come from, besides steps of the ring, by number: the history, the extension of the present
 # step that is held, and the present states.

@@ -91,8 +91,8 @@ def begin_inside_arc(system, values, state, work, t, begin, mode, arc):
 def _begin_pieces(c, t, begin):
     """Let every step of the past be a piece of its own, and choose those that are read at ``t``.
 
-    Between the steps of a polynomial orbit derivatives jump by its error, within an arc by no more: such jumps come back
-    once.
+    Between the steps of a polynomial orbit derivatives jump by its error, within an arc by no more: such jumps come
+    back once.
     """
     first, end = c.count[FIRST], c.count[FIRST] + c.count[USED]
     for number in range(first, end):

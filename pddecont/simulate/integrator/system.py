@@ -89,8 +89,8 @@ class System(NamedTuple):
     n_values
         Delayed values; integrals come after them. The state and delay of an integral are -1.
     n_varying, n_integrals, n_turns, n_first_turns
-        Lags that vary (their slots come after those of the constant ones), integrals, turns, and those of them that come
-        first: only derivatives need the others.
+        Lags that vary (their slots come after those of the constant ones), integrals, turns, and those of them that
+        come first: only derivatives need the others.
     pair_derivative, is_rate
         How often each value that is read is differentiated, and 1 for a rate that fields depend on (n_pairs,).
     turn_kind, turn_number

@@ -11,7 +11,7 @@ from pddecont.simulate.integrator.buffers import N_COEFFICIENTS, make_log
 from pddecont.simulate.integrator.calls import entry, internal
 from pddecont.simulate.integrator.core import make_core
 from pddecont.simulate.integrator.poincare import STEPS
-from pddecont.simulate.integrator.state import FIRST, N_PENDING, READY, SHIFT, USED, T
+from pddecont.simulate.integrator.state import FIRST, LONGEST, N_PENDING, READY, SHIFT, USED, T
 from pddecont.simulate.integrator.status import Status
 
 
@@ -24,7 +24,7 @@ def measure_growth(system, values, state, work, interval, logs, done):
     """
     log = make_log(0, 0, 0)
     if done[0] == 0.0 and math.isnan(done[1]):
-        _rescale_tangent(system, state)
+        _rescale_tangent(system, values, state)
     for k in range(int(done[0]), len(logs)):
         if math.isnan(done[1]):
             done[1] = state.clock[T] + interval
@@ -34,7 +34,7 @@ def measure_growth(system, values, state, work, interval, logs, done):
             status = advance(make_core(system, values, state, log, work), done[1], STEPS)
         if status != Status.REACHED:
             return np.int64(status)
-        logs[k] = _rescale_tangent(system, state)
+        logs[k] = _rescale_tangent(system, values, state)
         done[0], done[1] = k + 1.0, math.nan
         if not math.isfinite(logs[k]):
             break
@@ -42,16 +42,20 @@ def measure_growth(system, values, state, work, interval, logs, done):
 
 
 @internal
-def _rescale_tangent(system, state):
-    """Make the tangent, with its past, of length 1; return the logarithm of the length that it had."""
+def _rescale_tangent(system, values, state):
+    """Make the tangent, with its past, of length 1; return the logarithm of the length that it had.
+
+    Where lags vary more of the past is kept than they are known to read: its length is that of what they read.
+    """
     full, kept = system.n_full, len(system.kept)
     mask = len(state.past_time) - 1
     length = 0.0
     for i in range(full):
         length = max(length, abs(state.y[full + i]))
     numbers = range(state.count[FIRST], state.count[FIRST] + state.count[USED])
+    since = state.clock[T] - max(values.longest, state.lag_time[LONGEST]) if system.n_varying > 0 else -math.inf
     for number in numbers:
-        for k in range(kept):
+        for k in range(kept if state.past_end[number & mask] >= since else 0):
             length = max(length, abs(state.past_value[number & mask, kept + k]))
     if length == 0.0 or not math.isfinite(length):
         return -math.inf if length == 0.0 else math.inf
