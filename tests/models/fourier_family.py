@@ -1,4 +1,4 @@
-"""Orbits of scalar equations with lags that depend on the state, by Fourier collocation with derivatives in closed form.
+"""Orbits of scalar equations whose lags depend on the state, by Fourier collocation, derivatives in closed form.
 
 The equation is x' = -decay x - sum of k_i x(t - a_i - c x), the unknowns are x at equally spaced times and one of the
 gains k_i, and the period is given: it goes on where the gain turns back. Perturbations exp(l t) p(t) of an orbit are
@@ -70,7 +70,7 @@ class Family:
         """Return the orbit of another period near this one, with n harmonics; ``before`` is one on the way here."""
         shares, share = np.arange(2 * n + 1) / (2 * n + 1), 0.0
         values, gain = self.matrix(shares * self.period) @ self.values, self.gains[0]
-        if before is not None:
+        if before is not None and before.period != self.period:
             share = (period - self.period) / (self.period - before.period)
             values = values + share * (values - before.matrix(shares * before.period) @ before.values)
             gain += share * (gain - before.gains[0])

@@ -36,7 +36,8 @@ def test_sawtooth():
     (period, *extrema), tol = expect("sawtooth", "period and extrema at k = 2, eps = 0.2")
     eps = 0.2
     small = begin((1.143 / eps,), (1.0,), 1 / eps, 2.38, 0.2)
-    orbit = small.follow((np.arange(2.388, 2.44, 0.008), 30), (np.linspace(2.48, period, 18), 60), ([period], 90))[-1]
+    orbit = small.follow((np.arange(2.388, 2.44, 0.008), 30), (np.linspace(2.48, period, 18), 60))[-1]
+    orbit = orbit.follow(([period], 90), ([period], 150), ([period], 220))[-1]
     assert orbit.gains[0] * eps == pytest.approx(2.0, abs=tol)
     assert orbit.find_extrema() == pytest.approx(extrema, abs=tol)
 
@@ -84,7 +85,9 @@ def test_torus_point():
 def test_fold():
     """The gain as a function of the period has its maximum there."""
     before = (np.arange(2.66, 2.85, 0.03), 20), (np.arange(2.87, 3.3, 0.03), 60), (np.arange(3.32, 3.7, 0.04), 120)
-    near = begin((4.56, 2.3), (1.3, 6.0), 4.75, 2.6486, 0.17).follow(*before, ([3.74, 3.76, 3.78, 3.8, 3.82, 3.84], 320))[-4:]
+    near = begin((4.56, 2.3), (1.3, 6.0), 4.75, 2.6486, 0.17).follow(
+        *before, ([3.74, 3.76, 3.78, 3.8, 3.82, 3.84], 320)
+    )[-4:]
     curve = np.polynomial.Polynomial.fit([o.period for o in near], [o.gains[0] for o in near], 3)
     highest = max(curve(t.real) for t in curve.deriv().roots() if 3.78 < t.real < 3.84)
     compare(highest, "two_state_dependent_lags", "fold")
