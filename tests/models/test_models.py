@@ -12,7 +12,7 @@ from pddecont.steps.execution import execute
 from pddecont.tables import describe_endings
 from tests.conftest import ROOT
 from tests.conftest import SHIPPED as MODELS
-from tests.models import test_independent, test_smooth_orbits, test_sticking, test_switching
+from tests.models import test_independent, test_smooth_orbits, test_sticking, test_switching, test_varying_delays
 from tests.models.expected import FOLDER, both, entries, points
 
 # Their branches take half a minute and more: tests/test_full_model.py and the benchmarks follow them.
@@ -45,7 +45,7 @@ def test_what_is_expected_says_where_it_is_from(path):
         # A number is either from elsewhere or calculated again here; an expression is its own derivation.
         if "independent" in item:
             name = item["independent"]
-            rooms = (test_independent, test_smooth_orbits, test_sticking, test_switching)
+            rooms = (test_independent, test_smooth_orbits, test_sticking, test_switching, test_varying_delays)
             assert any(hasattr(room, name) for room in rooms), name
 
 

@@ -32,16 +32,6 @@ def test_state_dependent_lag():
     assert orbit.find_extrema() == pytest.approx(extrema, abs=tol)
 
 
-def test_sawtooth():
-    (period, *extrema), tol = expect("sawtooth", "period and extrema at k = 2, eps = 0.2")
-    eps = 0.2
-    small = begin((1.143 / eps,), (1.0,), 1 / eps, 2.38, 0.2)
-    orbit = small.follow((np.arange(2.388, 2.44, 0.008), 30), (np.linspace(2.48, period, 18), 60))[-1]
-    orbit = orbit.follow(([period], 90), ([period], 150), ([period], 220))[-1]
-    assert orbit.gains[0] * eps == pytest.approx(2.0, abs=tol)
-    assert orbit.find_extrema() == pytest.approx(extrema, abs=tol)
-
-
 def find_gains(w):
     """Return kappa1 and kappa2 with a root i w."""
     lags = w * np.array([1.3, 6.0])

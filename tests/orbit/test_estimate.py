@@ -96,7 +96,18 @@ WITHOUT_ORBIT = {
     "duffing_feedback",
 }
 # They read rates, or more than states a constant time ago, and are measured in tests/models/test_smooth_orbits.py.
-READ_OTHERWISE = {"transmission_line", "neutral_logistic", "distributed_maturation", "robot_arm", "remembering_drivers"}
+READ_OTHERWISE = {
+    "transmission_line",
+    "neutral_logistic",
+    "distributed_maturation",
+    "robot_arm",
+    "remembering_drivers",
+    "state_dependent_lag",
+    "two_state_dependent_lags",
+    "varying_speed",
+    "turning_tangential",
+    "drill_string",
+}
 # A jump of the state comes back through the delay: without tracking it lies anywhere in an interval, and the estimate
 # may not see it.
 JUMPS_COME_BACK = {"bolus"}
