@@ -9,6 +9,7 @@ from tests.random_delays.trial import try_model
 SEEDS = [0, 1, 2, 3, 4]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", SEEDS)
 def test_orbits_are_motions(seed, tmp_path):
     trial = try_model(draw_model(seed), tmp_path, max_points=3)
