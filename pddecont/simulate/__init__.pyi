@@ -18,7 +18,6 @@ from .initial_state import InitialState as InitialState
 from .integration import record_trajectory as record_trajectory
 from .integration import simulate as simulate
 from .integrator import ParameterValues as ParameterValues
-from .integrator import find_machine_code as find_machine_code
 from .known_past import read_along as read_along
 from .known_past import read_values as read_values
 from .lyapunov import LyapunovExponent as LyapunovExponent

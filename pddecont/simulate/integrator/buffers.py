@@ -7,14 +7,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.simulate.integrator.calls import either
+from pddecont.native.integrator.places import N_COEFFICIENTS
 from pddecont.simulate.integrator.system import System
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
-# Coefficients that the continuous extension of a step has beside its first value: DOP853 needs seven (Hairer, Norsett,
-# Wanner, Solving Ordinary Differential Equations I, 1993, section II.6), Radau IIA uses three of them.
-N_COEFFICIENTS = 7
 
 
 class Log(NamedTuple):
@@ -40,7 +37,6 @@ class Log(NamedTuple):
     after: Array
 
 
-@either
 def make_log(n: int, steps: int, events: int) -> Log:
     """Return an empty log for so many steps and events of ``n`` states."""
     return Log(
@@ -117,7 +113,8 @@ class Workspace(NamedTuple):
     ``lag_least`` and ``lag_most`` the least and the greatest times that they read in a step; ``held`` an extension of
     the present step (N_COEFFICIENTS rows), ``fresh_slope`` the slopes where a piece begins (dimension,), ``inside`` and
     ``integrand`` the states at a time in the past and what an integrand is there (n + 2,), ``panels`` those that wait
-    to be integrated (64 rows of 3).
+    to be integrated (64 rows of 3). Of the stiff method are ``full_jacobian`` (n_full, n_full), ``matrix`` (3 n_full,
+    3 n_full) with its ``pivots``, ``increments`` and ``change`` (3 n_full,); elsewhere they are empty.
     """
 
     stages: Array
@@ -146,12 +143,18 @@ class Workspace(NamedTuple):
     inside: Array
     integrand: Array
     panels: Array
+    full_jacobian: Array
+    matrix: Array
+    pivots: Integers
+    increments: Array
+    change: Array
 
 
 def make_workspace(system: System) -> Workspace:
     """Return arrays for intermediate results of an integration of ``system``."""
     n, m = system.n, len(system.pair_state)
     dimension = system.n_full * (1 + system.tangent)
+    full = system.n_full * system.stiff
     return Workspace(
         np.zeros(16 * dimension),
         np.zeros(N_COEFFICIENTS * dimension),
@@ -179,4 +182,9 @@ def make_workspace(system: System) -> Workspace:
         np.zeros(n + 2),
         np.zeros(n + 2),
         np.zeros(192),
+        np.zeros(full * full),
+        np.zeros(9 * full * full),
+        np.zeros(3 * full, np.int64),
+        np.zeros(3 * full),
+        np.zeros(3 * full),
     )

@@ -2,13 +2,23 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.simulate.integrator.buffers import N_COEFFICIENTS
-from pddecont.simulate.integrator.calls import either
+from pddecont.native.integrator.places import (
+    ADVANCED,
+    FIRST,
+    KNOWN_FROM,
+    LAST_TURN,
+    N_CLOCK,
+    N_COEFFICIENTS,
+    N_COUNT,
+    N_LAG_COUNT,
+    N_LAG_TIME,
+    USED,
+)
 from pddecont.simulate.integrator.system import ParameterValues, System
 
 Array = NDArray[np.float64]
@@ -23,7 +33,7 @@ class IntegratorState(NamedTuple):
     Attributes
     ----------
     clock, count
-        Times and numbers by the places named below (N_CLOCK,), (N_COUNT,).
+        Times and numbers by the places that :mod:`pddecont.native.integrator.places` names (N_CLOCK,), (N_COUNT,).
     y
         States, variables of the chain, and the tangent of both (dimension,).
     constant
@@ -56,7 +66,7 @@ class IntegratorState(NamedTuple):
     breaking_size
         The same of breaking points to come (capacity,).
     lag_time, lag_count
-        Times and numbers of lags that vary, of rates and of integrals, by the places named below.
+        Times and numbers of lags that vary, of rates and of integrals, by the places named there.
     resume
         1 if the events of the present moment are not all handled, the event that has to come next (-1: any), and the
         status to come back with when they are, and the segment
@@ -95,44 +105,6 @@ class IntegratorState(NamedTuple):
     lag_count: Integers
 
 
-# Places in IntegratorState.clock: the present time, the start, where events accumulate, how much later the present arc
-# began for the tangent, and the time of the last event.
-T, T_START, ZENO_TIME, SHIFT, LAST_EVENT_TIME = 0, 1, 2, 3, 4
-N_CLOCK = 5
-# Places in IntegratorState.count: the mode; the number of the oldest step in the past and how many it holds; the arc;
-# steps made and rejected; delayed events and breaking points to come; 1 where an arc begins; events so far at one
-# moment; 1 for a constant history; 1 if the last slope of the step before is the first of the next; the last event;
-# 1 if a step was too long to resolve an event function.
-(
-    MODE,
-    FIRST,
-    USED,
-    ARC,
-    N_STEPS,
-    N_REJECTED,
-    N_PENDING,
-    N_BREAKING,
-    FRESH,
-    SIMULTANEOUS,
-    CONSTANT,
-    READY,
-    LAST_EVENT,
-    UNRESOLVED,
-) = range(14)
-N_COUNT = 14
-# Places in IntegratorState.lag_time: when the present piece began, how large its rate jumped there at most, the longest
-# lag so far, from when on the past is known, the length of the step whose extension is held, what counts as zero of the
-# function t - lag at the moment, and when a lag last passed from one piece to another.
-PIECE_START, PIECE_SIZE, LONGEST, KNOWN_FROM, HELD_LENGTH, ZERO, LAST_TURN = range(7)
-N_LAG_TIME = 7
-# Places in IntegratorState.lag_count: the present piece, which derivative jumped where it began, 1 while an extension
-# of the present step is held to be read, 1 where the step read itself, 1 within a step, 1 where the past was read
-# farther back than it is known, a lag that is below zero (-1: none), and pieces changed at one time.
-PIECE, PIECE_LEVEL, HELD, OVERLAPS, IN_STEP, UNKNOWN, ADVANCED, TURNS_AT_ONCE = range(8)
-N_LAG_COUNT = 8
-
-
-@either
 def make_state(system: System, values: ParameterValues, n_steps: int = 0) -> IntegratorState:
     """Return the state of an integration that has not begun, with room for ``n_steps`` steps in its past or more."""
     capacity = FIRST_CAPACITY
@@ -184,14 +156,12 @@ def make_state(system: System, values: ParameterValues, n_steps: int = 0) -> Int
     )
 
 
-@either
-def _double(a):
+def _double(a: NDArray[Any]) -> NDArray[Any]:
     b = np.zeros(2 * len(a), a.dtype)
     b[: a.shape[0]] = a
     return b
 
 
-@either
 def enlarge(state: IntegratorState) -> IntegratorState:
     """Return the state with twice the capacity; a step of the past is again at its number modulo the capacity."""
     old, new = len(state.past_time), 2 * len(state.past_time)

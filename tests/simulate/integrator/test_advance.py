@@ -5,7 +5,8 @@ import pytest
 
 from pddecont.delay import Chain, Direct
 from pddecont.simulate import Simulator, simulate
-from pddecont.simulate.integrator import N_STEPS, Status, T
+from pddecont.simulate.integrator import N_STEPS, Status, T, enlarge
+from pddecont.simulate.integrator.core import make_core
 from tests.conftest import numeric_from
 from tests.simulate.motions import TIGHT
 
@@ -29,9 +30,9 @@ def test_machine_code_does_what_its_source_does(interpreted, delay):
     state = run.state
     state.y[:] = simulator.start(values).y
     while (
-        status := interpreted.advance.run(run.system, run.values, state, run.log, run.work, 3.0, 1 << 40)
+        status := interpreted.advance.run(make_core(run.system, run.values, state, run.log, run.work), 3.0, 1 << 40)
     ) == Status.CAPACITY:
-        state = interpreted.state.enlarge(state)
+        state = enlarge(state)
     assert status == Status.REACHED
     assert list(state.segment_counts) == list(compiled.segment_counts) != [0, 0]
     assert state.count[N_STEPS] == compiled.count[N_STEPS]
@@ -42,7 +43,7 @@ def test_machine_code_does_what_its_source_does(interpreted, delay):
 def test_as_many_steps_are_made_as_are_allowed(interpreted):
     run = interpreted.start("name: m\nstates: [x]\nmodes: {m: {x': -x}}\n", [1.0])
     for steps in (1, 2, 3):
-        status = interpreted.advance.run(run.system, run.values, run.state, run.log, run.work, 1e9, 1)
+        status = interpreted.advance.run(run.core, 1e9, 1)
         assert status == Status.PAUSED
         assert run.state.count[N_STEPS] == steps
 

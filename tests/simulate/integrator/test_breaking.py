@@ -30,7 +30,7 @@ def test_a_jump_comes_back_after_every_sum_of_delays_up_to_the_order_of_the_meth
 @given(times=st.lists(st.floats(0, 100), max_size=8), seed=st.integers(0, 9))
 def test_breaking_points_are_in_order_and_none_is_there_twice(interpreted, times, seed):
     run, rng = interpreted.start(TWO_DELAYS, [1.0]), np.random.default_rng(seed)
-    c, breaking, tolerance = run.core, interpreted.breaking, interpreted.history.time_tolerance
+    c, breaking, tolerance = run.core, interpreted.breaking, interpreted.ring.time_tolerance
     for t in times:
         breaking.add_breaking_points(c, t + rng.choice([0.0, 1e-15]), int(rng.integers(0, LEVELS)))
     kept = c.breaking_time[: c.count[N_BREAKING]]

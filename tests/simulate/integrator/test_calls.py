@@ -1,41 +1,49 @@
-"""Machine code calls functions by address and reads arrays by pointer."""
+"""What is called by its address, and linear systems, as plain Python does them; the compiled ones are used everywhere."""
 
 import ctypes
+import importlib.util
 
-import numba
 import numpy as np
-
-from pddecont.simulate.integrator.calls import call, offset, pointer
+import pytest
 
 POINTER = ctypes.POINTER(ctypes.c_double)
 
 
-@numba.njit
-def shifted_sum(array, start, n):
-    p, total = offset(pointer(array), start), 0
-    for i in range(n):
-        total += p[i]
-    p[0] = 7
-    return total
+@pytest.fixture
+def calls():
+    """The module as it is, whatever other tests put into it."""
+    spec = importlib.util.find_spec("pddecont.native.integrator.calls")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
 
 
-def test_a_pointer_reads_and_writes_the_array_from_its_offset():
-    for array in (np.arange(10.0), np.arange(10)):
-        assert shifted_sum(array, 3, 4) == 3 + 4 + 5 + 6
-        assert list(array[:5]) == [0, 1, 2, 7, 4]
+def test_numbers_from_a_place_on_are_those_of_the_array(calls):
+    numbers = np.arange(5.0)
+    calls.offset(numbers, 2)[0] = 7.0
+    assert list(numbers) == [0, 1, 7, 3, 4]
 
 
-@numba.njit
-def call_at(address, which, t, x, xd, p, out):
-    call(address, which, t, pointer(x), pointer(xd), pointer(p), pointer(out))
-
-
-def test_a_function_is_called_by_its_address():
+def test_a_function_is_called_by_its_address(calls):
     @ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_double, *[POINTER] * 4)
     def function(which, t, x, xd, p, out):
         out[0], out[1] = which + 10 * t, x[1] + 100 * xd[0] + 10000 * p[2]
 
     out = np.zeros(2)
     address = ctypes.cast(function, ctypes.c_void_p).value
-    call_at(address, 3, 0.5, np.array([1.0, 2.0]), np.array([3.0]), np.array([0.0, 0.0, 4.0]), out)
+    calls.call(address, 3, 0.5, np.array([1.0, 2.0]), np.array([3.0]), np.array([0.0, 0.0, 4.0]), out)
     assert list(out) == [8.0, 40302.0]
+
+
+def test_a_linear_system_is_solved_in_place(calls):
+    rng = np.random.default_rng(0)
+    matrix, right, pivots = rng.normal(size=(4, 4)), rng.normal(size=4), np.zeros(4, np.int64)
+    factors, solution = matrix.ravel().copy(), right.copy()
+    assert calls.factorise(factors, pivots, 4)
+    calls.solve_factorised(factors, pivots, 4, solution)
+    assert matrix @ solution == pytest.approx(right, abs=1e-13)
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_a_singular_matrix_has_no_factors(calls):
+    assert not calls.factorise(np.zeros(9), np.zeros(3, np.int64), 3)

@@ -1,4 +1,4 @@
-"""The tuple of pointers holds the records' arrays, each under its own name."""
+"""An integration holds the records' arrays, each under its own name."""
 
 import numpy as np
 import pytest

@@ -66,7 +66,7 @@ def test_zeros_of_every_kind(interpreted, h, side, expected):
 def test_a_function_that_varies_too_fast_is_not_resolved(interpreted):
     step = Step(interpreted, "sin(5000*c) + 0.1")
     step.first(0, 1)
-    assert step.core.count[interpreted.state.UNRESOLVED] == 1
+    assert step.core.count[interpreted.places.UNRESOLVED] == 1
 
 
 def test_the_bernstein_form_is_the_polynomial(interpreted):

@@ -28,18 +28,18 @@ def test_an_extension_is_that_of_a_trajectory(interpreted, numbers, s):
     trajectory = Trajectory(
         zero, one, one, np.array([0]), ("m",), np.array([[value]]), coefficients[None, :, None], events, 1
     )
-    evaluated = interpreted.history.evaluate_extension(value, coefficients, 1, s)
+    evaluated = interpreted.ring.evaluate_extension(value, coefficients, 1, s)
     assert evaluated == pytest.approx(trajectory(s)[0], rel=1e-14, abs=1e-14)
     # At the ends it is the first value, and that plus the first coefficient.
-    assert interpreted.history.evaluate_extension(value, coefficients, 1, 0.0) == value
-    assert interpreted.history.evaluate_extension(value, coefficients, 1, 1.0) == value + coefficients[0]
+    assert interpreted.ring.evaluate_extension(value, coefficients, 1, 0.0) == value
+    assert interpreted.ring.evaluate_extension(value, coefficients, 1, 1.0) == value + coefficients[0]
 
 
 @given(st.lists(finite, min_size=7, max_size=7), st.floats(0.001, 0.999))
 def test_its_slope_is_its_derivative(interpreted, numbers, s):
     coefficients, step = np.array(numbers, dtype=complex), 1e-30
-    value = interpreted.history.evaluate_extension(0.0, coefficients, 1, s + 1j * step)
-    slope = interpreted.history.evaluate_extension_slope(coefficients.real, 1, s)
+    value = interpreted.ring.evaluate_extension(0.0, coefficients, 1, s + 1j * step)
+    slope = interpreted.ring.evaluate_extension_slope(coefficients.real, 1, s)
     assert slope == pytest.approx(value.imag / step, rel=1e-12, abs=1e-12)
 
 
@@ -47,7 +47,7 @@ def remember(interpreted, run, steps):
     """Record steps (beginning, end, arc) over which the first state is t."""
     c = run.core
     for t, end, arc in steps:
-        c.count[interpreted.state.ARC] = arc
+        c.count[interpreted.places.ARC] = arc
         c.y[0], c.extension[:] = t, 0.0
         c.extension[0] = end - t
         interpreted.history.record_step(c, t, end - t, end)
@@ -98,7 +98,7 @@ def test_the_past_reaches_as_far_as_the_longest_delay_and_no_farther(interpreted
         if not interpreted.history.past_has_capacity(run.core):
             return
         remember(interpreted, run, [(t, end, 0)])
-    used, first = run.core.count[USED], run.core.count[interpreted.state.FIRST]
+    used, first = run.core.count[USED], run.core.count[interpreted.places.FIRST]
     kept = [run.core.past_end[k & run.core.mask] for k in range(first, first + used)]
     assert kept[-1] == ends[-1]
     # The step before the last stays, however old it is.

@@ -7,7 +7,8 @@ import pytest
 
 from pddecont.delay import Direct
 from pddecont.simulate import ReturnSection, ReturnSettings, Simulator, find_attractor
-from pddecont.simulate.integrator import Status
+from pddecont.simulate.integrator import Status, make_return_buffer
+from pddecont.simulate.integrator.entries import make_returns
 from tests.conftest import numeric_from
 
 # At every whole t: y = r y (1 - y).
@@ -31,18 +32,16 @@ def test_periods_of_the_logistic_map(r, period):
         assert list(found.segment_counts.values()) == [period]
 
 
-def buffer_of(interpreted, run, states, gaps, max_period=8):
-    """Return a buffer of returns to a section, as the integrator fills it."""
-    buffer = interpreted.buffers.make_return_buffer(run.system, len(states) + 1, max_period)
-    size, noise = np.zeros(2), np.zeros(2)
+def returns_of(interpreted, run, states, gaps, max_period=8):
+    """Return returns to a section, as the integrator records them."""
+    buffer = make_return_buffer(run.system, len(states) + 1, max_period)
+    returns = make_returns(run.system, buffer, 0.0)._replace(n_compared=1)
     for k, y in enumerate(states):
-        buffer.states[k, 0], buffer.times[k] = y, np.sum(gaps[: k + 1])
-        number = k + 1
-        interpreted.poincare._measure_sizes(buffer.states, number, number, 1e-12, 1e-10, gaps[k], size, noise)
+        buffer.states[k, 0], buffer.times[k], buffer.number[0] = y, np.sum(gaps[: k + 1]), k + 1
+        interpreted.poincare._measure_sizes(run.core, returns, k + 1, gaps[k])
         for q in range(1, min(max_period, k) + 1):
-            buffer.distances[k, q] = interpreted.poincare._measure_distance(buffer.states, k, k - q, 1, size, noise)
-    buffer.number[0] = len(states)
-    return buffer
+            buffer.distances[k, q] = interpreted.poincare._measure_distance(returns, k, k - q)
+    return returns
 
 
 @pytest.mark.parametrize(
@@ -51,10 +50,8 @@ def buffer_of(interpreted, run, states, gaps, max_period=8):
 def test_the_smallest_period_is_taken(interpreted, cycle, period):
     run = interpreted.start("name: m\nstates: [y]\nmodes: {m: {y': 0}}\n", [1.0])
     states = (cycle * 40)[:40]
-    buffer = buffer_of(interpreted, run, states, [1.0] * 40)
-    found = interpreted.poincare._find_period(
-        buffer.distances, buffer.times, buffer.segment_counts, 40, 8, len(buffer.times), 1e-7
-    )
+    returns = returns_of(interpreted, run, states, [1.0] * 40)
+    found = interpreted.poincare._find_period(returns, 8, 1e-7)
     assert found == period
 
 
@@ -62,17 +59,15 @@ def test_a_motion_that_still_settles_to_period_1_has_not_period_3(interpreted):
     """Multipliers near a third root of 1: every third return is close long before the next is."""
     run = interpreted.start("name: m\nstates: [y]\nmodes: {m: {y': 0}}\n", [1.0])
     states = [1 + 1e-3 * 0.999**k * math.cos(2 * math.pi * k / 3) for k in range(40)]
-    buffer = buffer_of(interpreted, run, states, [1.0] * 40)
-    arguments = buffer.distances, buffer.times, buffer.segment_counts, 40, 8, len(buffer.times), 1e-7
-    assert interpreted.poincare._find_period(*arguments) == 0
+    returns = returns_of(interpreted, run, states, [1.0] * 40)
+    assert interpreted.poincare._find_period(returns, 8, 1e-7) == 0
 
 
 def test_returns_at_uneven_times_are_not_periodic(interpreted):
     run = interpreted.start("name: m\nstates: [y]\nmodes: {m: {y': 0}}\n", [1.0])
     gaps = np.linspace(1.0, 2.0, 40)
-    buffer = buffer_of(interpreted, run, [1.0] * 40, gaps)
-    arguments = buffer.distances, buffer.times, buffer.segment_counts, 40, 8, len(buffer.times), 1e-7
-    assert interpreted.poincare._find_period(*arguments) == 0
+    returns = returns_of(interpreted, run, [1.0] * 40, gaps)
+    assert interpreted.poincare._find_period(returns, 8, 1e-7) == 0
 
 
 @pytest.mark.parametrize(
@@ -81,9 +76,7 @@ def test_returns_at_uneven_times_are_not_periodic(interpreted):
 def test_returns_by_the_forcing_are_at_its_phase(interpreted, phase, t, expected):
     run = interpreted.start("name: m\nstates: [y]\nmodes: {m: {y': 1}}\n", [0.0], t=t)
     stop = np.full(1, np.nan)
-    status = interpreted.poincare.advance_to_return(
-        run.system, run.values, run.state, run.work, run.log, 2.0, phase, 100.0, stop
-    )
+    status = interpreted.poincare.advance_to_return(run.core, 2.0, phase, 100.0, stop)
     assert status == Status.SECTION
     assert run.state.clock[0] == pytest.approx(expected, abs=1e-13)
     assert math.isnan(stop[0])

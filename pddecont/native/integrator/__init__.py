@@ -1,0 +1,1 @@
+"""The integrator: plain Python that is compiled when the package is built."""

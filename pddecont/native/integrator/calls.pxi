@@ -1,0 +1,33 @@
+# What calls.py says, for the compiler: see there.
+from cpython.buffer cimport PyBUF_C_CONTIGUOUS, PyBuffer_Release, PyObject_GetBuffer
+from scipy.linalg.cython_lapack cimport dgetrf, dgetrs
+
+ctypedef void (*Function)(long, double, double*, double*, double*, double*) noexcept nogil
+
+
+cdef inline void call(long address, long which, double t, double* x, double* xd, double* p, double* out) noexcept nogil:
+    (<Function> <void*> address)(which, t, x, xd, p, out)
+
+
+cdef inline double* offset(double* numbers, long count) noexcept nogil:
+    return numbers + count
+
+
+# LAPACK's matrices lie column by column: it has the transpose, and solves with the transpose of that.
+cdef bint factorise(double* matrix, long* pivots, long n) noexcept nogil:
+    cdef int size = <int> n, info = 0
+    dgetrf(&size, &size, matrix, &size, <int*> pivots, &info)
+    return info == 0
+
+
+cdef void solve_factorised(double* matrix, long* pivots, long n, double* right) noexcept nogil:
+    cdef int size = <int> n, one = 1, info = 0
+    dgetrs("T", &size, &one, matrix, &size, <int*> pivots, right, &size, &info)
+
+
+# The array outlives the call.
+cdef void* find_address(object array) except? NULL:
+    cdef Py_buffer view
+    PyObject_GetBuffer(array, &view, PyBUF_C_CONTIGUOUS)
+    PyBuffer_Release(&view)
+    return view.buf
