@@ -32,6 +32,7 @@ from benchmarks.timing import timed
 from pddecont.codegen import NumericModel
 from pddecont.delay import Direct
 from pddecont.model import leave_out_effects, load_model
+from pddecont.native.integrator import N_REJECTED, N_STEPS
 from pddecont.simulate import (
     BasinRow,
     InitialState,
@@ -45,7 +46,6 @@ from pddecont.simulate import (
     simulate,
     survey_attractors,
 )
-from pddecont.simulate.integrator import N_REJECTED, N_STEPS
 
 ROOT = Path(__file__).parent.parent
 REFERENCE, SECOND = 1e-13, 3e-13

@@ -10,10 +10,10 @@ import pytest
 from pddecont.codegen import NumericModel, machine_code
 from pddecont.delay import Chain, Direct
 from pddecont.model import TIME, leave_out_effects, load_model, parse_document
+from pddecont.native.integrator import USED
 from pddecont.results import read_results
 from pddecont.runfile import Overrides
 from pddecont.simulate import Simulator
-from pddecont.simulate.integrator import USED
 from pddecont.steps import load_run_plan
 from pddecont.steps.execution import execute
 from tests.cli.test_cli import call

@@ -1,10 +1,4 @@
-from .announcement import tell_compilation as tell_compilation
-from .cache import choose_cache_folder as choose_cache_folder
-from .cache import describe_cache_failure as describe_cache_failure
-from .cache import find_cache_folder as find_cache_folder
-from .compilation import compile_when_called as compile_when_called
 from .diagnosis import find_non_finite as find_non_finite
-from .machine_code import DOUBLE_POINTER as DOUBLE_POINTER
 from .machine_code import ModelFunctions as ModelFunctions
 from .machine_code import write_rule as write_rule
 from .numeric_model import NumericModel as NumericModel

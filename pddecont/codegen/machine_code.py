@@ -1,32 +1,21 @@
-"""A model's expressions as machine code that the integrator calls; compiled once a model and kept on disk."""
+"""A model's expressions as machine code that the integrator calls."""
 
 from __future__ import annotations
 
-import hashlib
-import importlib.util
-import os
-import sys
 import threading
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache, cached_property
-from pathlib import Path
-from typing import Any, Protocol, TypeAlias, cast
+from typing import Protocol, TypeAlias
 from weakref import WeakValueDictionary
 
 import sympy
-from numba import cfunc, types
 from sympy.logic.boolalg import Boolean
 
-from pddecont.codegen.cache import find_cache_folder
-from pddecont.codegen.compilation import compiler_settings
+from pddecont.codegen.llvm_backend import compile_source
 from pddecont.codegen.printer import Names, ScalarPrinter, name_symbols, print_assignments
 from pddecont.model import TIME, Model, differentiate
 
-_make_pointer: Callable[[Any], Any] = types.CPointer
-DOUBLE_POINTER = _make_pointer(types.float64)
-# void f(which, t, x, xd, p, out): ``which`` numbers the mode, event or reset.
-SIGNATURE = types.void(types.int64, types.float64, DOUBLE_POINTER, DOUBLE_POINTER, DOUBLE_POINTER, DOUBLE_POINTER)
 HEADER = """from math import acos, asin, atan, atan2, cos, cosh, e, exp, log, pi, sin, sinh, sqrt, tan, tanh
 
 
@@ -176,41 +165,9 @@ _loading = threading.Lock()
 
 
 def load_machine_code(text: str) -> MachineCode:
-    """Return the machine code of a generated source, from disk if it was compiled before."""
+    """Return the machine code of a generated source; a source that is in use has its code already."""
     with _loading:
         code = _in_use.get(text)
         if code is None:
-            code = _in_use[text] = _load(text)
+            code = _in_use[text] = compile_source(text)
         return code
-
-
-@cache
-def _find_source_folder() -> Path | None:
-    return find_cache_folder(Path(__file__).parent.glob("*.py"))
-
-
-def _load(text: str) -> MachineCode:
-    """Return the machine code of a source that is kept in a file beside it, as numba's cache needs one."""
-    name, folder = "model_" + hashlib.sha256(text.encode()).hexdigest()[:24], _find_source_folder()
-    if folder is None:
-        namespace: dict[str, Any] = {}
-        exec(compile(text, "<generated>", "exec"), namespace)  # the text comes from the printer, never from a file
-        with compiler_settings(None):
-            return cast(MachineCode, cfunc(SIGNATURE, error_model="numpy")(namespace["generated"]))
-    path = folder / f"{name}.py"
-    if not path.exists() or path.read_text() != text:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        temporary = path.with_name(f".{name}.{os.getpid()}.part")
-        temporary.write_text(text)
-        os.replace(temporary, path)
-    spec = importlib.util.spec_from_file_location(name, path)
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    # While it loads machine code numba looks up by name the module that the code came from.
-    sys.modules[name] = module
-    try:
-        spec.loader.exec_module(module)
-        with compiler_settings(folder):
-            return cast(MachineCode, cfunc(SIGNATURE, cache=True, error_model="numpy")(module.generated))
-    finally:
-        del sys.modules[name]

@@ -205,7 +205,7 @@ def _write_function(
     if result is None or any(kind is None for _, kind in kinds):
         return []
     head = f"cdef {result} {names[node.name]}({', '.join(f'{kind} {name}' for name, kind in kinds)}) noexcept nogil:"
-    text = "\n".join(source.lines[node.body[0].lineno - 1 : node.end_lineno])
+    text = "\n".join(_drop_annotations(source, node)[node.body[0].lineno - 1 : node.end_lineno])
     given = {name for name, _ in kinds}
     local = [f"    cdef {kind} {name}" for name, kind in _infer_locals(node).items() if name not in given]
     parts = ["\n".join([head, *local, _rename(text, names), ""])]
@@ -214,10 +214,25 @@ def _write_function(
     return parts
 
 
+def _drop_annotations(source: Source, node: ast.FunctionDef) -> list[str]:
+    """Return the lines of a module without the annotations of variables in a function."""
+    lines = list(source.lines)
+    for part in ast.walk(node):
+        if isinstance(part, ast.AnnAssign):
+            line, begin, end = part.lineno - 1, part.target.end_col_offset, part.annotation.end_col_offset
+            lines[line] = lines[line][:begin] + lines[line][end:]
+    return lines
+
+
 def _infer_locals(node: ast.FunctionDef) -> dict[str, str]:
-    """Return C's types of the variables whose values show them where Cython looks no further: truths and fractions."""
+    """Return C's types of variables that are annotated, or whose values show what Cython does not see.
+
+    These are truths and fractions.
+    """
     found = {}
     for part in ast.walk(node):
+        if isinstance(part, ast.AnnAssign) and isinstance(part.target, ast.Name):
+            found[part.target.id] = TYPES[ast.unparse(part.annotation)]
         if not isinstance(part, ast.Assign):
             continue
         for target in part.targets:

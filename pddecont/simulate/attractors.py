@@ -8,13 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pddecont.native.integrator import LONGEST, Status, T
 from pddecont.simulate.failure import FailureReason, MotionFailure
 from pddecont.simulate.integrator import (
-    LONGEST,
     IntegratorState,
     ParameterValues,
-    Status,
-    T,
     fit_returns,
     follow_to_period,
     make_return_buffer,

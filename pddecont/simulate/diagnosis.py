@@ -7,8 +7,9 @@ from numpy.typing import NDArray
 
 from pddecont.codegen import NumericModel, find_non_finite
 from pddecont.model import find_start_digits, list_surfaces_met
+from pddecont.native.integrator import ADVANCED, LAST_EVENT, MODE, ZENO_TIME, Status, T
 from pddecont.simulate.failure import FailureReason, MotionFailure
-from pddecont.simulate.integrator import ADVANCED, LAST_EVENT, MODE, ZENO_TIME, IntegratorState, Status, T
+from pddecont.simulate.integrator import IntegratorState
 from pddecont.simulate.part_tables import PartTables
 from pddecont.simulate.start_modes import name_numbers
 

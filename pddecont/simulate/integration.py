@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from pddecont.codegen import NumericModel
 from pddecont.delay import DelayMethod
-from pddecont.simulate.integrator import N_STEPS, IntegratorState, Log, Status, make_log
+from pddecont.native.integrator import N_STEPS, Status
+from pddecont.simulate.integrator import IntegratorState, Log, make_log
 from pddecont.simulate.method import Method
 from pddecont.simulate.past_plan import find_longest_lag
 from pddecont.simulate.simulator import Simulator

@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from pddecont.native.integrator import Status
 from pddecont.simulate.attractors import Attractor
 from pddecont.simulate.failure import MotionFailure
-from pddecont.simulate.integrator import IntegratorState, ParameterValues, Status, measure_growth
+from pddecont.simulate.integrator import IntegratorState, ParameterValues, measure_growth
 from pddecont.simulate.motion_row import unpack_motion
 from pddecont.simulate.simulator import TANGENT_SEED, Simulator
 

@@ -9,7 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.simulate.integrator import LAST_EVENT, MODE, N_PENDING, IntegratorState, ParameterValues, make_state
+from pddecont.native.integrator import LAST_EVENT, MODE, N_PENDING
+from pddecont.simulate.integrator import IntegratorState, ParameterValues, make_state
 from pddecont.simulate.part_tables import PartTables
 from pddecont.simulate.reached_system import ReachedSystem
 from pddecont.simulate.snapshot import LARGEST_WHOLE, NOT_THIS_MODEL, pack, unpack

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.simulate.integrator import N_COEFFICIENTS
+from pddecont.native.integrator import N_COEFFICIENTS
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]

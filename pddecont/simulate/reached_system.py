@@ -7,9 +7,8 @@ import sympy
 from pddecont.codegen import ModelFunctions, NumericModel
 from pddecont.delay import DelayMethod
 from pddecont.model import TIME
+from pddecont.native.integrator import REST, WAY
 from pddecont.simulate.integrator import (
-    REST,
-    WAY,
     IntegratorState,
     ParameterValues,
     System,

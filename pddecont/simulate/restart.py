@@ -8,17 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pddecont.native.integrator import CONSTANT, FIRST, N_PENDING, N_REJECTED, N_STEPS, USED, Status
 from pddecont.simulate.failure import MotionFailure
 from pddecont.simulate.integrator import (
-    CONSTANT,
-    FIRST,
-    N_PENDING,
-    N_REJECTED,
-    N_STEPS,
-    USED,
     IntegratorState,
     ParameterValues,
-    Status,
     begin_inside_arc,
     enlarge,
     make_log,

@@ -14,19 +14,14 @@ from pddecont.codegen import ModelFunctions, NumericModel
 from pddecont.delay import DelayMethod
 from pddecont.errors import ConvergenceError
 from pddecont.model import TIME, Model, add_rests, explain_direct_only, list_rates, reads_generally
+from pddecont.native.integrator import CONSTANT, LEVELS, MODE, USED, Status, T
 from pddecont.simulate.diagnosis import diagnose_halt
 from pddecont.simulate.failure import MotionFailure, describe_failure
 from pddecont.simulate.integrator import (
-    CONSTANT,
-    LEVELS,
-    MODE,
-    USED,
     IntegratorState,
     Log,
     ParameterValues,
-    Status,
     System,
-    T,
     Workspace,
     change_parameters,
     enlarge,

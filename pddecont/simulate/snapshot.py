@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.codegen import NumericModel
-from pddecont.simulate.integrator import (
+from pddecont.native.integrator import (
     FIRST,
     KNOWN_FROM,
     LAST_EVENT,
@@ -23,13 +23,9 @@ from pddecont.simulate.integrator import (
     T_START,
     USED,
     ZENO_TIME,
-    IntegratorState,
-    ParameterValues,
-    System,
     T,
-    enlarge,
-    make_state,
 )
+from pddecont.simulate.integrator import IntegratorState, ParameterValues, System, enlarge, make_state
 
 Array = NDArray[np.float64]
 # Floats are whole numbers up to here.

@@ -2,8 +2,6 @@
 
 import ctypes
 import gc
-import subprocess
-import sys
 import threading
 
 import numpy as np
@@ -15,7 +13,7 @@ from pddecont.codegen.machine_code import load_machine_code, write_machine_sourc
 from pddecont.delay import Direct
 from pddecont.model import list_rates, load_model
 from pddecont.simulate import Method, Simulator
-from tests.conftest import MODELS, ROOT, all_derivatives, numeric_from
+from tests.conftest import MODELS, all_derivatives, numeric_from
 
 POINTER = ctypes.POINTER(ctypes.c_double)
 
@@ -117,7 +115,6 @@ def test_code_is_shared_while_it_is_in_use_and_let_go_after():
     del code
     gc.collect()
     assert text not in machine_code._in_use
-    assert not [name for name in sys.modules if name.startswith("model_")]
 
 
 def test_a_model_lets_its_functions_go_with_it():
@@ -148,26 +145,3 @@ def test_threads_get_one_code():
         thread.join()
     assert len(found) == 4
     assert all(code is found[0] for code in found)
-
-
-SECOND = """
-import numpy as np
-from pddecont.delay import Direct
-from pddecont.codegen import NumericModel
-from pddecont.delay import Direct
-from pddecont.model import load_model
-from pddecont.simulate import Simulator
-from pddecont.simulate import simulate
-from pddecont.simulate.integrator.advance import run
-numeric = NumericModel(load_model("models/impact_oscillator.yaml")[0])
-simulate(numeric, numeric.parameter_values, Direct(), 1.0)
-print(sum(run.stats.cache_hits.values()), sum(run.stats.cache_misses.values()))
-"""
-
-
-def test_a_second_process_compiles_nothing():
-    for expected in (None, ["1", "0"]):
-        done = subprocess.run(
-            [sys.executable, "-c", SECOND], cwd=ROOT, capture_output=True, text=True, timeout=280, check=True
-        )
-        assert expected is None or done.stdout.split() == expected

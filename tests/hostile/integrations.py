@@ -14,9 +14,9 @@ from pathlib import Path
 import numpy as np
 
 from pddecont.errors import PddecontError
+from pddecont.native.integrator import T
 from pddecont.results import read_results
 from pddecont.simulate import MotionTask, record_trajectory, unpack
-from pddecont.simulate.integrator import T
 from pddecont.steps.execution.attractor_rows import attractor_from_row
 from tests.faults.runs import plan_of
 

@@ -5,8 +5,8 @@ import pytest
 
 from pddecont.delay import Chain, Direct
 from pddecont.errors import ConvergenceError
+from pddecont.native.integrator import LAST_EVENT, ZENO_TIME, Status
 from pddecont.simulate import FailureReason, Simulator, simulate
-from pddecont.simulate.integrator import LAST_EVENT, ZENO_TIME, Status
 from tests.conftest import numeric_from
 from tests.simulate.motions import BALL
 

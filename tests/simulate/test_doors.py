@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-DOORS = ["pddecont.codegen", "pddecont.simulate", "pddecont.simulate.integrator"]
+DOORS = ["pddecont.codegen", "pddecont.simulate", "pddecont.simulate.integrator", "pddecont.native.integrator"]
 
 
 def folder_of(package):
@@ -49,11 +49,11 @@ def test_others_come_in_by_the_door():
 @pytest.mark.parametrize(
     ("statement", "absent"),
     [
-        ("import pddecont.simulate, pddecont.codegen", ["sympy", "numba", "numpy"]),
-        ("from pddecont.codegen import NumericModel, find_non_finite", ["numba", "llvmlite"]),
+        ("import pddecont.simulate, pddecont.codegen", ["sympy", "llvmlite", "numpy"]),
+        ("from pddecont.codegen import NumericModel, find_non_finite", ["llvmlite"]),
         (
             "from pddecont.simulate import Trajectory, Workers, Method, detect_period, describe_failure",
-            ["numba", "distributed"],
+            ["llvmlite", "distributed"],
         ),
     ],
 )

@@ -27,7 +27,7 @@ try:
     main({arguments})
 except SystemExit as exit:
     assert exit.code in (0, None), exit.code
-print("numba" in sys.modules, "llvmlite" in sys.modules, "distributed" in sys.modules)
+print("llvmlite" in sys.modules, "distributed" in sys.modules)
 """
 
 
@@ -41,13 +41,13 @@ def imported(folder, *arguments):
         check=False,
     )
     assert done.returncode == 0, done.stderr
-    return done.stdout.split()[-3:]
+    return done.stdout.split()[-2:]
 
 
 def test_only_runs_that_simulate_import_the_compiler(tmp_path):
     (tmp_path / "first.yaml").write_text(to_yaml(FIRST))
     (tmp_path / "second.yaml").write_text(to_yaml(SECOND))
-    assert imported(tmp_path, "run", "first.yaml", "-o", "a.h5", "-q") == ["True", "True", "False"]
-    assert imported(tmp_path, "run", "second.yaml", "-o", "b.h5", "-q") == ["False"] * 3
+    assert imported(tmp_path, "run", "first.yaml", "-o", "a.h5", "-q") == ["True", "False"]
+    assert imported(tmp_path, "run", "second.yaml", "-o", "b.h5", "-q") == ["False"] * 2
     for arguments in (["check", "first.yaml"], ["info", "a.h5"], ["plot", "b.h5", "-o", "b.png"], ["export", "b.h5"]):
-        assert imported(tmp_path, *arguments) == ["False"] * 3
+        assert imported(tmp_path, *arguments) == ["False"] * 2

@@ -7,8 +7,8 @@ import pytest
 
 from pddecont.delay import Direct
 from pddecont.errors import ConvergenceError
+from pddecont.native.integrator import N_BREAKING
 from pddecont.simulate import Method, Simulator
-from pddecont.simulate.integrator import N_BREAKING
 from tests.conftest import numeric_from
 from tests.simulate.independent_integrator import integrate
 from tests.simulate.lagged_models import circle, decay, measure_errors, shift, write_model

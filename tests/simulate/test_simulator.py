@@ -9,8 +9,8 @@ import sympy
 from pddecont.delay import Chain, Direct
 from pddecont.errors import ConvergenceError
 from pddecont.model.expression import TIME
+from pddecont.native.integrator import Status, T
 from pddecont.simulate import Method, ReturnSection, Simulator
-from pddecont.simulate.integrator import Status, T
 from tests.conftest import numeric_from, shipped
 
 WAVE = (

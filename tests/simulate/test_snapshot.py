@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pddecont.delay import Chain, Direct
+from pddecont.native.integrator import FIRST, LAST_EVENT, MODE, N_PENDING, USED, T
 from pddecont.simulate import Simulator, find_restart_time, pack, record_trajectory, shift_time, unpack
-from pddecont.simulate.integrator import FIRST, LAST_EVENT, MODE, N_PENDING, USED, T
 from tests.conftest import numeric_from, shipped
 
 DELAYS = {"direct": Direct(), "chain": Chain(2, 3)}

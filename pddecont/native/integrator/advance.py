@@ -11,7 +11,7 @@ from pddecont.native.integrator.breaking import (
     queues_have_capacity,
 )
 from pddecont.native.integrator.calls import entry, offset
-from pddecont.native.integrator.core import Core
+from pddecont.native.integrator.core import Core, Floats
 from pddecont.native.integrator.event_handling import find_start_crossing, handle_events, resume_events
 from pddecont.native.integrator.event_location import find_first_crossing
 from pddecont.native.integrator.event_sides import update_side

@@ -117,7 +117,7 @@ class Core(NamedTuple):
     event_delay: Floats
     # The present.
     clock: Floats
-    count: Integers
+    count: Integers  # type: ignore[assignment]
     y: Floats
     constant: Floats
     cursor: Integers

@@ -203,7 +203,8 @@ def _find_way_on(c: Core, segment: int, crossing: int, resolution: float) -> tup
     """
     t, event, mode, resting = c.clock[T], c.segment_event[segment], c.count[MODE], c.resting[segment]
     _apply_reset(c, segment, t, c.after_reset)
-    way, status = choose_way(c, segment, t, c.after_reset), Status.REACHED
+    way = choose_way(c, segment, t, c.after_reset)
+    status: int = Status.REACHED
     if way >= 0 and way != resting:
         status = _find_halt(c, event, crossing, mode, c.segment_to[way], t, resolution)
         if status != Status.REACHED and resting >= 0:
@@ -229,7 +230,7 @@ def _log_event(c: Core, segment: int, t: float) -> None:
 def _find_halt(c: Core, event: int, crossing: int, mode: int, target: int, t: float, resolution: float) -> int:
     """Return whether the motion goes on from ``c.after_reset``: SLIDING or ZENO where it does not, else REACHED."""
     _swap_states(c)
-    status = Status.REACHED
+    status: int = Status.REACHED
     if is_sliding(c, event, crossing, mode, target, t, resolution):
         c.clock[ZENO_TIME], status = t, Status.SLIDING
     elif is_at_rest(c, event, crossing, target, t, resolution):

@@ -16,6 +16,7 @@ from enum import IntEnum
 from math import inf
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pddecont.native.integrator.calls import offset
 from pddecont.native.integrator.core import Core, Floats
@@ -78,7 +79,7 @@ class Fit(IntEnum):
     ZERO = 4  # it is zero to rounding all over it
 
 
-def _bernstein(x):
+def _bernstein(x: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the Bernstein polynomials of degree DEGREE at points ``x``, shape (n_points, DEGREE + 1)."""
     basis = [math.comb(DEGREE, k) * x**k * (1.0 - x) ** (DEGREE - k) for k in range(DEGREE + 1)]
     return np.stack(basis, axis=-1)

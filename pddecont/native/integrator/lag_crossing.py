@@ -39,7 +39,7 @@ def find_read_event(c: Core, k: int) -> int:
 
 def choose_pieces(c: Core, t: float) -> None:
     """Choose the pieces that lags read from ``t`` on where a motion may have jumped: where two meet, by the slope."""
-    for turn in range(c.n_varying + 1):
+    for _turn in range(c.n_varying + 1):
         evaluate_rhs(c, c.count[MODE], t, c.y, c.fresh_slope)
         evaluate_rhs(c, c.count[MODE], t, c.y, c.fresh_slope)
         changed = False

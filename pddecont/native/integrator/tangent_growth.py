@@ -28,7 +28,7 @@ def measure_growth(c: Core, interval: float, n: int, logs: Floats, done: Floats)
             continue
         if isnan(done[1]):
             done[1] = c.clock[T] + interval
-        status = Status.SECTION
+        status: int = Status.SECTION
         while status == Status.SECTION:
             status = run(c, done[1], STEPS)
         if status != Status.REACHED:

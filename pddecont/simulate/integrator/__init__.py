@@ -1,49 +1,5 @@
 """The integrator: its state, and what Python asks of its compiled functions."""
 
-from pddecont.native.integrator.breaking import LEVELS as LEVELS
-from pddecont.native.integrator.places import ADVANCED as ADVANCED
-from pddecont.native.integrator.places import CONSTANT as CONSTANT
-from pddecont.native.integrator.places import FIRST as FIRST
-from pddecont.native.integrator.places import KNOWN_FROM as KNOWN_FROM
-from pddecont.native.integrator.places import LAST_EVENT as LAST_EVENT
-from pddecont.native.integrator.places import LAST_EVENT_TIME as LAST_EVENT_TIME
-from pddecont.native.integrator.places import LAST_TURN as LAST_TURN
-from pddecont.native.integrator.places import LONGEST as LONGEST
-from pddecont.native.integrator.places import MODE as MODE
-from pddecont.native.integrator.places import N_BREAKING as N_BREAKING
-from pddecont.native.integrator.places import N_COEFFICIENTS as N_COEFFICIENTS
-from pddecont.native.integrator.places import N_PENDING as N_PENDING
-from pddecont.native.integrator.places import N_REJECTED as N_REJECTED
-from pddecont.native.integrator.places import N_STEPS as N_STEPS
-from pddecont.native.integrator.places import PIECE_SIZE as PIECE_SIZE
-from pddecont.native.integrator.places import PIECE_START as PIECE_START
-from pddecont.native.integrator.places import READY as READY
-from pddecont.native.integrator.places import SHIFT as SHIFT
-from pddecont.native.integrator.places import T_START as T_START
-from pddecont.native.integrator.places import USED as USED
-from pddecont.native.integrator.places import ZENO_TIME as ZENO_TIME
-from pddecont.native.integrator.places import T as T
-from pddecont.native.integrator.status import Status as Status
-from pddecont.native.integrator.ways import REST as REST
-from pddecont.native.integrator.ways import WAY as WAY
-from pddecont.simulate.integrator.buffers import Log as Log
-from pddecont.simulate.integrator.buffers import ReturnBuffer as ReturnBuffer
-from pddecont.simulate.integrator.buffers import Workspace as Workspace
-from pddecont.simulate.integrator.buffers import make_log as make_log
-from pddecont.simulate.integrator.buffers import make_return_buffer as make_return_buffer
-from pddecont.simulate.integrator.buffers import make_workspace as make_workspace
-from pddecont.simulate.integrator.classification import classify_cells as classify_cells
-from pddecont.simulate.integrator.entries import begin_inside_arc as begin_inside_arc
-from pddecont.simulate.integrator.entries import change_parameters as change_parameters
-from pddecont.simulate.integrator.entries import follow_to_period as follow_to_period
-from pddecont.simulate.integrator.entries import initialise as initialise
-from pddecont.simulate.integrator.entries import measure_growth as measure_growth
-from pddecont.simulate.integrator.entries import run as run
-from pddecont.simulate.integrator.growth import fit_returns as fit_returns
-from pddecont.simulate.integrator.growth import fit_state as fit_state
-from pddecont.simulate.integrator.growth import fit_workspace as fit_workspace
-from pddecont.simulate.integrator.state import IntegratorState as IntegratorState
-from pddecont.simulate.integrator.state import enlarge as enlarge
-from pddecont.simulate.integrator.state import make_state as make_state
-from pddecont.simulate.integrator.system import ParameterValues as ParameterValues
-from pddecont.simulate.integrator.system import System as System
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

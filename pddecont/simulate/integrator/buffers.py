@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.native.integrator.places import N_COEFFICIENTS
+from pddecont.native.integrator import N_COEFFICIENTS
 from pddecont.simulate.integrator.system import System
 
 Array = NDArray[np.float64]

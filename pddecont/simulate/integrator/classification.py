@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.native.integrator.places import CONSTANT, LONGEST, T
-from pddecont.native.integrator.status import Status
+from pddecont.native.integrator import CONSTANT, LONGEST, Status, T
 from pddecont.simulate.integrator.buffers import Workspace
 from pddecont.simulate.integrator.entries import advance_to_return, initialise
 from pddecont.simulate.integrator.state import IntegratorState, enlarge, make_state

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from pddecont.native.integrator.core import Core
+from pddecont.native.integrator import Core
 from pddecont.simulate.integrator.buffers import Log, Workspace
 from pddecont.simulate.integrator.state import IntegratorState
 from pddecont.simulate.integrator.system import ParameterValues, System

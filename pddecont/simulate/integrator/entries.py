@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.native import compiled_integrator as compiled
-from pddecont.native.integrator.core import Returns
+from pddecont.native.integrator import Returns
 from pddecont.simulate.integrator.buffers import Log, ReturnBuffer, Workspace, make_log
 from pddecont.simulate.integrator.core import make_core
 from pddecont.simulate.integrator.state import IntegratorState

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.native.integrator.places import (
+from pddecont.native.integrator import (
     ADVANCED,
     FIRST,
     KNOWN_FROM,
@@ -74,7 +74,7 @@ class IntegratorState(NamedTuple):
     """
 
     clock: Array
-    count: Integers
+    count: Integers  # type: ignore[assignment]
     y: Array
     constant: Array
     past_time: Array

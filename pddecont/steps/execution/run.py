@@ -6,7 +6,6 @@ import importlib.metadata
 import json
 import platform
 from collections.abc import Sequence
-from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +22,7 @@ from pddecont.steps.registry import list_step_kinds
 from pddecont.steps.reporter import Reporter, Silent
 from pddecont.version import __version__
 
-PACKAGES = ("numpy", "scipy", "sympy", "h5py", "numba")
+PACKAGES = ("numpy", "scipy", "sympy", "h5py", "llvmlite")
 
 
 def execute(
@@ -62,9 +61,8 @@ def execute(
             versions = json.dumps(find_versions())
             create_results(path, plan.model_text, plan.run_text, source, versions, overwrite=overwrite)
         context = Context(plan, path, reporter or Silent(), Workers(workers, scheduler))
-        with _watch_compilation(context, steps):
-            for step in steps:
-                do_step(context, step)
+        for step in steps:
+            do_step(context, step)
 
 
 def check_output(plan: Plan, path: Path) -> None:
@@ -106,20 +104,6 @@ def _drop_nulls(data: Any) -> Any:
     if isinstance(data, dict):
         return {key: _drop_nulls(value) for key, value in data.items() if value is not None}
     return [_drop_nulls(value) for value in data] if isinstance(data, list) else data
-
-
-def _watch_compilation(context: Context, steps: Sequence[PlannedStep[Any]]) -> AbstractContextManager[None]:
-    """Tell once if the integrator is compiled while steps are done, and at once if it cannot be kept."""
-    if not any(list_step_kinds()[step.kind].integrates for step in steps):
-        return nullcontext()
-    from pddecont.codegen import describe_cache_failure, tell_compilation
-
-    failure = describe_cache_failure()
-    if failure:
-        context.reporter.note(failure)
-    return tell_compilation(
-        lambda: context.reporter.note("the integrator is compiled, once an environment; this takes about a minute")
-    )
 
 
 def select_steps(plan: Plan, only: str | None, until: str | None) -> Sequence[PlannedStep[Any]]:

@@ -13,9 +13,9 @@ import pytest
 
 from pddecont.codegen import ModelFunctions, machine_code
 from pddecont.delay import Direct
-from pddecont.native.integrator import calls
+from pddecont.native.integrator import places
 from pddecont.simulate import integrator
-from pddecont.simulate.integrator.core import make_core
+from pddecont.simulate.integrator import make_core
 from pddecont.simulate.method import Method
 from pddecont.simulate.model_numbers import make_values
 from pddecont.simulate.reached_system import ReachedSystem
@@ -32,9 +32,11 @@ class Interpreted:
     """The modules of the integrator, as they are before they are compiled, with what makes their records."""
 
     def __init__(self):
-        calls.call = lambda address, *arguments: FUNCTIONS[address](*arguments)
-        for path in Path(calls.__file__).parent.glob("*.py"):
-            setattr(self, path.stem, importlib.import_module(f"{NAME}.{path.stem}"))
+        for path in Path(places.__file__).parent.glob("*.py"):
+            module = importlib.import_module(f"{NAME}.{path.stem}")
+            setattr(self, path.stem, module)
+            if path.stem != "calls" and hasattr(module, "call"):
+                module.call = lambda address, *arguments: FUNCTIONS[address](*arguments)
 
     def prepare(
         self, text, p=None, *, delay=None, method=None, section=None, tangent=False, steps=0, events=0, longest=0.0

@@ -7,8 +7,8 @@ import pytest
 
 from pddecont.delay import Chain, Direct
 from pddecont.errors import ConvergenceError
+from pddecont.native.integrator import ZENO_TIME, Status
 from pddecont.simulate import Method, simulate
-from pddecont.simulate.integrator import ZENO_TIME, Status
 from tests.conftest import numeric_from
 from tests.runs import to_yaml
 from tests.simulate.motions import BALL, COUNTER, RELAY, TIGHT, trajectory_of

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from pddecont.delay import Chain, Direct
+from pddecont.native.integrator import N_STEPS, Status, T
 from pddecont.simulate import Simulator, simulate
-from pddecont.simulate.integrator import N_STEPS, Status, T, enlarge
-from pddecont.simulate.integrator.core import make_core
+from pddecont.simulate.integrator import enlarge, make_core
 from tests.conftest import numeric_from
 from tests.simulate.motions import TIGHT
 

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pddecont.delay import Chain, Direct
+from pddecont.native.integrator import LEVELS, N_BREAKING, N_PENDING
 from pddecont.simulate import Simulator, simulate
-from pddecont.simulate.integrator import LEVELS, N_BREAKING, N_PENDING
 from tests.conftest import numeric_from
 from tests.simulate.motions import TIGHT, trajectory_of
 

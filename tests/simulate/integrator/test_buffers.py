@@ -3,8 +3,9 @@
 import numpy as np
 
 from pddecont.delay import Chain
+from pddecont.native.integrator import N_COEFFICIENTS
 from pddecont.simulate import Simulator
-from pddecont.simulate.integrator import N_COEFFICIENTS, make_log, make_return_buffer, make_workspace
+from pddecont.simulate.integrator import make_log, make_return_buffer, make_workspace
 from tests.conftest import shipped
 
 

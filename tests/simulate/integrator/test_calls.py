@@ -1,30 +1,22 @@
-"""What is called by its address, and linear systems, as plain Python does them; the compiled ones are used everywhere."""
+"""What is called by its address, and linear systems, as plain Python does them."""
 
 import ctypes
-import importlib.util
 
 import numpy as np
 import pytest
 
+from pddecont.native.integrator import calls
+
 POINTER = ctypes.POINTER(ctypes.c_double)
 
 
-@pytest.fixture
-def calls():
-    """The module as it is, whatever other tests put into it."""
-    spec = importlib.util.find_spec("pddecont.native.integrator.calls")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-def test_numbers_from_a_place_on_are_those_of_the_array(calls):
+def test_numbers_from_a_place_on_are_those_of_the_array():
     numbers = np.arange(5.0)
     calls.offset(numbers, 2)[0] = 7.0
     assert list(numbers) == [0, 1, 7, 3, 4]
 
 
-def test_a_function_is_called_by_its_address(calls):
+def test_a_function_is_called_by_its_address():
     @ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_double, *[POINTER] * 4)
     def function(which, t, x, xd, p, out):
         out[0], out[1] = which + 10 * t, x[1] + 100 * xd[0] + 10000 * p[2]
@@ -35,7 +27,7 @@ def test_a_function_is_called_by_its_address(calls):
     assert list(out) == [8.0, 40302.0]
 
 
-def test_a_linear_system_is_solved_in_place(calls):
+def test_a_linear_system_is_solved_in_place():
     rng = np.random.default_rng(0)
     matrix, right, pivots = rng.normal(size=(4, 4)), rng.normal(size=4), np.zeros(4, np.int64)
     factors, solution = matrix.ravel().copy(), right.copy()
@@ -45,5 +37,5 @@ def test_a_linear_system_is_solved_in_place(calls):
 
 
 @pytest.mark.filterwarnings("ignore")
-def test_a_singular_matrix_has_no_factors(calls):
+def test_a_singular_matrix_has_no_factors():
     assert not calls.factorise(np.zeros(9), np.zeros(3, np.int64), 3)

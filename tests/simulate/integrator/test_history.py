@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from pddecont.delay import Chain, Direct
 from pddecont.model.expression import TIME
+from pddecont.native.integrator import USED
 from pddecont.simulate import Events, Trajectory, simulate
-from pddecont.simulate.integrator import USED
 from tests.conftest import numeric_from, shipped
 from tests.simulate.motions import TIGHT, trajectory_of
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from pddecont.delay import Direct
+from pddecont.native.integrator import Status
 from pddecont.simulate import ReturnSection, ReturnSettings, Simulator, find_attractor
-from pddecont.simulate.integrator import Status, make_return_buffer
-from pddecont.simulate.integrator.entries import make_returns
+from pddecont.simulate.integrator import make_return_buffer, make_returns
 from tests.conftest import numeric_from
 
 # At every whole t: y = r y (1 - y).

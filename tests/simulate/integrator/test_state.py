@@ -5,8 +5,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pddecont.delay import Direct
+from pddecont.native.integrator import FIRST, USED, Status
 from pddecont.simulate import Method, Simulator, simulate
-from pddecont.simulate.integrator import FIRST, USED, Status, enlarge, make_log, make_state, run
+from pddecont.simulate.integrator import enlarge, make_log, make_state, run
 from tests.conftest import numeric_from
 
 PULSES = (

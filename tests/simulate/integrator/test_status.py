@@ -3,8 +3,9 @@
 import pytest
 
 from pddecont.delay import Direct
+from pddecont.native.integrator import Status
 from pddecont.simulate import ReturnSection, Simulator
-from pddecont.simulate.integrator import Status, enlarge, make_log, run
+from pddecont.simulate.integrator import enlarge, make_log, run
 from tests.conftest import numeric_from
 from tests.simulate.motions import BALL, COUNTER, RELAY
 

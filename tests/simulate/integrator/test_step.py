@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from pddecont.native.integrator import N_REJECTED, Status
 from pddecont.simulate import Method
-from pddecont.simulate.integrator import N_REJECTED, Status
 from tests.simulate.motions import trajectory_of
 from tests.simulate.orders import bouncer_errors, oscillator_error
 

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from pddecont.delay import Chain, Direct
+from pddecont.native.integrator import Status
 from pddecont.simulate import Simulator
-from pddecont.simulate.integrator import Status, enlarge, measure_growth
+from pddecont.simulate.integrator import enlarge, measure_growth
 from tests.conftest import numeric_from
 
 
