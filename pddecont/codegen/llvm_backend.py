@@ -36,7 +36,7 @@ COMPARISONS: dict[type[ast.cmpop], str] = {
 }
 # Whole powers up to this are products; numbers of instructions for more would only grow.
 LARGEST_PRODUCT = 16
-# Functions longer than this gain nothing from a second look: their code has no loops, and common parts are written once.
+# Functions longer than this gain nothing from a second look: they have no loops, and common parts are written once.
 SPEED, LONG_FUNCTION, SPEED_OF_LONG = 2, 20_000, 1
 
 

@@ -14,7 +14,7 @@ from sympy.logic.boolalg import Boolean
 
 from pddecont.codegen.llvm_backend import compile_source
 from pddecont.codegen.printer import Names, ScalarPrinter, name_symbols, print_assignments
-from pddecont.model import TIME, Model, differentiate
+from pddecont.model import TIME, Model, differentiate, find_reading_symbols
 
 HEADER = """from math import acos, asin, atan, atan2, cos, cosh, e, exp, log, pi, sin, sinh, sqrt, tan, tanh
 
@@ -124,7 +124,11 @@ class ModelFunctions:
         return Pages(lambda page: self._address(page, self.digits), {"value": list, "jacobian": differentiate})
 
     def _matrix(self, exprs: Sequence[sympy.Expr], symbols: Sequence[sympy.Symbol]) -> list[sympy.Expr]:
-        return [differentiate(e, s, self.model.chain) for e in exprs for s in symbols]
+        slopes: list[sympy.Expr] = []
+        for expr in exprs:
+            read = find_reading_symbols(expr, self.model.chain)
+            slopes += [differentiate(expr, s, self.model.chain) if s in read else sympy.S.Zero for s in symbols]
+        return slopes
 
     def _address(self, cases: Sequence[Sequence[sympy.Expr]], digits: Sequence[sympy.Symbol] = ()) -> int:
         model = self.model

@@ -159,6 +159,8 @@ class Simulator:
 
         It is None where both fields point away from a surface on which one starts.
         """
+        if self.numeric.model.derived is None:
+            return [self.numeric.model.initial_mode] * len(states)
         if reads_generally(self.numeric.model):
             reads = [self._read_at_start(values.p, row, t, constant=constant) for row in states]
             xd = np.array(reads).reshape(len(states), -1)

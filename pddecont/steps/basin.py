@@ -96,7 +96,6 @@ BASIN_STEP = StepKind(
     run="pddecont.steps.execution.basin:run_basin",
     resumes=True,
     holds=Holding.ATTRACTORS,
-    integrates=True,
     list_names=list_basin_names,
     list_modes=list_basin_modes,
     list_sticks=lambda body: body.stick.items(),

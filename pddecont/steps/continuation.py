@@ -219,7 +219,6 @@ CONTINUE_STEP = StepKind(
     run="pddecont.steps.execution.continuation:run_continue",
     resumes=True,
     holds=Holding.BRANCH,
-    integrates=True,
     takes_accuracy=True,
     list_names=list_continue_names,
     list_varied=lambda body: body.free,

@@ -46,8 +46,6 @@ class StepKind(Generic[F, S]):
         Whether an unfinished step is continued; otherwise it is begun anew.
     holds
         What a step leaves that others can start from.
-    integrates
-        Whether it needs the integrator, which is compiled when it is first used.
     takes_accuracy
         Whether the run's accuracy decides its delay and mesh.
     list_names, list_modes
@@ -65,7 +63,6 @@ class StepKind(Generic[F, S]):
     run: Callable[[Context, PlannedStep[S], Step | None], None] | str
     resumes: bool = False
     holds: Holding = Holding.NOTHING
-    integrates: bool = False
     takes_accuracy: bool = False
     list_names: Callable[[F], Iterable[Any]] = _list_nothing
     list_modes: Callable[[F], Iterable[str]] = _list_nothing

@@ -111,6 +111,5 @@ ORBIT_STEP = StepKind(
     format=ORBIT,
     run="pddecont.steps.execution.orbit:run_orbit",
     holds=Holding.ORBIT,
-    integrates=True,
     takes_accuracy=True,
 )

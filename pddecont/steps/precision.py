@@ -227,6 +227,5 @@ PRECISION_STEP = StepKind(
     format=PRECISION,
     run="pddecont.steps.execution.precision:run_precision",
     resumes=True,
-    integrates=True,
     list_names=list_precision_names,
 )

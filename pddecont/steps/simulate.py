@@ -174,7 +174,6 @@ SIMULATE_STEP = StepKind(
     format=SIMULATE,
     run="pddecont.steps.execution.simulate:run_simulate",
     holds=Holding.TRAJECTORY,
-    integrates=True,
     list_names=list_simulate_names,
     list_modes=list_simulate_modes,
     list_sticks=lambda body: body.stick.items(),

@@ -159,7 +159,6 @@ SWEEP_STEP = StepKind(
     run="pddecont.steps.execution.sweep:run_sweep",
     resumes=True,
     holds=Holding.ATTRACTORS,
-    integrates=True,
     list_names=list_sweep_names,
     list_modes=list_sweep_modes,
     list_sticks=lambda body: body.stick.items(),
