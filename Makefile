@@ -11,7 +11,7 @@ FIRST ?= 1000
   distclean
 setup: $(ENV)/ready
 
-$(ENV)/ready: pyproject.toml
+$(ENV)/ready: pyproject.toml setup.py $(wildcard pddecont/native/*.py pddecont/native/*/*.py pddecont/native/*/*.pxi)
 	$(PYTHON) -m venv $(ENV)
 	$(BIN)/python -m pip install --quiet --upgrade pip
 	$(BIN)/python -m pip install --quiet -e ".[dev]"
