@@ -22,7 +22,8 @@ Array = NDArray[np.float64]
 class CarriedEvent:
     """An event that the jump at the end of segment ``source`` may make, read through the delay number ``lag``.
 
-    ``segment`` is the one that it ends; None for an event that the signature does not list there.
+    ``segment`` is the one that it ends; None for an event that the signature does not list there. Through a delay that
+    varies a jump comes back at ``breaking``, the number of a breaking time; None for a constant one.
     """
 
     event: str
@@ -30,11 +31,14 @@ class CarriedEvent:
     source: int
     lag: int
     segment: int | None
+    breaking: int | None = None
 
     def find_time(self, orbit: Orbit) -> float:
         """Return when the jump comes back, within a period after the orbit's start."""
         if self.segment is not None:
             return float(orbit.event_times[self.segment + 1])
+        if self.breaking is not None:
+            return float(orbit.theta[len(orbit.theta) - orbit.mesh.n_breaking + self.breaking])
         delay = float(orbit.numeric.delays.value(orbit.parameters)[self.lag])
         return float((orbit.event_times[self.source + 1] + delay) % orbit.period)
 
@@ -106,13 +110,30 @@ def list_unlisted_carried_events(orbit: Orbit) -> list[CarriedEvent]:
         (w.event, w.direction) for s in range(len(signature)) for w in signature.list_watched_events(s)
     )
     return [
-        CarriedEvent(event, direction, source, lag, None)
+        CarriedEvent(event, direction, source, lag, None, breaking)
         for source, segment in enumerate(signature.segments)
         if segment.event
         for event, direction in surfaces
         for lag in list_carriers(model, event, segment.reset)
-        if lag < len(tau) and tau[lag] > 0.0 and (source, lag) not in known
+        if (source, lag) not in known
+        for breaking in _list_returns(orbit, source, lag, tau)
     ]
+
+
+def _list_returns(orbit: Orbit, source: int, lag: int, tau: Array) -> list[int | None]:
+    """Return at which breaking times the jump at the end of a segment is read; None for one constant delay later."""
+    if lag < len(tau):
+        return [None] if tau[lag] > 0.0 else []
+    end = np.zeros(len(orbit.theta))
+    end[: source + 1] = 1.0
+    found: list[int | None] = []
+    for number, b in enumerate(orbit.mesh.breaking):
+        # The same end some periods before.
+        before = end - b.source
+        n = len(orbit.signature)
+        if b.delay == lag and np.ptp(before[:n]) == 0.0 and not np.any(before[n:]):
+            found.append(number)
+    return found
 
 
 def _locate(orbit: Orbit, time: float, s: int) -> MeshPoints:
