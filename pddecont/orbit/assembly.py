@@ -251,7 +251,7 @@ class Assembly:
         """Add the equation of a delayed event: durations, and its delay where that depends on free parameters."""
         self._add(Entries(e.row, self.columns.moving_columns, self.columns.find_elapsed_weights(e.link)))
         place, free = self.problem.unknowns.free, self.problem.free_index
-        if free:
+        if free and e.link.find_varying(self.problem.numeric.model) is None:
             delay = e.link.make_delay(self.problem.signature)
             columns = np.arange(place.start, place.stop)
             self._add(Entries(e.row, columns, lambda at: -delay.derivatives(at.orbit.parameters, free)[0]))

@@ -55,7 +55,7 @@ class StateAfter:
 
 @dataclass(frozen=True, eq=False)
 class DelayedEventEquation:
-    """The time from a delayed event's source to the event, less its delay."""
+    """The time from a delayed event's source to the event, less its delay if that does not vary."""
 
     row: int
     link: DelayedEventLink
@@ -119,6 +119,9 @@ def list_equations(problem: OrbitProblem) -> Iterator[Equation]:
         row = rows.events + s
         if s in links:
             yield DelayedEventEquation(row, links[s])
+            varying = links[s].find_varying(problem.numeric.model)
+            if varying is not None:
+                yield _at_ends(problem, problem.numeric.varying_delay(varying), np.array([s]), np.array([[row]]), -1.0)
         elif segment.event:
             function = problem.numeric.event(segment.event)
             yield _at_ends(problem, function, np.array([s]), np.array([[row]]), 1.0)

@@ -16,6 +16,7 @@ from pddecont.orbit.orbit import Orbit
 from pddecont.orbit.problem import OrbitProblem
 from pddecont.orbit.remesh import make_mesh
 from pddecont.orbit.signature import Signature, link_delayed_events, make_eventless
+from pddecont.orbit.varying_links import link_varying_jumps
 
 Array = NDArray[np.float64]
 
@@ -74,4 +75,4 @@ def guess_from_cycle(numeric: NumericModel, p: Array, delay: DelayMethod, cycle:
         inside = slice(mesh.first_base[s], mesh.last_base[s] + 1)
         values[inside] = cycle.evaluate(s, times[inside])
     problem = replace(bare, mesh=mesh, reference=values if signature.needs_phase_reference else None)
-    return Orbit(problem, problem.unknowns.join(values, durations, start, np.zeros(0)))
+    return link_varying_jumps(Orbit(problem, problem.unknowns.join(values, durations, start, np.zeros(0))))

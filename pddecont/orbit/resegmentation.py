@@ -14,6 +14,7 @@ from pddecont.orbit.orbit import Orbit
 from pddecont.orbit.problem import OrbitProblem
 from pddecont.orbit.remesh import find_density, make_mesh, transfer_orbit
 from pddecont.orbit.signature import Signature, link_delayed_events
+from pddecont.orbit.varying_links import link_varying_jumps
 
 Array = NDArray[np.float64]
 # How far inside a span, relative to its length, the interval that a point at its end is read from is chosen.
@@ -56,7 +57,8 @@ def resegment(orbit: Orbit, spans: Sequence[SegmentSpan], rule: MeshRule, n_peri
     guess = Orbit(new, new.unknowns.join(values, durations, start, np.zeros(0)))
     if not problem.numeric.model.varying:
         return guess
-    return transfer_orbit(guess, make_mesh(new, theta, rule, density, guess))
+    guess = link_varying_jumps(guess)
+    return transfer_orbit(guess, make_mesh(guess.problem, theta, rule, density, guess))
 
 
 def _follow_density(orbit: Orbit, spans: Sequence[SegmentSpan], durations: Array, tol: float) -> Density:

@@ -108,7 +108,7 @@ def _end_residuals(orbit: Orbit) -> Array:
     for s, segment in enumerate(problem.segments):
         if s in links:
             elapsed = find_elapsed_weights(problem, links[s]) @ orbit.theta[: orbit.mesh.n_segments]
-            result[s] = elapsed - links[s].make_delay(problem.signature).value(orbit.parameters)[0]
+            result[s] = elapsed - _find_link_delay(orbit, links[s])
         elif segment.event:
             result[s] = evaluate_at_ends(problem.numeric.event(segment.event), orbit, np.array([s]))[0, 0]
         elif problem.numeric.model.forced:
@@ -116,6 +116,14 @@ def _end_residuals(orbit: Orbit) -> Array:
         else:
             result[s] = phase_weights(problem) @ np.ravel(orbit.values)
     return result
+
+
+def _find_link_delay(orbit: Orbit, link: DelayedEventLink) -> float:
+    """Return the delay after which the end of a segment's source ends it."""
+    varying = link.find_varying(orbit.numeric.model)
+    if varying is not None:
+        return float(orbit.equation_reads.lags[varying, orbit.mesh.n_collocation + link.segment])
+    return float(link.make_delay(orbit.problem.signature).value(orbit.parameters)[0])
 
 
 def _breaking_residuals(orbit: Orbit) -> Array:

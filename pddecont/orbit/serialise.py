@@ -17,6 +17,7 @@ from pddecont.model import Model, Segment
 from pddecont.orbit.orbit import Orbit
 from pddecont.orbit.problem import OrbitProblem
 from pddecont.orbit.signature import Signature, link_delayed_events, make_eventless
+from pddecont.orbit.varying_links import link_varying_jumps
 
 Array = NDArray[np.float64]
 # Two events at one moment leave a segment of no duration, to rounding; a shorter one, in periods, is damage.
@@ -71,7 +72,7 @@ def orbit_from_rows(
     links = link_delayed_events(signature, parameters, durations)
     if not np.all(np.isfinite(x)) or not np.min(durations) > -ROUNDING * np.sum(np.abs(durations)):
         raise ValueError("its unknowns are not finite, or a segment ends before it begins")
-    return Orbit(replace(problem, links=links), x).with_phase_reference()
+    return link_varying_jumps(Orbit(replace(problem, links=links), x)).with_phase_reference()
 
 
 def read_segments(model: Model, names: str) -> tuple[Segment, ...]:

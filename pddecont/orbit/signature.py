@@ -44,8 +44,12 @@ class DelayedEventLink:
     wraps: int
     lag: int | None = None
 
+    def find_varying(self, model: Model) -> int | None:
+        """Return the number, among the delays that vary, of the one that the jump comes back through, if it is one."""
+        return None if self.lag is None or self.lag < len(model.delays) else self.lag - len(model.delays)
+
     def make_delay(self, signature: Signature) -> ParameterFunction:
-        """Return the time between the two as a function of the parameters."""
+        """Return the time between the two as a function of the parameters; it does not vary."""
         if self.lag is not None:
             return signature.numeric.single_delay(self.lag)
         return signature.numeric.event_delay(signature.segments[self.segment].event)
