@@ -7,7 +7,7 @@ OUT := out
 MODELS ?= 90
 FIRST ?= 1000
 
-.PHONY: setup demo figures test reliability random-models random-delays stress check docs reference layers bench cost tracking chain-order schema clean \
+.PHONY: setup demo figures test reliability random-models random-delays stress packages check docs reference layers bench cost tracking chain-order schema clean \
   distclean
 setup: $(ENV)/ready
 
@@ -41,6 +41,13 @@ random-delays: setup ## 200 random models with delays that vary, rates and integ
 
 stress: setup        ## a million random events against exact solutions; minutes
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest tests/simulate/test_random_events.py
+
+packages: setup      ## a source archive, a wheel made of it, and the demo from that wheel in an environment of its own
+	rm -rf $(OUT)/packages $(OUT)/empty
+	$(BIN)/python -m build --outdir $(OUT)/packages .
+	$(PYTHON) -m venv $(OUT)/empty
+	$(OUT)/empty/bin/python -m pip install --quiet $(OUT)/packages/*.whl
+	cd $(OUT)/empty && bin/pddecont run fig4_6 -o fig4_6.h5 && bin/pddecont plot fig4_6.h5 -o fig4_6.png
 
 check: setup
 	$(BIN)/ruff format --check .

@@ -1,7 +1,7 @@
 """Segments that end where a delay that varies reads a jump: a neuron's echo, later where a slow state is larger.
 
-x' = I - x fires at 1 and starts again from d; read b = tau + c y(b) later the jump is below 1/2, and pushes z. In closed
-form: T = ln((I - d)/(I - 1)), z is a sum of exponentials, and so is y' = -y + 1 + z/2, which b hangs on.
+x' = I - x fires at 1 and starts again from d; read b = tau + c y(b) later the jump is below 1/2, and pushes z. In
+closed form: T = ln((I - d)/(I - 1)), z is a sum of exponentials, and so is y' = -y + 1 + z/2, which b hangs on.
 """
 
 from math import exp, log
