@@ -78,6 +78,8 @@ class TrackedPoints:
             if tau > MERGE * self.period:
                 found += self._keep(k, level, later - wraps * self.period, size, tuple(own))
         for k in self.sources.varying:
+            if not self._is_kept(k, level, size):
+                continue
             for b, n in self.preimages(k, time):
                 if not self._is_allowed(k, level, b, size):
                     continue
@@ -88,10 +90,13 @@ class TrackedPoints:
                 found += self._keep(k, level, b, size, name)
         return found
 
+    def _is_kept(self, k: int, level: int, size: float) -> bool:
+        """Return whether a jump is still one that matters where delay number ``k`` brings it back."""
+        return level + self.sources.gain(k) <= self.degree and size * self.fading.get(k, 1.0) > FADED
+
     def _is_allowed(self, k: int, level: int, time: float, size: float) -> bool:
-        level, size = level + self.sources.gain(k), size * self.fading.get(k, 1.0)
         apart = min(abs(time - other) for other in self._taken)
-        return level <= self.degree and size > FADED and apart > MERGE * self.period
+        return self._is_kept(k, level, size) and apart > MERGE * self.period
 
     def _keep(
         self, k: int, level: int, time: float, size: float, key: tuple[int, ...]

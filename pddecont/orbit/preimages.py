@@ -13,8 +13,9 @@ Array = NDArray[np.float64]
 MORE_SAMPLES = 1
 # How near to a sample a known breaking time may lie on its other side, in periods.
 KNOWN = 1e-9
-# Halvings of the bracket of a time: the unknown that it becomes is found by Newton's method.
-N_STEPS = 24
+# Steps towards a time at most, and from how near to it, in periods, one step of the secant method is the last: that
+# leaves rounding, and the unknown that the time becomes is found by Newton's method.
+N_STEPS, NEAR = 24, 1e-9
 
 
 class PreimageSearch:
@@ -62,15 +63,18 @@ class PreimageSearch:
         """Return the time between samples ``i`` and ``i`` + 1 at which ``target`` is read."""
         low, high = float(self.times[i]), float(self.times[i + 1])
         below, above = float(self.reads[number, i]) - target, float(self.reads[number, i + 1]) - target
+        last, before = low, below
         for _ in range(N_STEPS):
             if above == below or high - low <= 1e-14 * self.orbit.period:
                 break
             share = min(max(below / (below - above), 0.0), 1.0)
             middle = low + share * (high - low)
             value = self._read(number, middle) - target
-            if abs(value) <= 1e-15 * self.orbit.period:
-                return middle
+            if abs(value) <= NEAR * self.orbit.period:
+                step = value * (middle - last) / (value - before) if value != before else 0.0
+                return min(max(middle - step, low), high)
             # The Illinois variant of regula falsi.
+            last, before = middle, value
             if (value < 0.0) == (below < 0.0):
                 low, below, above = middle, value, 0.5 * above
             else:
