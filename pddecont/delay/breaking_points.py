@@ -17,7 +17,7 @@ from itertools import combinations_with_replacement
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.model import Model, Segment, find_reading_symbols
+from pddecont.model import DelayedValue, Model, Segment, find_reading_symbols
 
 Array = NDArray[np.float64]
 # Breaking points closer than this, in periods, count as one: rounding decides on their order.
@@ -63,7 +63,7 @@ def find_discontinuity_sources(model: Model, segments: Sequence[Segment]) -> Dis
     for symbol in set().union(*(find_reading_symbols(e, model.chain) for e in fields)) & set(model.delayed_symbols):
         read = model.delayed[model.delayed_symbols.index(symbol)]
         # What only delays and limits read, not the field itself, is smoothed as a value is.
-        gain = 1 - read.derivative if symbol in used else 1
+        gain = 1 - _count_rates(model, segments, read) if symbol in used else 1
         gains[read.delay] = min(gain, gains.get(read.delay, gain))
     n = len(model.delays)
     return DiscontinuitySources(
@@ -72,6 +72,17 @@ def find_discontinuity_sources(model: Model, segments: Sequence[Segment]) -> Dis
         tuple(sorted(k for k in gains if k >= n)),
         {k: gain for k, gain in gains.items() if gain != 1},
     )
+
+
+def _count_rates(model: Model, segments: Sequence[Segment], read: DelayedValue) -> int:
+    """Return which derivative of the states a read is: where x' = v all along, x'(t - tau) is v(t - tau), a value."""
+    state, derivative = read.state, read.derivative
+    while derivative:
+        rates = {model.modes[segment.mode][state] for segment in segments}
+        if len(rates) > 1 or not rates <= {*model.state_symbols}:
+            break
+        state, derivative = model.state_symbols.index(rates.pop()), derivative - 1
+    return derivative
 
 
 def jump_returns_at_event(sources: DiscontinuitySources, theta: Array, n_segments: int) -> bool:

@@ -200,8 +200,9 @@ def complete(
         radius = max(aim, shrink * radius) if deep else aim
         missing = _count(counter, known, radius)
         if missing == 0:
-            # One that is listed and is none makes up for one that is lacking, but not on the circles between them.
-            if any(_count(counter, known, circle) != 0 for circle in circles):
+            # One that is listed and is none makes up for one that is lacking, but not on the circles between them. What
+            # was counted there of the same list holds.
+            if known is not sure and any(_count(counter, known, circle) != 0 for circle in circles):
                 break
             circles, sure = [*circles, radius], known
             if radius == aim:

@@ -91,6 +91,27 @@ def test_levels_come_from_the_model():
     assert [str(hard.delays[k]) for k in sources.delays] == ["b"]
 
 
+@pytest.mark.parametrize(
+    ("read", "gains"), [("x'(t - a)", {}), ("v(t - a)", {}), ("v'(t - a)", {0: 0}), ("y'(t - a)", {0: 0})]
+)
+def test_a_rate_that_is_a_state_all_along_is_read_as_its_value(read, gains):
+    """x' = v in both modes; y' = v in one of them alone."""
+    model = numeric_from(
+        "name: m\nstates: [x, v, y]\nparameters: {a: 1}\n"
+        f"modes: {{m: {{x': v, v': -x - {read}/5, y': v}}, n: {{x': v, v': -x - {read}/5, y': -y}}}}\n"
+        "events: {e: x}\nsegments: {s: {mode: m, event: e, to: n}, u: {mode: n, event: e, to: m}}\n"
+    ).model
+    sources = find_discontinuity_sources(model, (model.segments["s"], model.segments["u"]))
+    assert sources.delays == (0,) and sources.gains == gains
+
+
+def test_an_implicit_delay_of_a_state_that_is_an_integral_smooths_jumps():
+    """The delay's own rate reads a'(t - tau), which is w(t - tau)."""
+    model = shipped("drill_string").model
+    sources = find_discontinuity_sources(model, [s for s in model.segments.values() if s.event][:2])
+    assert sources.varying == (0,) and not sources.gains
+
+
 def test_a_degree_needs_one_level_more_after_a_state_jump():
     theta = np.array([10.0, 0.7])
     for degree in (2, 5):

@@ -5,7 +5,8 @@ Each entry has ``what``, ``at`` (STEP, STEP/LABEL, STEP/* for every point, STEP/
 ``mu1``, ``mu2``, .. by falling modulus, the time ``start`` at which its first segment begins, the states ``NAME_start``
 there, and what ``let``, ``solve`` (name: [expression that is zero, lowest, highest]) and ``then`` define. At equilibria
 there are the states by their own names, the roots ``root1``, ``root2``, .. by falling real part, ``n_unstable``,
-``frequency`` and ``coefficient``. ``source`` says where the value is from, ``because`` why ``tol`` is what it is;
+``frequency`` and ``coefficient``; of a simulation the parameters, ``event_time``, ``NAME_before`` the events and
+``NAME_end``. ``source`` says where the value is from, ``because`` why ``tol`` is what it is;
 ``independent`` names the test that calculates the value again.
 """
 
@@ -105,7 +106,8 @@ def _equilibrium(step, i):
 
 def _trajectory(step):
     rows = step.orbit(0)
-    names = {"event_time": rows["event_time"]}
+    names = dict(zip(step.meta["parameters"], step.points["parameters"][0], strict=True))
+    names |= {"event_time": rows["event_time"]}
     for k, state in enumerate(step.meta["states"]):
         names |= {f"{state}_before": rows["before"][:, k], f"{state}_end": rows["states"][-1, k]}
     return names

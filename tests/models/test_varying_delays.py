@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicHermiteSpline
 from scipy.optimize import brentq, fsolve
 from scipy.special import iv
 
@@ -30,6 +31,49 @@ def test_state_dependent_lag():
     orbit = begin((1.562,), (1.0,), 0.0, 4.1, 0.3).follow((np.linspace(4.15, period, 10), 50))[-1]
     assert orbit.gains[0] == pytest.approx(1.5, abs=tol)
     assert orbit.find_extrema() == pytest.approx(extrema, abs=tol)
+
+
+def follow_sawtooth(k, eps, h, t_end):
+    """Return x and x' of eps x' = -x - k x(t - 1 - x) at multiples of ``h``, from a constant history.
+
+    It is a Runge-Kutta method of order four that reads its past from cubic Hermite polynomials; steps are shorter than
+    the lag.
+    """
+    x, rates = [0.3], [-0.3 * (1 + k) / eps]
+
+    def rate(t, now):
+        place = (t - 1 - now) / h
+        if place < 0:
+            return (-now - k * 0.3) / eps
+        i = int(place)
+        u, low, high, rise = place - i, h * rates[i], h * rates[i + 1], x[i + 1] - x[i]
+        past = x[i] + u * (low + u * (3 * rise - 2 * low - high + u * (low + high - 2 * rise)))
+        return (-now - k * past) / eps
+
+    for n in range(round(t_end / h)):
+        t, a = n * h, rates[-1]
+        b = rate(t + h / 2, x[-1] + h / 2 * a)
+        c = rate(t + h / 2, x[-1] + h / 2 * b)
+        d = rate(t + h, x[-1] + h * c)
+        x.append(x[-1] + h / 6 * (a + 2 * b + 2 * c + d))
+        rates.append(rate(t + h, x[-1]))
+    return x, rates
+
+
+def find_cycle(k, eps, h, t_end):
+    """Return the period and the extrema of the last cycle."""
+    x, rates = follow_sawtooth(k, eps, h, t_end)
+    curve = CubicHermiteSpline(h * np.arange(len(x)), x, rates)
+    first, end = [t for t in curve.roots(extrapolate=False) if curve(t, 1) > 0][-2:]
+    turns = [t for t in curve.derivative().roots(extrapolate=False) if first < t < end]
+    return np.array([end - first, max(curve(turns)), min(curve(turns))])
+
+
+@pytest.mark.parametrize("eps", [0.2, 0.1])
+def test_sawtooth(eps):
+    coarse, middle, fine = (find_cycle(2.0, eps, h, 60.0) for h in (8e-4, 4e-4, 2e-4))
+    assert np.log2(np.abs(coarse - middle) / np.abs(middle - fine)) == pytest.approx(4.0, abs=0.5)
+    compare(fine + (fine - middle) / 15, "sawtooth", f"period and extrema at k = 2, eps = {eps}")
 
 
 def find_gains(w):

@@ -113,6 +113,11 @@ def test_each_breaking_time_reads_its_source(relay):
         assert b - lag == pytest.approx(breaking.source @ theta, abs=1e-12)
     found = {round(b, 9) for times in PreimageSearch(relay).find(0, relay.event_times[1:]) for b, _ in times}
     assert found <= {round(b, 9) for b in relay.breaking}
+    # They need no Newton's method to be there nearly to rounding.
+    search = PreimageSearch(relay)
+    for b, breaking in zip(relay.breaking, mesh.breaking, strict=True):
+        near = [other for other, _ in search.find(0, float(breaking.source @ theta) % relay.period)]
+        assert min(abs(other - b) for other in near) < 1e-12
 
 
 def test_derivatives_are_those_of_the_residuals(relay):

@@ -103,6 +103,7 @@ READ_OTHERWISE = {
     "robot_arm",
     "remembering_drivers",
     "state_dependent_lag",
+    "sawtooth",
     "two_state_dependent_lags",
     "varying_speed",
     "turning_tangential",

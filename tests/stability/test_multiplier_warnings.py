@@ -175,6 +175,21 @@ def test_a_search_that_goes_astray_does_not_spoil_what_was_confirmed(monkeypatch
     assert [m.value.real for m in found] == pytest.approx([0.85, -0.37], abs=1e-12)
 
 
+def test_no_list_is_counted_twice_on_a_circle(monkeypatch):
+    """Circles shrink step by step, and each new multiplier has all of them counted again: once."""
+    characteristic = MapCharacteristic(np.diag([0.85, -0.37, 0.05, 0.02]))
+    count, counted = module_of_multipliers._count, []
+
+    def watched(counter, known, radius):
+        counted.append((radius, *(m.value for m in known)))
+        return count(counter, known, radius)
+
+    monkeypatch.setattr(module_of_multipliers, "_count", watched)
+    found, confirmed = module_of_multipliers.complete(characteristic, [], 12, deep=True)
+    assert confirmed and len(found) == 4
+    assert len(counted) == len(set(counted)) > 10
+
+
 def test_what_was_asked_for_and_is_not_known_is_told(monkeypatch, tmp_path):
     """A branch none of whose orbits could be simulated in time, and none of whose multipliers a count confirms."""
     monkeypatch.setattr(module_of_multipliers.Counter, "count_missing", lambda *_: None)
