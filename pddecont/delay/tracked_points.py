@@ -23,8 +23,8 @@ from pddecont.delay.breaking_points import MAX_POINTS, MERGE, BreakingPoint, Dis
 Array = NDArray[np.float64]
 # A jump that rates have made this much smaller is rounding.
 FADED = 1e-14
-# Times b at which a delay reads xi, and how many periods before its own xi lies there: b - tau = xi - n T.
-Preimages = Callable[[int, float], Sequence[tuple[float, int]]]
+# For each of moments xi: times b at which a delay reads it, and how many periods before its own: b - tau = xi - n T.
+Preimages = Callable[[int, Array], Sequence[Sequence[tuple[float, int]]]]
 
 
 class TrackedPoints:
@@ -48,6 +48,7 @@ class TrackedPoints:
         self.ends = [tuple([1] * s + [0] * (len(theta) - s)) for s in range(n_segments + 1)]
         self.at_ends = np.concatenate([[0.0], np.cumsum(theta[:n_segments])])
         self._taken = list(self.at_ends)
+        self._found: dict[tuple[int, float], Sequence[tuple[float, int]]] = {}
         self._spread()
 
     def _spread(self) -> None:
@@ -58,10 +59,25 @@ class TrackedPoints:
             order += 1
         heapq.heapify(queue)
         while queue and len(self.kept) < MAX_POINTS:
+            self._find_ahead(queue)
             level, _, time, size, key = heapq.heappop(queue)
             for child in self._follow(level, time, size, key):
                 heapq.heappush(queue, (child[0], order, *child[1:]))
                 order += 1
+
+    def _find_ahead(self, queue: Sequence[tuple[int, int, float, float, tuple[int, ...]]]) -> None:
+        """Find where delays that vary read the first of the moments to follow, and the others while at it."""
+        for k in self.sources.varying:
+            level, _, time, size, _ = queue[0]
+            if (k, time) in self._found or not self._goes_on(k, level, size):
+                continue
+            moments = [time for level, _, time, size, _ in queue if self._goes_on(k, level, size)]
+            found = self.preimages(k, np.array(moments))
+            self._found.update(((k, moment), times) for moment, times in zip(moments, found, strict=True))
+
+    def _goes_on(self, k: int, level: int, size: float) -> bool:
+        """Return whether a jump read through a delay still counts."""
+        return level + self.sources.gain(k) <= self.degree and size * self.fading.get(k, 1.0) > FADED
 
     def _follow(
         self, level: int, time: float, size: float, key: tuple[int, ...]
@@ -78,7 +94,7 @@ class TrackedPoints:
             if tau > MERGE * self.period:
                 found += self._keep(k, level, later - wraps * self.period, size, tuple(own))
         for k in self.sources.varying:
-            for b, n in self.preimages(k, time):
+            for b, n in self._found.get((k, time), ()):
                 if not self._is_allowed(k, level, b, size):
                     continue
                 source = list(key)
@@ -89,9 +105,7 @@ class TrackedPoints:
         return found
 
     def _is_allowed(self, k: int, level: int, time: float, size: float) -> bool:
-        level, size = level + self.sources.gain(k), size * self.fading.get(k, 1.0)
-        apart = min(abs(time - other) for other in self._taken)
-        return level <= self.degree and size > FADED and apart > MERGE * self.period
+        return self._goes_on(k, level, size) and min(abs(time - other) for other in self._taken) > MERGE * self.period
 
     def _keep(
         self, k: int, level: int, time: float, size: float, key: tuple[int, ...]

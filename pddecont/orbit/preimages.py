@@ -9,12 +9,13 @@ from pddecont.collocation import MeshPoints
 from pddecont.orbit.orbit import Orbit
 
 Array = NDArray[np.float64]
+Ints = NDArray[np.intp]
 # Places in a mesh interval at which delays are sampled, beyond twice the degree.
 MORE_SAMPLES = 1
 # How near to a sample a known breaking time may lie on its other side, in periods.
 KNOWN = 1e-9
-# Halvings of the bracket of a time: the unknown that it becomes is found by Newton's method.
-N_STEPS = 24
+# Steps at most to a time, and when it is found, in periods: the unknown that it becomes is found by Newton's method.
+N_STEPS, EXACT = 24, 1e-14
 
 
 class PreimageSearch:
@@ -45,38 +46,49 @@ class PreimageSearch:
         last = np.searchsorted(np.sort(known), self.times[1:] + room, side="right")
         return bool(np.any(crossed & (first == last)))
 
-    def find(self, delay: int, moment: float) -> list[tuple[float, int]]:
-        """Return the times b at which delay number ``delay`` reads ``moment`` less n periods, each with its n."""
+    def find(self, delay: int, moments: Array) -> list[list[tuple[float, int]]]:
+        """Return, for each of ``moments`` (n,), the times b at which a delay reads it less k periods, each with its k.
+
+        ``delay`` is its number among all delays.
+        """
         number, period = delay - self.n_constant, self.orbit.period
-        turns = np.floor((self.reads[number] - moment) / period)
-        changes = np.flatnonzero((np.diff(turns) != 0.0) & self.inside)
-        found = []
-        for i in changes.tolist():
-            low, high = sorted((turns[i], turns[i + 1]))
+        turns = np.floor((self.reads[number] - moments[:, None]) / period)
+        which, samples, shifts = [], [], []
+        for m, i in np.argwhere((np.diff(turns, axis=1) != 0.0) & self.inside).tolist():
+            low, high = sorted((turns[m, i], turns[m, i + 1]))
             for turn in np.arange(low + 1.0, high + 1.0):
-                b = self._refine(number, i, moment + turn * period)
-                found.append((b, -int(turn)))
-        return sorted(found)
+                which.append(m)
+                samples.append(i)
+                shifts.append(turn)
+        found: list[list[tuple[float, int]]] = [[] for _ in moments]
+        if which:
+            times = self._refine(number, np.array(samples), moments[which] + period * np.array(shifts))
+            for m, b, turn in zip(which, times.tolist(), shifts, strict=True):
+                found[m].append((b, -int(turn)))
+        return [sorted(times) for times in found]
 
-    def _refine(self, number: int, i: int, target: float) -> float:
-        """Return the time between samples ``i`` and ``i`` + 1 at which ``target`` is read."""
-        low, high = float(self.times[i]), float(self.times[i + 1])
-        below, above = float(self.reads[number, i]) - target, float(self.reads[number, i + 1]) - target
+    def _refine(self, number: int, samples: Ints, targets: Array) -> Array:
+        """Return the times (n,) between ``samples`` (n,) and those after them at which ``targets`` (n,) are read."""
+        low, high = self.times[samples], self.times[samples + 1]
+        below, above = self.reads[number, samples] - targets, self.reads[number, samples + 1] - targets
+        result = np.where(np.abs(below) <= np.abs(above), low, high)
+        left = np.flatnonzero(below != above)
         for _ in range(N_STEPS):
-            if above == below or high - low <= 1e-14 * self.orbit.period:
-                break
-            share = min(max(below / (below - above), 0.0), 1.0)
-            middle = low + share * (high - low)
-            value = self._read(number, middle) - target
-            if abs(value) <= 1e-15 * self.orbit.period:
-                return middle
+            share = np.clip(below[left] / (below[left] - above[left]), 0.0, 1.0)
+            result[left] = low[left] + share * (high[left] - low[left])
+            value = self._read(number, result[left]) - targets[left]
             # The Illinois variant of regula falsi.
-            if (value < 0.0) == (below < 0.0):
-                low, below, above = middle, value, 0.5 * above
-            else:
-                high, above, below = middle, value, 0.5 * below
-        return 0.5 * (low + high) if above == below else low + (high - low) * below / (below - above)
+            same = (value < 0.0) == (below[left] < 0.0)
+            first, last = left[same], left[~same]
+            low[first], below[first], above[first] = result[first], value[same], 0.5 * above[first]
+            high[last], above[last], below[last] = result[last], value[~same], 0.5 * below[last]
+            apart = (high[left] - low[left] > EXACT * self.orbit.period) & (below[left] != above[left])
+            left = left[apart & (np.abs(value) > EXACT * self.orbit.period)]
+            if len(left) == 0:
+                break
+        return result
 
-    def _read(self, number: int, time: float) -> float:
-        points, _ = self.orbit.mesh.locate(self.orbit.theta, np.array([time]))
-        return time - float(self.orbit.read(points.clipped()).lags[number, 0])
+    def _read(self, number: int, times: Array) -> Array:
+        points, _ = self.orbit.mesh.locate(self.orbit.theta, times)
+        read: Array = times - self.orbit.read(points.clipped()).lags[number]
+        return read

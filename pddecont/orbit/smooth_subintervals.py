@@ -57,8 +57,8 @@ def find_smooth_subintervals(orbit: Orbit, intervals: Ints, *, delays: bool) -> 
         search = PreimageSearch(orbit)
         numbers = range(n_constant, n_constant + len(orbit.numeric.model.varying))
         # Between breaking points what is read bends by no more than the orbit's error.
-        edges = [float(piece.start @ theta) for piece in mesh.pieces]
-        later = [b for k in numbers for edge in edges for b, _ in search.find(k, edge)]
+        edges = np.array([float(piece.start @ theta) for piece in mesh.pieces])
+        later = [b for k in numbers for times in search.find(k, edges) for b, _ in times]
         echoes = np.concatenate([echoes, later])
     cuts, _ = mesh.locate(theta, echoes)
     kept = (cuts.sigma > APART) & (cuts.sigma < 1.0 - APART) & np.isin(cuts.interval, intervals)

@@ -111,7 +111,7 @@ def test_each_breaking_time_reads_its_source(relay):
     reads = relay.read(mesh.locate(theta, relay.breaking)[0].clipped())
     for b, breaking, lag in zip(relay.breaking, mesh.breaking, reads.lags[0], strict=True):
         assert b - lag == pytest.approx(breaking.source @ theta, abs=1e-12)
-    found = {round(b, 9) for end in relay.event_times[1:] for b, _ in PreimageSearch(relay).find(0, float(end))}
+    found = {round(b, 9) for times in PreimageSearch(relay).find(0, relay.event_times[1:]) for b, _ in times}
     assert found <= {round(b, 9) for b in relay.breaking}
 
 
