@@ -5,13 +5,17 @@ from __future__ import annotations
 from pddecont.simulate.integrator.calls import call, internal
 from pddecont.simulate.integrator.history import read_delayed, time_tolerance
 from pddecont.simulate.integrator.past_reads import read_for_derivatives
-from pddecont.simulate.integrator.pieces import begin_piece
-from pddecont.simulate.integrator.state import MODE, N_BREAKING, N_PENDING
+from pddecont.simulate.integrator.pieces import begin_piece, find_piece
+from pddecont.simulate.integrator.state import LONGEST, MODE, N_BREAKING, N_PENDING, PIECE
 
 # A jump in a derivative of order 8 or more leaves an error of h^8 once, which is the order of the method itself.
 LEVELS = 7
 # A jump of a rate that is so small a part of that at an event, in tolerances, changes less than a step's error allows.
 SMALLEST_JUMP = 1e-2
+# Lags that vary read jumps in any order of the lags, and sequences of many lags have no end. Above so many jumps in
+# reach of the lags, with each doubling, they are followed to an order less, and to ten times the size; not below the
+# last. Steps that are too long for one that is not followed are rejected as any others.
+CROWDED, MOST_LEFT_OUT = 16, 5
 
 
 @internal
@@ -90,14 +94,28 @@ def drop_breaking_points(c, t):
 @internal
 def add_jump(c, t, level, size):
     """Begin a piece at a jump in the derivative of order ``level``, of a ``size``, and note where it comes back."""
+    left_out = _count_orders_left_out(c, t)
+    if left_out > 0 and (level >= LEVELS - left_out or size <= SMALLEST_JUMP * c.rtol * 10.0**left_out):
+        return
     if level < LEVELS:
         begin_piece(c, t, level, size)
     add_returns(c, t, level, size)
 
 
 @internal
+def _count_orders_left_out(c, t):
+    """Return by how many orders less far jumps are followed for their number within the longest lag before ``t``."""
+    reach = max(c.longest, c.lag_time[LONGEST])
+    number, left_out = c.lag_count[PIECE] - find_piece(c, t - reach), 0
+    while number > CROWDED and left_out < MOST_LEFT_OUT:
+        number //= 2
+        left_out += 1
+    return left_out
+
+
+@internal
 def add_returns(c, t, level, size):
-    """Note where a jump comes back by constant lags: one order higher as a value, in its own order as a rate.
+    """Note where a jump comes back by constant lags: one order higher as a value, two as a limit, in its own as a rate.
 
     A rate that is read is not smoother than the one that it becomes a part of: its jumps come back until the product of
     the factors that they are multiplied with is small. A size below zero says that the factor is still to come.
@@ -105,8 +123,8 @@ def add_returns(c, t, level, size):
     for k in range(c.n_delays):
         if c.tau[k] <= 0.0:
             continue
-        if level < LEVELS:
-            _insert(c, t + c.tau[k], level + 1, size)
+        if level + c.gain[k] <= LEVELS:
+            _insert(c, t + c.tau[k], level + c.gain[k], size)
         if _reads_rate(c, k):
             _insert(c, t + c.tau[k], max(level, 1), -size)
 
@@ -119,8 +137,8 @@ def come_back(c, slot, t, level, size):
         if by_rate > SMALLEST_JUMP * c.rtol:
             add_jump(c, t, max(level, 1), max(size, by_rate) if level == 0 else by_rate)
             return
-    if level < LEVELS:
-        add_jump(c, t, level + 1, size)
+    if level + c.gain[slot] <= LEVELS:
+        add_jump(c, t, level + c.gain[slot], size)
 
 
 @internal

@@ -32,7 +32,7 @@ Core = namedtuple(
     event_segment event_arc event_before event_after stages extension trial slope xd xd_slope jacobian gradient
     after_reset past_trial crossing passed found_side bernstein stack digits asked landing
     is_general n_values n_varying n_integrals n_turns n_first_turns pair_derivative is_rate turn_kind turn_number
-    low high lags integrands past_piece past_level past_size breaking_size lag_time lag_count lag
+    low high gain lags integrands past_piece past_level past_size breaking_size lag_time lag_count lag
     lag_least lag_most held fresh_slope inside integrand panels
 """,
 )
@@ -184,6 +184,7 @@ def make_core(system, values, state, log, work):
         pointer(system.turn_number),
         pointer(system.low),
         pointer(system.high),
+        pointer(system.gain),
         system.lags,
         system.integrands,
         pointer(state.past_piece),
