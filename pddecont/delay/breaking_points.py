@@ -10,11 +10,12 @@ Reference: Bellen, Zennaro, Numerical Methods for Delay Differential Equations (
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, field
 from itertools import combinations_with_replacement
 
 import numpy as np
+import sympy
 from numpy.typing import NDArray
 
 from pddecont.model import DelayedValue, Model, Segment, find_reading_symbols
@@ -60,11 +61,14 @@ def find_discontinuity_sources(model: Model, segments: Sequence[Segment]) -> Dis
     fields = [e for segment in segments for e in model.modes[segment.mode]]
     used = set().union(*(e.free_symbols for e in fields))
     gains: dict[int, int] = {}
-    for symbol in set().union(*(find_reading_symbols(e, model.chain) for e in fields)) & set(model.delayed_symbols):
+    symbols = set().union(*(find_reading_symbols(e, model.chain) for e in fields))
+    for symbol in symbols & set(model.delayed_symbols):
         read = model.delayed[model.delayed_symbols.index(symbol)]
         # What only delays and limits read, not the field itself, is smoothed as a value is.
         gain = 1 - _count_rates(model, segments, read) if symbol in used else 1
         gains[read.delay] = min(gain, gains.get(read.delay, gain))
+    for k in _find_limits(model, symbols):
+        gains[k] = min(2, gains.get(k, 2))
     n = len(model.delays)
     return DiscontinuitySources(
         jumps,
@@ -85,6 +89,14 @@ def _count_rates(model: Model, segments: Sequence[Segment], read: DelayedValue) 
     return derivative
 
 
+def _find_limits(model: Model, symbols: Set[sympy.Symbol]) -> set[int]:
+    """Return the numbers of the delays that are limits of those integrals over states that are among ``symbols``."""
+    delays, states = [*model.delays, *model.varying], set(model.state_symbols)
+    read = [i for i, symbol in zip(model.integrals, model.integral_symbols, strict=True) if symbol in symbols]
+    limits = [limit for i in read if i.integrand.free_symbols & states for limit in (i.low, i.high)]
+    return {delays.index(limit) for limit in limits if limit != 0}
+
+
 def jump_returns_at_event(sources: DiscontinuitySources, theta: Array, n_segments: int) -> bool:
     """Return whether a jump of the state comes back through a delay just at an event of the orbit, to rounding.
 
@@ -94,7 +106,7 @@ def jump_returns_at_event(sources: DiscontinuitySources, theta: Array, n_segment
     ends = np.cumsum(theta[:n_segments])
     period = float(ends[-1])
     for s, jump in enumerate(sources.jumps):
-        for k in sources.delays if jump == 0 else ():
+        for k in (k for k in sources.delays if jump == 0 and sources.gain(k) <= 1):
             tau = theta[n_segments + k]
             apart = np.abs((ends[s] + tau - ends + 0.5 * period) % period - 0.5 * period)
             if tau > 0.0 and np.min(apart) < AT_EVENT * period:

@@ -153,7 +153,7 @@ class PastReads:
         read = [name for name in self.states if make_symbol(name) in integral.integrand.free_symbols]
         self.variables[make_integral_symbol(integral, self.states)] = (read or list(self.states))[0]
         for limit in (integral.low, integral.high):
-            for name in read if limit.free_symbols else ():
+            for name in read if limit != 0 else ():
                 self.read(name, limit)
 
     def _remember(self, integrand: sympy.Expr, low: sympy.Expr, node: ast.Call) -> sympy.Expr:

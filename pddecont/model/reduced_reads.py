@@ -104,7 +104,7 @@ def _list_needs(integral: Integral, states: tuple[str, ...]) -> set[sympy.Symbol
     needs = {make_integral_symbol(slope, states) for _, slope in list_parameter_slopes(integral, states)}
     for limit in (integral.low, integral.high):
         needs |= limit.free_symbols
-        if limit.free_symbols:
+        if limit != 0:
             needs |= read_integrand(integral, limit, states).free_symbols
     return needs
 

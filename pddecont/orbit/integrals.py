@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -140,8 +141,7 @@ def make_integral_operator(
 ) -> IntegralOperator:
     """Return an integral at ``points`` of the orbit with base ``values``; ``limits`` (2, n_points) low and high."""
     window = find_window(mesh, theta, mesh.times(points) @ theta, *limits)
-    nodes, quadrature = np.polynomial.legendre.leggauss(mesh.degree + MORE_NODES)
-    xi, quadrature = 0.5 * (nodes + 1.0), 0.5 * quadrature
+    xi, quadrature = _make_quadrature(mesh.degree + MORE_NODES)
     h, width = (mesh.length @ theta)[window.interval], window.high - window.low
     start = (mesh.start @ theta)[window.interval] - window.wraps * mesh.period(theta)
     at = window.low[:, None] + xi * width[:, None]
@@ -168,6 +168,13 @@ def make_integral_operator(
     np.add.at(value, window.point, np.sum(scale * g, axis=1))
     pairs = LocalWeights(columns, basis[:, 0], window.interval, sigma, window.wraps)
     return IntegralOperator(window, pairs, value, state_weights, xi, quadrature, g, slope, stretch)
+
+
+@cache
+def _make_quadrature(n: int) -> tuple[Array, Array]:
+    """Return the nodes and weights of Gauss quadrature with ``n`` points on [0, 1]."""
+    nodes, weights = np.polynomial.legendre.leggauss(n)
+    return 0.5 * (nodes + 1.0), 0.5 * weights
 
 
 def _evaluate(integrand: ArrayFunction, lags: Array, x: Array, p: Array) -> Derivatives:

@@ -25,13 +25,15 @@ class PreimageSearch:
         self.orbit, self.n_constant = orbit, len(orbit.numeric.model.delays)
         mesh = orbit.mesh
         places = np.linspace(0.0, 1.0, 2 * mesh.degree + 1 + MORE_SAMPLES)
+        self.inside = np.tile(np.append(np.ones(len(places) - 1, dtype=bool), False), mesh.n_intervals)[:-1]
         points = mesh.grid(places)
         # At an edge what is read is that of the interval's own side.
         inward = np.where(points.sigma <= 0.0, 1.0, np.where(points.sigma >= 1.0, -1.0, 0.0))
         points = MeshPoints(points.interval, points.sigma, points.weights, inward)
         self.times = mesh.times(points) @ orbit.theta
-        self.reads = self.times - orbit.read(points).lags
-        self.inside = np.tile(np.append(np.ones(len(places) - 1, dtype=bool), False), mesh.n_intervals)[:-1]
+        # Without delays that vary there is nothing to read.
+        lags = orbit.read(points).lags if orbit.numeric.model.varying else np.zeros((0, len(points)))
+        self.reads = self.times - lags
 
     def crosses_anew(self, delay: int, moments: Array, known: Array) -> bool:
         """Return whether a delay reads one of ``moments`` (n,), or periods before it, at a time not ``known`` (m,).

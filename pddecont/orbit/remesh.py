@@ -145,7 +145,7 @@ def _breaking_times_are_known(orbit: Orbit) -> bool:
     False says that they have to be found to know.
     """
     mesh, sources = orbit.mesh, orbit.signature.discontinuity_sources
-    if not sources.varying or not mesh.breaking or sources.delays or sources.gains:
+    if not sources.varying or not mesh.breaking or sources.delays or min(sources.gains.values(), default=1) < 1:
         return False
     if not np.all(mesh.length @ orbit.theta > 0.0):
         return False

@@ -72,6 +72,7 @@ def make_system(
         turn_number=np.ascontiguousarray(turns[:, 1]),
         low=integers(plan.low),
         high=integers(plan.high),
+        gain=integers(plan.gains),
         lags=tables.functions.compile_cases([[lag] for lag in plan.varying]) if plan.varying else 0,
         integrands=tables.functions.compile_cases(list_integrand_cases(model)) if model.integrals else 0,
     )

@@ -41,6 +41,9 @@ class PastPlan:
         The slots of each integral's limits (n_integrals,); PRESENT for zero.
     turns
         What to evaluate, in order: (kind, number), a lag by its number among ``varying``.
+    gains
+        By how many orders what a slot reads is smoother where it comes back (n_slots,): one through a value, two
+        through a limit of integrals alone.
     n_first
         So many turns come first; nothing but derivatives by lags that vary reads the values of the others.
     """
@@ -51,6 +54,7 @@ class PastPlan:
     low: tuple[int, ...]
     high: tuple[int, ...]
     turns: tuple[tuple[Turn, int], ...]
+    gains: tuple[int, ...]
     n_first: int
 
 
@@ -65,6 +69,9 @@ def make_past_plan(model: Model, more_reads: Collection[sympy.Symbol] = ()) -> P
     turns = _put_in_order(model, varying)
     inner = {s for e in (*varying, *limits) for s in e.free_symbols}
     late = [turn for turn in turns if _is_late(model, turn, more_reads, inner)]
+    slots = tuple(slot[model.find_delay(read)] for read in model.delayed)
+    read = _list_read(model) | inner | set(more_reads)
+    rough = {k for k, symbol in zip(slots, model.read_symbols, strict=False) if symbol in read}
 
     def find_slot(limit: sympy.Expr) -> int:
         return PRESENT if limit == 0 else slot[limit]
@@ -72,10 +79,12 @@ def make_past_plan(model: Model, more_reads: Collection[sympy.Symbol] = ()) -> P
     return PastPlan(
         constant,
         varying,
-        tuple(slot[model.find_delay(read)] for read in model.delayed),
+        slots,
         tuple(find_slot(i.low) for i in model.integrals),
         tuple(find_slot(i.high) for i in model.integrals),
         (*(turn for turn in turns if turn not in late), *late),
+        # What modes given by equations read is not known before they are reached.
+        tuple(1 if k in rough or model.derived is not None else 2 for k in range(len(slot))),
         len(turns) - len(late),
     )
 

@@ -163,3 +163,47 @@ def test_a_mesh_with_breaking_times_to_a_row_and_back(relay):
         assert (a.delay, a.level, a.source.tolist()) == (b.delay, b.level, b.source.tolist())
     with pytest.raises(ValueError, match="not that of a mesh"):
         mesh_from_row(mesh_to_row(relay.mesh)[:-1])
+
+
+# The clock, followed by what integrates it: y' = -y + integral of frac(t - s) over s from 0.3 to 0.9.
+INTEGRATING = {**CLOCK, "parameters": {"a": 0.3, "w": 0.6}}
+LIMITS = {"parameters": "integral(x(t - s), s, a, a + w)", "numbers": "integral(x(t - s), s, 0.3, 0.9)"}
+
+
+def follow_integral(t):
+    """Return y at ``t``: the integral of exp(-s) V(t - s) over one period, and all before it, by quadrature.
+
+    V(u), the integral of frac(u - s), is 0.6 (u - 0.6) and by one more for the lags beyond u.
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(20)
+
+    def integrate(u):
+        u = u % 1.0
+        return 0.6 * (u - 0.6) + np.where(u < 0.3, 0.6, np.where(u < 0.9, 0.9 - u, 0.0))
+
+    cuts = np.sort(np.array([0.0, 1.0, t % 1.0, (t - 0.3) % 1.0, (t - 0.9) % 1.0]))
+    lags = 0.5 * (cuts[1:] + cuts[:-1])[:, None] + 0.5 * np.diff(cuts)[:, None] * nodes
+    total = np.sum(0.5 * np.diff(cuts)[:, None] * weights * np.exp(-lags) * integrate(t - lags))
+    return total / -np.expm1(-1.0)
+
+
+class Integrating:
+    """The clock and what integrates it as a cycle to begin from, roughly."""
+
+    signature, times, n_periods, mode = ("tick",), np.array([0.0, 1.0]), 1, "m"
+
+    def evaluate(self, segment, t):
+        return np.stack([t, [follow_integral(s) + 1e-3 * np.sin(2 * np.pi * s) for s in t]], axis=1)
+
+
+@pytest.mark.parametrize("written", LIMITS)
+def test_limits_of_integrals_bring_jumps_back(written):
+    """They are edges of the mesh, so that two intervals a piece leave rounding alone."""
+    numeric = numeric_from(to_yaml({**INTEGRATING, "modes": {"m": {"x'": "1", "y'": f"-y + {LIMITS[written]}"}}}))
+    rule = MeshRule(8, 6, None)
+    orbit = solve_orbit(guess_from_cycle(numeric, numeric.parameter_values, Direct(), Integrating(), rule), rule)
+    orbit = orbit.at.orbit
+    starts = [float(piece.start @ orbit.theta) for piece in orbit.mesh.pieces]
+    assert {0.0, 0.3, 0.9} <= {round(start, 12) for start in starts}
+    times = orbit.mesh.base_times(orbit.theta)
+    assert np.max(np.abs(orbit.values[:, 1] - [follow_integral(t) for t in times])) < 1e-13

@@ -34,6 +34,8 @@ def draw_model(seed):
         free=free,
         span=tuple(sorted((round(0.9 * value, 6), round(1.1 * value, 6)))),
         period=2 * name("pi") / name("omega") if parts.forced else None,
+        # Damping of 0.25 and more leaves 1e-11 of a start.
+        settle=200.0,
         **fields,
     )
     return DrawnModel(model, tuple(parts.kinds))

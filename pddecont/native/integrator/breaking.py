@@ -6,14 +6,18 @@ from pddecont.native.integrator.calls import call
 from pddecont.native.integrator.core import Core
 from pddecont.native.integrator.history import read_delayed
 from pddecont.native.integrator.past_reads import read_for_derivatives
-from pddecont.native.integrator.pieces import begin_piece
-from pddecont.native.integrator.places import MODE, N_BREAKING, N_PENDING
+from pddecont.native.integrator.pieces import begin_piece, find_piece
+from pddecont.native.integrator.places import LONGEST, MODE, N_BREAKING, N_PENDING, PIECE
 from pddecont.native.integrator.ring import time_tolerance
 
 # A jump in a derivative of order 8 or more leaves an error of h^8 once, which is the order of the method itself.
 LEVELS = 7
 # A jump of a rate that is so small a part of that at an event, in tolerances, changes less than a step's error allows.
 SMALLEST_JUMP = 1e-2
+# Lags that vary read jumps in any order of the lags, and sequences of many lags have no end. Above so many jumps in
+# reach of the lags, with each doubling, they are followed to an order less, and to ten times the size; not below the
+# last. Steps that are too long for one that is not followed are rejected as any others.
+CROWDED, MOST_LEFT_OUT = 16, 5
 
 
 def add_breaking_points(c: Core, t: float, level: int) -> None:
@@ -87,13 +91,26 @@ def drop_breaking_points(c: Core, t: float) -> None:
 
 def add_jump(c: Core, t: float, level: int, size: float) -> None:
     """Begin a piece at a jump in the derivative of order ``level``, of a ``size``, and note where it comes back."""
+    left_out = _count_orders_left_out(c, t)
+    if left_out > 0 and (level >= LEVELS - left_out or size <= SMALLEST_JUMP * c.rtol * 10.0**left_out):
+        return
     if level < LEVELS:
         begin_piece(c, t, level, size)
     add_returns(c, t, level, size)
 
 
+def _count_orders_left_out(c: Core, t: float) -> int:
+    """Return by how many orders less far jumps are followed for their number within the longest lag before ``t``."""
+    reach = max(c.longest, c.lag_time[LONGEST])
+    number, left_out = c.lag_count[PIECE] - find_piece(c, t - reach), 0
+    while number > CROWDED and left_out < MOST_LEFT_OUT:
+        number //= 2
+        left_out += 1
+    return left_out
+
+
 def add_returns(c: Core, t: float, level: int, size: float) -> None:
-    """Note where a jump comes back by constant lags: one order higher as a value, in its own order as a rate.
+    """Note where a jump comes back by constant lags: one order higher as a value, two as a limit, in its own as a rate.
 
     A rate that is read is not smoother than the one that it becomes a part of: its jumps come back until the product of
     the factors that they are multiplied with is small. A size below zero says that the factor is still to come.
@@ -101,8 +118,8 @@ def add_returns(c: Core, t: float, level: int, size: float) -> None:
     for k in range(c.n_delays):
         if c.tau[k] <= 0.0:
             continue
-        if level < LEVELS:
-            _insert(c, t + c.tau[k], level + 1, size)
+        if level + c.gain[k] <= LEVELS:
+            _insert(c, t + c.tau[k], level + c.gain[k], size)
         if _reads_rate(c, k):
             _insert(c, t + c.tau[k], max(level, 1), -size)
 
@@ -114,8 +131,8 @@ def come_back(c: Core, slot: int, t: float, level: int, size: float) -> None:
         if by_rate > SMALLEST_JUMP * c.rtol:
             add_jump(c, t, max(level, 1), max(size, by_rate) if level == 0 else by_rate)
             return
-    if level < LEVELS:
-        add_jump(c, t, level + 1, size)
+    if level + c.gain[slot] <= LEVELS:
+        add_jump(c, t, level + c.gain[slot], size)
 
 
 def _reads_rate(c: Core, slot: int) -> bool:

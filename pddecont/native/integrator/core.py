@@ -65,6 +65,7 @@ class Core(NamedTuple):
     turn_number: Integers
     low: Integers
     high: Integers
+    gain: Integers
     chain_order: int
     chain_n: int
     # Segments, and what decides which of several one is.

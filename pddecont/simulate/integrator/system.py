@@ -97,6 +97,8 @@ class System(NamedTuple):
         What to evaluate in order: 0 a lag that varies, 1 a delayed value, 2 an integral, and its number (n_turns,).
     low, high
         The slots of each integral's limits (n_integrals,); -1 for zero.
+    gain
+        By how many orders a jump is smoother where a slot brings it back (n_slots,).
     lags, integrands
         The addresses of the lags that vary, and of the integrands g: case 2 q is g, case 2 q + 1 dg/ds and dg/dx.
     """
@@ -173,6 +175,7 @@ class System(NamedTuple):
     turn_number: Integers
     low: Integers
     high: Integers
+    gain: Integers
     lags: int
     integrands: int
 
