@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from pddecont.codegen import NumericModel
 from pddecont.model import TIME, Integral, Model
+from pddecont.native.integrator import LEVELS
 
 Array = NDArray[np.float64]
 # The slot of a limit that is zero: such a lag is the present.
@@ -43,7 +44,7 @@ class PastPlan:
         What to evaluate, in order: (kind, number), a lag by its number among ``varying``.
     gains
         By how many orders what a slot reads is smoother where it comes back (n_slots,): one through a value, two
-        through a limit of integrals alone.
+        through a limit of integrals alone; more than are followed where a lag that varies is read by events alone.
     n_first
         So many turns come first; nothing but derivatives by lags that vary reads the values of the others.
     """
@@ -69,12 +70,23 @@ def make_past_plan(model: Model, more_reads: Collection[sympy.Symbol] = ()) -> P
     turns = _put_in_order(model, varying)
     inner = {s for e in (*varying, *limits) for s in e.free_symbols}
     late = [turn for turn in turns if _is_late(model, turn, more_reads, inner)]
+    expressions = list(slot)
     slots = tuple(slot[model.find_delay(read)] for read in model.delayed)
     read = _list_read(model) | inner | set(more_reads)
     rough = {k for k, symbol in zip(slots, model.read_symbols, strict=False) if symbol in read}
+    felt = set().union(inner, *(e.free_symbols for body in model.modes.values() for e in body))
+    silent = rough - {k for k, symbol in zip(slots, model.read_symbols, strict=False) if symbol in felt}
 
     def find_slot(limit: sympy.Expr) -> int:
         return PRESENT if limit == 0 else slot[limit]
+
+    def find_gain(k: int) -> int:
+        # What modes given by equations read is not known before they are reached.
+        if model.derived is not None:
+            return 1
+        if k >= len(constant) and k in silent and expressions[k] not in limits:
+            return LEVELS + 1
+        return 1 if k in rough else 2
 
     return PastPlan(
         constant,
@@ -83,8 +95,7 @@ def make_past_plan(model: Model, more_reads: Collection[sympy.Symbol] = ()) -> P
         tuple(find_slot(i.low) for i in model.integrals),
         tuple(find_slot(i.high) for i in model.integrals),
         (*(turn for turn in turns if turn not in late), *late),
-        # What modes given by equations read is not known before they are reached.
-        tuple(1 if k in rough or model.derived is not None else 2 for k in range(len(slot))),
+        tuple(find_gain(k) for k in range(len(slot))),
         len(turns) - len(late),
     )
 

@@ -175,7 +175,11 @@ def _apply_event(c: Core, segment: int, pending: int) -> tuple[int, int]:
         map_tangent(c, c.segment_reset[way], mode, t, shift)
     target = c.segment_to[way]
     _log_event(c, way, t)
+    level = c.is_general
     for i in range(n):
+        # Where lags vary only what jumps is followed: the states, or without a reset their rates.
+        if c.y[i] != c.after_reset[i]:
+            level = 0
         c.y[i] = c.after_reset[i]
     c.count[MODE] = target
     c.count[ARC] += 1
@@ -183,7 +187,7 @@ def _apply_event(c: Core, segment: int, pending: int) -> tuple[int, int]:
     c.count[LAST_EVENT] = event
     c.clock[SHIFT] = shift
     c.segment_counts[way] += 1
-    add_breaking_points(c, t, 0)
+    add_breaking_points(c, t, level)
     if c.is_general == 1:
         choose_pieces(c, t)
     if c.tangent == 1:
