@@ -1,7 +1,6 @@
 """The simulator against a loop over scipy's solve_ivp and against JiTCDDE, at equal error, and what its steps cost.
 
-Run as ``python -m benchmarks.simulator``. All ratios are measured in one process, whose compiled code starts from
-nothing: it is kept in a folder of its own, so that compiling it can be timed.
+Run as ``python -m benchmarks.simulator``. All ratios are measured in one process.
 """
 
 from __future__ import annotations
@@ -10,14 +9,11 @@ import os
 import tempfile
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-os.environ["NUMBA_CACHE_DIR"] = tempfile.mkdtemp(prefix="pddecont-bench-")
 
 import contextlib
 import heapq
 import math
 import shutil
-import subprocess
-import sys
 import time
 import warnings
 from bisect import bisect_right
@@ -48,6 +44,8 @@ from pddecont.simulate import (
 )
 
 ROOT = Path(__file__).parent.parent
+# Where JiTCDDE compiles.
+SCRATCH = tempfile.mkdtemp(prefix="pddecont-bench-")
 REFERENCE, SECOND = 1e-13, 3e-13
 # Absolute tolerances of all integrators beside their relative ones.
 ATOL = 1e-2
@@ -56,19 +54,6 @@ HEADER = f"  {'':32} {'rtol':>9} {'error':>9} {'ms':>10} {'ratio':>10}"
 # Jumps that the loop over solve_ivp steps on: an event's, and its echoes up to so many delays later. Of 0 to 7 this is
 # fastest at equal error, if not by much.
 ECHOES = 3
-
-FIRST_OF_A_PROCESS = """
-import time
-from pddecont.delay import Direct
-from pddecont.codegen import NumericModel
-from pddecont.model import load_model
-from pddecont.simulate import BasinRow, ReturnSettings, classify_row, simulate, survey_attractors
-
-numeric = NumericModel(load_model("models/impact_oscillator.yaml")[0])
-start = time.perf_counter()
-simulate(numeric, numeric.parameter_values, Direct(), 0.1)
-print(time.perf_counter() - start)
-"""
 
 
 def numeric_model(name: str, **parameters: float):
@@ -173,7 +158,7 @@ def jitcdde_runs(n: float, delay: float, t_end: float):
         return None
     field = [2 * y(0, t - delay) / (1 + y(0, t - delay) ** n) - y(0)]
     # The compilation reads the settings of a package that it finds in the working directory.
-    with contextlib.chdir(os.environ["NUMBA_CACHE_DIR"]):
+    with contextlib.chdir(SCRATCH):
         start = time.perf_counter()
         first = jitcdde(field, verbose=False)
         first.compile_C(modulename="jitcdde_mackey_glass")
@@ -358,20 +343,12 @@ def basin(size=500, lines=20) -> None:
 
 
 def compilation() -> None:
-    """Print what compiling the integrator costs once an installation, and loading it once a process."""
+    """Print what the first simulation of a model costs beside its steps."""
     numeric, p = numeric_model("impact_oscillator")
     start = time.perf_counter()
     simulate(numeric, p, Direct(), 0.1)
     compiling = time.perf_counter() - start
-    seconds = subprocess.run(
-        [sys.executable, "-c", FIRST_OF_A_PROCESS], cwd=ROOT, check=True, capture_output=True, text=True
-    ).stdout
-    loading = float(seconds)
-    print(
-        f"The first simulation of an installation compiles for {compiling:.1f} s, the first of a process loads for "
-        f"{loading:.2f} s;"
-    )
-    print("both are left out of all times below.")
+    print(f"The first simulation of a model compiles its functions for {compiling:.2f} s, left out of all times below.")
     print()
 
 
@@ -384,7 +361,7 @@ def main() -> None:
         steps()
         basin()
     finally:
-        shutil.rmtree(os.environ["NUMBA_CACHE_DIR"])
+        shutil.rmtree(SCRATCH)
 
 
 if __name__ == "__main__":

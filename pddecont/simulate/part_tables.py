@@ -7,7 +7,6 @@ the start.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
@@ -31,78 +30,16 @@ from pddecont.model import (
     list_clocks,
     list_endings,
     list_held,
-    list_shared_forms,
     list_way_digits,
     write_repulsion,
 )
+from pddecont.simulate.growing_tables import Decisions, Lists, Shared
 from pddecont.simulate.past_plan import make_past_plan
 
 Integers = NDArray[np.int64]
 DIRECTIONS = {"rising": 1, "falling": -1, "any": 0}
 # What stands for a mode that is not in the tables, and for no further way.
 MISSING = -1
-
-
-@dataclass
-class Lists:
-    """Lists one after the other: where each begins, and all their members."""
-
-    first: list[int] = field(default_factory=lambda: [0])
-    members: list[int] = field(default_factory=list)
-
-    def append(self, numbers: Iterable[int]) -> None:
-        """Add a list."""
-        self.members += numbers
-        self.first.append(len(self.members))
-
-
-@dataclass
-class _Decisions:
-    """What decides digits, as the integrator reads it: see :class:`System`."""
-
-    option_first: list[int] = field(default_factory=list)
-    option_end: list[int] = field(default_factory=list)
-    is_open: list[int] = field(default_factory=list)
-    number_first: list[int] = field(default_factory=list)
-    numbers: list[int] = field(default_factory=list)
-    size: list[int] = field(default_factory=list)
-    digit_first: list[int] = field(default_factory=list)
-    digits: list[int] = field(default_factory=list)
-    rules: list[tuple[sympy.Expr, ...] | None] = field(default_factory=list)
-
-    def add(self, ending: Ending) -> tuple[int, int]:
-        """Add the decisions of an ending; return where they begin and end."""
-        first = len(self.size)
-        for decision in ending.decisions:
-            self.option_first.append(len(self.rules))
-            last = len(decision.options) - 1
-            for i, rule in enumerate(decision.rules):
-                # The last holds where no other does.
-                self.rules.append(None if i == last and not decision.is_open else write_rule(rule))
-                self.digit_first.append(len(self.digits))
-                self.digits += decision.options[i]
-            self.option_end.append(len(self.rules))
-            self.is_open.append(int(decision.is_open))
-            self.number_first.append(len(self.numbers))
-            self.numbers += decision.numbers
-            self.size.append(len(decision.numbers))
-        return first, len(self.size)
-
-
-@dataclass
-class _Shared:
-    """Functions and conditions that modes like those reached have too."""
-
-    events: list[Form] = field(default_factory=list)
-    resets: list[Form] = field(default_factory=list)
-    rules: list[tuple[sympy.Expr, ...]] = field(default_factory=list)
-
-    def add(self, model: Model, mode: str) -> None:
-        """Add those of modes like one."""
-        events, resets, rules = list_shared_forms(model, mode)
-        self.events += events
-        self.resets += resets
-        self.rules += map(write_rule, rules)
 
 
 class PartTables:
@@ -149,7 +86,7 @@ class PartTables:
         self._repulsions: list[tuple[tuple[sympy.Expr, ...], int] | None] = []
         self._waiting: dict[str, list[int]] = {}
         self._crossing, self._ending, self._held, self._clock = Lists(), Lists(), Lists(), Lists()
-        self._decisions = _Decisions()
+        self._decisions = Decisions()
         self._last_way: dict[int, int] = {}
         self._n_shared = 0
         # What was added, in order: a mode (-1, its digits), or a way of a segment (its number, the digits after it).
@@ -390,7 +327,7 @@ class PartTables:
 
     def _add_functions(self) -> None:
         """Add what has no machine code yet, with what other modes that slide along the same surfaces will need too."""
-        functions, shared = self.functions, _Shared()
+        functions, shared = self.functions, Shared()
         for mode in () if self.builds_all else list(self.modes)[self._n_shared :]:
             shared.add(self.model, mode)
         self._n_shared = len(self.modes)
