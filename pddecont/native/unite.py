@@ -20,7 +20,8 @@ from __future__ import annotations
 
 import ast
 import enum
-import importlib.util
+import hashlib
+import importlib
 import io
 import sys
 import tokenize
@@ -64,7 +65,7 @@ def unite(folder: Path, package: str) -> str:
     structs = {
         node.name: node for s in sources for node in s.tree.body if isinstance(node, ast.ClassDef) and _is_struct(node)
     }
-    parts = [HEADER, _write_constants(sources)]
+    parts = [HEADER, f'DIGEST = "{find_digest(folder)}"', _write_constants(sources)]
     parts += [_write_struct(node) for node in structs.values()]
     parts += [(folder / "calls.pxi").read_text()]
     parts += [_write_filling(node) for node in structs.values()]
@@ -74,6 +75,14 @@ def unite(folder: Path, package: str) -> str:
             if isinstance(node, ast.FunctionDef) and source.name != "calls":
                 parts += _write_function(source, node, names, structs)
     return "\n".join(parts)
+
+
+def find_digest(folder: Path) -> str:
+    """Return what tells one state of the sources of a folder from another; compiled, they hold theirs as ``DIGEST``."""
+    digest = hashlib.sha256()
+    for path in [*sorted(folder.glob("*.py")), *sorted(folder.glob("*.pxi")), Path(__file__)]:
+        digest.update(path.read_bytes())
+    return digest.hexdigest()
 
 
 def _read(folder: Path, package: str) -> Iterator[Source]:
