@@ -36,6 +36,8 @@ def try_any_step(c: Core, t: float, h: float) -> float:
     _extend_step(c, t, h)
     hold_extension(c, h)
     for repetition in range(MAX_REPETITIONS):
+        # What only a try that is repeated reads does not matter.
+        c.lag_count[UNKNOWN] = 0
         evaluate_rhs(c, c.count[MODE], t, c.y, c.stages)
         error = try_stiff_step(c, t, h) if c.stiff == 1 else try_explicit_step(c, t, h)
         if not isfinite(error):
