@@ -116,7 +116,7 @@ def test_each_breaking_time_reads_its_source(relay):
     # They need no Newton's method to be there nearly to rounding.
     search = PreimageSearch(relay)
     for b, breaking in zip(relay.breaking, mesh.breaking, strict=True):
-        near = [other for other, _ in search.find(0, float(breaking.source @ theta) % relay.period)]
+        near = [other for other, _ in search.find(0, np.array([breaking.source @ theta % relay.period]))[0]]
         assert min(abs(other - b) for other in near) < 1e-12
 
 
