@@ -44,7 +44,7 @@ def compile_field(formulas, parameters):
 
 def check_smooth(model, orbit):
     """Return how far an orbit without events is from the one that Fourier collocation finds from it."""
-    (flow,) = model.modes.values()
+    flow = model.modes[orbit.names[0].strip("()")]
     field = compile_field([flow[x] for x in model.states], orbit.parameters)
     n_states, past = len(model.states), Past(orbit)
 

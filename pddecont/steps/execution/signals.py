@@ -29,6 +29,8 @@ def evaluate_signals(
     ``states`` (n_times, n_states) are those at the times; ``stages`` are pairs (time, parameters that hold from it on).
     Delayed values before the trajectory are those of ``past``, expressions in t.
     """
+    if not signals:
+        return np.empty((len(times), 0))
     model = numeric.model
     function, history = numeric.function(signals), numeric.function(past)
     out = np.empty((len(times), len(signals)))
