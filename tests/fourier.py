@@ -55,17 +55,21 @@ def find_fourier_orbit(field, guess, period, n, *, free_period=False, steps=30):
         return np.append(left.ravel(), rate[0, 0]) if free_period else left.ravel()
 
     u = np.append(values.ravel(), period) if free_period else values.ravel()
+    jacobian, last, is_new = np.empty((len(u), len(u))), np.inf, False
     for _ in range(steps):
         r = residual(u)
-        if np.max(np.abs(r)) < 1e-13:
+        size = np.max(np.abs(r))
+        # What is left is rounding where it stays.
+        if size < 1e-13 or (is_new and size < 1e-9 and size > 0.5 * last):
             break
-        jacobian = np.empty((len(u), len(u)))
-        for j in range(len(u)):
+        # Derivatives serve as long as each step leaves a tenth.
+        is_new = not size < 0.1 * last or np.isinf(last)
+        for j in range(len(u) if is_new else 0):
             step = 1e-7 * max(1.0, abs(u[j]))
             moved = u.copy()
             moved[j] += step
             jacobian[:, j] = (residual(moved) - r) / step
-        u = u - np.linalg.solve(jacobian, r)
+        u, last = u - np.linalg.solve(jacobian, r), size
     turn = float(u[-1]) if free_period else period
     x = u[: n_states * m].reshape(n_states, m)
     return FourierOrbit(x @ transform.T, turn, float(np.max(np.abs(residual(u)))))

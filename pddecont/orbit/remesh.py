@@ -92,8 +92,8 @@ def find_fading(orbit: Orbit, sources: DiscontinuitySources) -> dict[int, float]
         function = problem.numeric.mode(mode)
         d = function.derivatives(reads.t[points], reads.x[:, points], reads.xd[:, points], orbit.parameters)
         for q, slope in zip(function.structure().dxd[1], d.dxd, strict=True):
-            read = model.delayed[q]
-            if read.delay in sizes and read.derivative:
+            read = model.delayed[q] if q < len(model.delayed) else None
+            if read is not None and read.delay in sizes and read.derivative:
                 sizes[read.delay] = max(sizes[read.delay], float(np.max(np.abs(slope), initial=0.0)))
     return sizes
 

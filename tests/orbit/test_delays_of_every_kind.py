@@ -10,6 +10,7 @@ import pytest
 from pddecont.collocation import MeshRule
 from pddecont.orbit.system import PeriodicOrbitSystem, measure_orbit
 from tests.delay_kinds import KINDS, exact, solve
+from tests.runs import run
 
 
 def measure_error(kind, orbit):
@@ -51,3 +52,23 @@ def test_derivatives_are_those_of_the_residuals(kind):
             12 * step
         )
         assert jacobian[:, column] == pytest.approx(slope, abs=2e-9 * np.max(np.abs(jacobian)))
+
+
+def test_impacts_with_a_rate_and_an_integral_of_the_past(tmp_path):
+    """Jumps come back by the rate until they have faded, and by both limits of the integral; the referee agrees."""
+    force = "cos(1.2*t) - 0.4*v - x + 0.1*v'(t - 0.7) - 0.1*integral(exp(-s)*x(t - s), s, 0.2, 1)"
+    model = {
+        "name": "wall",
+        "states": ["x", "v"],
+        "parameters": {"r": 0.6, "wall": 0.3},
+        "forcing": {"period": "2*pi/1.2"},
+        "modes": {"m": {"x'": "v", "v'": force}},
+        "events": {"hit": "x - wall"},
+        "resets": {"bounce": {"v": "-r*v"}},
+        "segments": {"s": {"mode": "m", "event": "hit", "direction": "rising", "reset": "bounce", "to": "m"}},
+        "initial": {"x": -0.1, "v": 0.0, "mode": "m"},
+    }
+    steps = [{"name": "t", "simulate": {"t_end": 120}}, {"name": "o", "orbit": {"from": "t"}}]
+    step = run({**model, "run": {"mesh": {"tol": 1e-8}, "steps": steps}}, tmp_path / "a.h5").step("o")
+    assert step.points["verified"][0] != 0
+    assert step.points["deviation"][0] < 1e-7
