@@ -20,7 +20,7 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(12)
 FINE_NODES, FINE_WEIGHTS = np.polynomial.legendre.leggauss(40)
 # Coefficients of Fourier series that are so small, in sizes of the states, are none.
 RESOLVED = 1e-9
-HARMONICS = (24, 48, 96)
+HARMONICS = (24, 48, 96, 192)
 AT_EDGE = 1e-10
 # Of an ordinary differential equation, and places in each interval of the mesh where states and events are looked at.
 RTOL, ATOL, PLACES = 1e-11, 1e-13, np.linspace(0, 1, 7)
