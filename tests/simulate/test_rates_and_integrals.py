@@ -107,3 +107,13 @@ def test_an_integral_over_a_jump():
     assert trajectory(1.0)[0] == pytest.approx(math.cos(1.0), abs=1e-12)
     # With u = t - 1, cos u drives the oscillator at its own frequency.
     assert trajectory(2.0)[0] == pytest.approx(math.cos(2.0) + math.sin(1.0) / 2.0, abs=1e-11)
+
+
+def test_what_tries_of_a_step_that_reads_itself_read_ends_no_motion():
+    """The first tries of a long step after short ones continue an extension that is far off, and so are its lags."""
+    text = (
+        "name: m\nstates: [x]\nmodes: {m: {x': \"-2*tanh(x(t - 1 - 0.3*x)) + 0.3*x'(t - 0.5)"
+        ' - 0.5*integral(exp(-s)*x(t - s), s, 0, 1 + 0.1*x)"}}\ninitial: {x: 0.5}\n'
+    )
+    coarse, fine = (trajectory_of(text, 9.4, Method(rtol, 1e-11)) for rtol in (1e-9, 4e-10))
+    assert coarse(9.4)[0] == pytest.approx(fine(9.4)[0], abs=1e-7)
