@@ -113,6 +113,11 @@ class Mesh:
         return np.array([p.segment for p in self.pieces], dtype=np.intp)[self.piece]
 
     @cached_property
+    def piece_lengths(self) -> Array:
+        """Coefficients of each piece's length, shape (n_pieces, n_theta)."""
+        return np.array([p.end - p.start for p in self.pieces])
+
+    @cached_property
     def start(self) -> Array:
         """Coefficients of each interval's left edge, shape (n_intervals, n_theta)."""
         return np.concatenate([p.start + np.outer(p.cuts[:-1], p.end - p.start) for p in self.pieces])

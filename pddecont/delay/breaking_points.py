@@ -122,6 +122,14 @@ class BreakingPoint:
     level: int
 
 
+def breaking_points_are_distinct(sources: DiscontinuitySources, theta: Array, n_segments: int, degree: int) -> bool:
+    """Return whether no two breaking points, or segments' ends, count as one at ``theta``."""
+    inside = find_breaking_points(sources, theta, n_segments, degree)
+    ends = [tuple([1] * s + [0] * (len(theta) - s)) for s in range(n_segments + 1)]
+    near = MERGE * float(np.sum(theta[:n_segments]))
+    return sum(len(points) - 2 for points in inside) == len(_propagate(sources, theta, ends, near, degree))
+
+
 def find_breaking_points(
     sources: DiscontinuitySources, theta: Array, n_segments: int, degree: int
 ) -> list[list[BreakingPoint]]:

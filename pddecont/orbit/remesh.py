@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -21,7 +22,14 @@ from pddecont.collocation import (
     share_intervals,
     transfer,
 )
-from pddecont.delay import BreakingPoint, DiscontinuitySources, TrackedPoints, find_breaking_points
+from pddecont.delay import (
+    MERGE,
+    BreakingPoint,
+    DiscontinuitySources,
+    TrackedPoints,
+    breaking_points_are_distinct,
+    find_breaking_points,
+)
 from pddecont.errors import ConvergenceError
 from pddecont.orbit.error import estimate_interval_errors
 from pddecont.orbit.orbit import Orbit
@@ -125,18 +133,44 @@ def mesh_is_valid(orbit: Orbit) -> bool:
         varying = orbit.equation_reads.lags if orbit.numeric.model.varying else np.zeros((0, 0))
     except ConvergenceError:
         return False
-    if _breaking_times_are_known(orbit):
+    if _breaking_times_are_known(orbit) or _keeps_its_order(orbit):
         return orbit.problem.delay.mesh_is_valid(mesh, theta, orbit.problem.lags, varying)
     now = find_pieces(orbit.problem, theta, mesh.degree, orbit)
-    if len(now.pieces) != len(mesh.pieces):
+    if not _are_same(now.pieces, mesh.pieces):
         return False
-    for piece, own in zip(now.pieces, mesh.pieces, strict=True):
-        same_ends = np.array_equal(piece.start, own.start) and np.array_equal(piece.end, own.end)
-        if piece.segment != own.segment or not same_ends:
-            return False
     if any(not np.array_equal(a.source, b.source) for a, b in zip(now.breaking, mesh.breaking, strict=True)):
         return False
     return orbit.problem.delay.mesh_is_valid(mesh, theta, orbit.problem.lags, varying)
+
+
+def _are_same(pieces: Sequence[Piece], others: Sequence[Piece]) -> bool:
+    """Return whether two lists of pieces begin and end at the same times, their cuts left aside."""
+    return len(pieces) == len(others) and all(
+        a.segment == b.segment and np.array_equal(a.start, b.start) and np.array_equal(a.end, b.end)
+        for a, b in zip(pieces, others, strict=True)
+    )
+
+
+def _keeps_its_order(orbit: Orbit) -> bool:
+    """Return whether an orbit's breaking points, sums of delays after events, are the mesh's edges in their order.
+
+    Where all of them are edges, none of two that count as one, and their order is still that of the mesh, none has
+    passed an event, and there are no others. False says that they have to be found to know.
+    """
+    mesh, sources, theta = orbit.mesh, orbit.signature.discontinuity_sources, orbit.theta
+    made_for, n = mesh.reference_theta, mesh.n_segments
+    if made_for is None or not sources.are_sums or not orbit.problem.delay.tracks_breaking_points:
+        return False
+
+    def are_distinct() -> bool:
+        found = find_pieces(orbit.problem, made_for, mesh.degree)
+        return _are_same(found.pieces, mesh.pieces) and breaking_points_are_distinct(sources, made_for, n, mesh.degree)
+
+    if not mesh.once("breaking points are distinct", are_distinct):
+        return False
+    near, delays = MERGE * orbit.period, n + np.array(sources.delays, dtype=np.intp)
+    as_before = (theta[delays] > near) == (made_for[delays] > MERGE * np.sum(made_for[:n]))
+    return bool(np.all(mesh.piece_lengths @ theta > near) and np.all(as_before))
 
 
 def _breaking_times_are_known(orbit: Orbit) -> bool:

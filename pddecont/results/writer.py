@@ -14,6 +14,7 @@ import contextlib
 import json
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +27,7 @@ from pddecont.output import explain_other
 from pddecont.reasons import Reason
 from pddecont.results.format import FORMAT_VERSION, N_TERMINATIONS, TEXT_BYTES, Column, StepFormat
 from pddecont.results.lock import check_unlocked, part_of
-from pddecont.results.reader import Step, is_results_file, read_results
+from pddecont.results.reader import Results, Step, is_results_file, read_results
 
 # Rows that arrays have room for at first; each time that is used up they get twice as much.
 CAPACITY = 64
@@ -99,7 +100,8 @@ def _cannot_write(path: Path, exc: OSError) -> ResultsError:
 class StepWriter:
     """Rows of one step; a context manager that leaves the file without spare room when the step is done.
 
-    The first ``kept`` rows of ``recorded``, what the file holds of the step, stay; the rest is written anew.
+    The first ``kept`` rows of ``recorded``, what the file holds of the step, stay; the rest is written anew. ``closed``
+    is told what the file holds once it is closed.
     """
 
     def __init__(
@@ -112,9 +114,10 @@ class StepWriter:
         capacity: int = CAPACITY,
         recorded: Step | None = None,
         kept: int = 0,
+        closed: Callable[[Step], None] = lambda step: None,
     ):
         self.path, self.name, self.format, self.meta = path, name, step_format, dict(meta)
-        self.n, self._capacity = kept, capacity
+        self.n, self._capacity, self._closed = kept, capacity, closed
         self.used = dict.fromkeys(step_format.orbits, 0)
         if recorded is not None and kept:
             self.used = {
@@ -180,7 +183,7 @@ class StepWriter:
         if self._descriptor >= 0:
             os.close(self._descriptor)
             self._descriptor = -1
-            compact_step(self.path, self.name)
+            self._closed(compact_step(self.path, self.name))
 
     def _check_place(self) -> None:
         """Check that the file still stands where it was opened: what is written to a file that has no name is lost."""
@@ -311,14 +314,14 @@ def _copy_root(old: h5py.File, new: h5py.File) -> h5py.Group:
     return new.create_group("steps", track_order=True)
 
 
-def compact_step(path: Path, name: str) -> None:
-    """Take the spare room out of a step's arrays.
+def compact_step(path: Path, name: str) -> Step:
+    """Take the spare room out of a step's arrays; return the step.
 
     Where the step is a branch that is done, write its table of special points.
     """
-    step = read_results(path).step(name)
+    step = read_results(path, name).step(name)
     if step.compact:
-        return
+        return step
 
     def change(old: h5py.File | None, new: h5py.File) -> None:
         assert old is not None
@@ -334,6 +337,7 @@ def compact_step(path: Path, name: str) -> None:
         _write_special_points(target, step)
 
     _rewrite(path, change)
+    return replace(step, compact=True)
 
 
 def _write_special_points(target: h5py.Group, step: Step) -> None:
@@ -345,9 +349,8 @@ def _write_special_points(target: h5py.Group, step: Step) -> None:
         group["index"] = np.array([i for _, i in special], dtype="i8")
 
 
-def upgrade_results(path: Path) -> None:
-    """Write a file of an older format as this one's, so that it can be continued."""
-    results = read_results(path)
+def upgrade_results(results: Results) -> None:
+    """Write a file of an older format, as it was read, as this one's, so that it can be continued."""
     if results.version == FORMAT_VERSION:
         return
 
@@ -370,7 +373,7 @@ def upgrade_results(path: Path) -> None:
                 _array(target, arrays, key, dtype, values.shape[1:], len(values), len(values))
             _write_special_points(target, step)
 
-    _rewrite(path, change)
+    _rewrite(results.path, change)
 
 
 def drop_steps(path: Path, names: Sequence[str]) -> None:

@@ -11,7 +11,6 @@ import scipy.linalg
 import scipy.sparse.linalg
 from numpy.typing import NDArray
 
-from pddecont.stability.characteristic import MapCharacteristic
 from pddecont.stability.monodromy import MonodromyOperator
 
 Complex = NDArray[np.complex128]
@@ -28,26 +27,29 @@ def find_candidates(monodromy: MonodromyOperator, n: int) -> Complex:
     if not size:
         return np.zeros(0, dtype=complex)
     if is_mapped_whole(monodromy, n):
-        characteristic = monodromy.characteristic
-        if isinstance(characteristic, MapCharacteristic):
-            matrix = characteristic.map
-        else:
-            matrix = monodromy.to_scaled_matrix()
-        return _sort(scipy.linalg.eigvals(matrix))[: 2 * n + 2]
-    if is_deep(monodromy):
-        return np.zeros(0, dtype=complex)
+        return _sort(scipy.linalg.eigvals(monodromy.scaled_matrix))[: 2 * n + 2]
+    return np.zeros(0, dtype=complex) if is_deep(monodromy) else find_eigenpairs(monodromy, n)[0]
+
+
+def find_eigenpairs(monodromy: MonodromyOperator, n: int) -> tuple[Complex, Complex]:
+    """Return ``n`` leading eigenvalues of a map by falling modulus, or as many as are found, by Arnoldi's method.
+
+    With them their vectors, histories in units of their sizes, as columns (size, n).
+    """
+    size = monodromy.size
     # Arnoldi's method wants room for several times as many vectors as values.
     n_vectors = min(size - 1, max(3 * n, 40))
     operator = scipy.sparse.linalg.LinearOperator((size, size), matvec=monodromy.apply_scaled, dtype=float)
     # Any vector to start from, but the same each time.
     start = np.random.default_rng(1).standard_normal(size)
     try:
-        values = scipy.sparse.linalg.eigs(
-            operator, k=n, ncv=n_vectors, v0=start, tol=0.0, maxiter=MAX_RESTARTS, return_eigenvectors=False
+        values, vectors = scipy.sparse.linalg.eigs(
+            operator, k=n, ncv=n_vectors, v0=start, tol=0.0, maxiter=MAX_RESTARTS
         )
     except scipy.sparse.linalg.ArpackNoConvergence as exc:
-        values = exc.eigenvalues
-    return _sort(np.asarray(values))
+        values, vectors = exc.eigenvalues, exc.eigenvectors
+    order = np.argsort(-np.abs(values), kind="stable")
+    return values[order], vectors[:, order]
 
 
 def is_mapped_whole(monodromy: MonodromyOperator, n: int) -> bool:

@@ -108,14 +108,15 @@ class MonodromyOperator:
         """Return one history (size,) in units of its sizes a period later."""
         return self.apply(history * self.history_sizes) / self.history_sizes
 
-    def to_scaled_matrix(self) -> Array:
-        """Return the map as a matrix, shape (size, size), of histories in units of their sizes."""
+    @cached_property
+    def scaled_matrix(self) -> Array:
+        """The map as a matrix, shape (size, size), of histories in units of their sizes."""
         return self.step(np.diag(self.history_sizes))[1] / self.history_sizes[:, None]
 
     @cached_property
     def characteristic(self) -> Characteristic:
         """The matrix whose determinant is zero at the inverse multipliers."""
-        return MapCharacteristic(self.to_scaled_matrix()) if self.couplings else self.entries
+        return MapCharacteristic(self.scaled_matrix) if self.couplings else self.entries
 
     def apply(self, history: Array) -> Array:
         """Return one history (size,) a period later."""

@@ -1,8 +1,10 @@
 """The leading Floquet multipliers of a periodic orbit, each corrected, all of them counted.
 
-Eigenvalues of the map from one history to the next (``stability.candidates``) are first guesses. Each is corrected on
-the characteristic matrix (``stability.refinement``), which drops what is none, and the argument principle counts those
-outside a circle (``stability.counting``): what the list lacks is looked for and added, until list and count agree.
+Those of an orbit that remembers no more than a period are eigenvalues of its map (``stability.eigenpairs``), where it
+tells that none is missing. Of longer histories the eigenvalues of the map from one to the next
+(``stability.candidates``) are first guesses. Each is corrected on the characteristic matrix (``stability.refinement``),
+which drops what is none, and the argument principle counts those outside a circle (``stability.counting``): what the
+list lacks is looked for and added, until list and count agree.
 
 An autonomous orbit without events has the multiplier 1 of its own flow; it is told from the others as the nearest to 1,
 and its distance to 1 measures the error. An orbit with events starts at one, which takes the flow's direction out.
@@ -24,6 +26,7 @@ from pddecont.orbit import Assembly, Orbit, transfer_orbit
 from pddecont.stability.candidates import find_candidates, is_deep, is_mapped_whole
 from pddecont.stability.characteristic import Characteristic, MapCharacteristic
 from pddecont.stability.counting import Counter
+from pddecont.stability.eigenpairs import find_all_outside
 from pddecont.stability.essential import find_essential_radius
 from pddecont.stability.monodromy import MonodromyOperator, linearise_period
 from pddecont.stability.refinement import SAME, Refined, find_vector, refine
@@ -146,6 +149,10 @@ def _find_leading(monodromy: MonodromyOperator, wanted: int, least: float) -> tu
     """
     if not monodromy.size:
         return [], True
+    pairs = find_all_outside(monodromy, wanted + MORE, NEAR_UNIT)
+    if pairs is not None:
+        # Of an orbit that forgets all within a period one multiplier is shown: what is left of 0 is rounding.
+        return [m for m in pairs if abs(m.value) >= least] or pairs[:1], True
     candidates = find_candidates(monodromy, wanted + MORE)
     characteristic = monodromy.characteristic
     known = _add(characteristic, [], _upper_half(candidates[np.abs(candidates) >= least][: wanted + MORE]))

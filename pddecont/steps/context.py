@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.results import Results, Step, StepWriter, read_results
+from pddecont.results import Results, Step, StepWriter, drop_steps, read_results
 from pddecont.runfile import Plan, PlannedStep, Source
 from pddecont.steps.reporter import Reporter
 
@@ -23,22 +23,39 @@ Array = NDArray[np.float64]
 
 @dataclass(eq=False)
 class Context:
-    """State of a run in progress."""
+    """State of a run in progress.
+
+    ``file`` is what the results file holds, to which nobody else writes meanwhile (None: no file yet).
+    """
 
     plan: Plan
     path: Path
     reporter: Reporter
     workers: Workers
     trajectories: dict[str, Trajectory] = field(default_factory=dict)
-
-    def read_step(self, name: str) -> Step:
-        """Return a step as the results file holds it now."""
-        return read_results(self.path, name).step(name)
+    file: Results | None = None
 
     def read_source(self, source: Source) -> tuple[Results, Step]:
         """Return the recorded step that ``source`` names, in this run's file or another, and that file."""
-        results = read_results(self.path if source.file is None else self.plan.base / source.file, source.step)
+        results = self.file
+        if results is None or source.file is not None:
+            path = self.path if source.file is None else self.plan.base / source.file
+            results = read_results(path, source.step)
         return results, results.step(source.step)
+
+    def drop_step(self, name: str) -> None:
+        """Remove a step, finished or not, so that it can be computed anew."""
+        drop_steps(self.path, [name])
+        self._forget(name)
+
+    def keep_step(self, step: Step) -> None:
+        """Take in what the results file holds of a step now."""
+        if self.file is not None:
+            self.file = _hold(self.file, {**self.file.steps, step.name: step})
+
+    def _forget(self, name: str) -> None:
+        if self.file is not None:
+            self.file = _hold(self.file, {key: step for key, step in self.file.steps.items() if key != name})
 
     def open_step(
         self,
@@ -61,6 +78,19 @@ class Context:
             "settings": self.plan.describe_settings(step),
         }
         options: dict[str, Any] = {} if capacity is None else {"capacity": capacity}
+        self._forget(step.name)
         return StepWriter(
-            self.path, step.name, step_format, {**common, **meta}, recorded=recorded, kept=kept, **options
+            self.path,
+            step.name,
+            step_format,
+            {**common, **meta},
+            recorded=recorded,
+            kept=kept,
+            closed=self.keep_step,
+            **options,
         )
+
+
+def _hold(file: Results, steps: Mapping[str, Step]) -> Results:
+    """Return what a file holds with these steps."""
+    return replace(file, names=tuple(steps), steps=steps)

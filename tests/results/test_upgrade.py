@@ -84,7 +84,7 @@ def test_a_file_of_format_3_says_of_no_orbit_that_it_is_none(tmp_path):
         assert np.all(step.points["unexplained"] == 0)
         assert np.array_equal(step.points["parameters"], new.points["parameters"])
         assert (read_results(path).version == FORMAT_VERSION) == upgraded
-        upgrade_results(path)
+        upgrade_results(read_results(path))
 
 
 def test_endings_keep_their_direction():

@@ -11,4 +11,5 @@ from pddecont.tables import describe_done
 
 def report_done(context: Context, step: PlannedStep[Any]) -> None:
     """Tell who listens what a recorded step came to."""
-    context.reporter.done(describe_done(context.read_step(step.name)))
+    assert context.file is not None, "a step is done that has a file"
+    context.reporter.done(describe_done(context.file.step(step.name)))

@@ -12,7 +12,7 @@ from typing import Any
 from pddecont.errors import PddecontError, ResultsError, RunError, suggest
 from pddecont.model import parse_document
 from pddecont.output import refuse_link
-from pddecont.results import Step, compact_step, create_results, drop_steps, hold_lock, read_results, upgrade_results
+from pddecont.results import Results, Step, compact_step, create_results, hold_lock, read_results, upgrade_results
 from pddecont.runfile import Plan, PlannedStep
 from pddecont.simulate import Workers
 from pddecont.steps.context import Context
@@ -50,17 +50,18 @@ def execute(
     steps = select_steps(plan, only, until)
     check_output(plan, path)
     with hold_lock(path):
-        is_resumed = path.exists() and resume
-        if is_resumed:
-            check_same_run(plan, path)
-        check_sources(plan, steps, path, resume=resume)
-        if is_resumed:
-            upgrade_results(path)
+        kept = read_results(path) if resume and path.exists() else None
+        if kept is not None:
+            check_same_run(plan, kept)
+        check_sources(plan, steps, path, kept)
+        if kept is not None:
+            upgrade_results(kept)
         else:
             source = plan.source.encode(errors="backslashreplace").decode()
             versions = json.dumps(find_versions())
             create_results(path, plan.model_text, plan.run_text, source, versions, overwrite=overwrite)
-        context = Context(plan, path, reporter or Silent(), Workers(workers, scheduler))
+        file = kept or read_results(path)
+        context = Context(plan, path, reporter or Silent(), Workers(workers, scheduler), file=file)
         for step in steps:
             do_step(context, step)
 
@@ -77,16 +78,17 @@ def do_step(context: Context, step: PlannedStep[Any]) -> None:
     """Do a step, or what is left of it to do."""
     kind = list_step_kinds()[step.kind]
     context.reporter.step(step.name, step.kind)
-    recorded = read_results(context.path, step.name).steps.get(step.name)
+    recorded = None if context.file is None else context.file.steps.get(step.name)
     step = choose_settings(context, step, None if recorded is None else recorded.meta.get("choice"))
     if recorded is not None:
         _check_same_settings(context, step, recorded)
         if recorded.done:
-            compact_step(context.path, step.name)
+            if not recorded.compact:
+                context.keep_step(compact_step(context.path, step.name))
             context.reporter.done("done already")
             return
         if not kind.resumes:
-            drop_steps(context.path, [step.name])
+            context.drop_step(step.name)
             recorded = None
     kind.load()(context, step, recorded)
 
@@ -119,9 +121,9 @@ def select_steps(plan: Plan, only: str | None, until: str | None) -> Sequence[Pl
     return plan.steps if until is None else plan.steps[: names.index(until) + 1]
 
 
-def check_same_run(plan: Plan, path: Path) -> None:
-    """Raise ResultsError unless the file at ``path`` was made from the same model and run."""
-    recorded = read_results(path)
+def check_same_run(plan: Plan, recorded: Results) -> None:
+    """Raise ResultsError unless the file that ``recorded`` was read from was made from the same model and run."""
+    path = recorded.path
     for what, here, there in (
         ("model", plan.model_text, recorded.model_text),
         ("run file", plan.run_text, recorded.run_text),

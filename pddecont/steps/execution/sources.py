@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import Any
 
 from pddecont.errors import RunError
-from pddecont.results import read_results
+from pddecont.results import Results, read_results
 from pddecont.runfile import Holding, Plan, PlannedStep, Source
 from pddecont.steps.registry import list_step_kinds
 
 
-def check_sources(plan: Plan, steps: Sequence[PlannedStep[Any]], path: Path, *, resume: bool) -> None:
+def check_sources(plan: Plan, steps: Sequence[PlannedStep[Any]], path: Path, kept: Results | None) -> None:
     """Check that each step starts from one that is done before it, from a simulation, or from one in a file that stays.
 
     Raises
@@ -23,7 +23,6 @@ def check_sources(plan: Plan, steps: Sequence[PlannedStep[Any]], path: Path, *, 
         If the file that a step starts from, or the step or the point in it, is not there.
     """
     kinds = list_step_kinds()
-    kept = read_results(path) if resume and path.exists() else None
     coming: set[str] = set()
     for step in steps:
         source = step.source

@@ -1,0 +1,93 @@
+"""The multipliers of an orbit that remembers one period: all outside a circle, or none said to be known."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import pytest
+
+from pddecont.stability import eigenpairs, find_multipliers
+from pddecont.stability import multipliers as module_of_multipliers
+from pddecont.stability.eigenpairs import SHORT, find_all_outside
+from tests.known_orbits import hard_wall, impact_oscillator
+
+
+@dataclass
+class MapOnly:
+    """A linear map as an orbit's map has it, nothing else of one."""
+
+    scaled_matrix: np.ndarray
+    kept: tuple = (None,)
+
+    @property
+    def size(self):
+        return len(self.scaled_matrix)
+
+    @cached_property
+    def history_sizes(self):
+        return np.logspace(-3, 3, self.size)
+
+    def step(self, histories):
+        sizes = self.history_sizes[:, None]
+        return None, sizes * (self.scaled_matrix @ (histories / sizes))
+
+    def apply_scaled(self, history):
+        return self.scaled_matrix @ history
+
+
+def map_with(values, n, seed=0, shear=1.0):
+    """Return a map with some eigenvalues, the others below 0.3, of vectors that are far from orthogonal."""
+    rng = np.random.default_rng(seed)
+    diagonal = np.concatenate([values, rng.uniform(-0.3, 0.3, n - len(values))])
+    upper = np.diag(diagonal) + shear * np.triu(rng.standard_normal((n, n)), 1) / n
+    q, _ = np.linalg.qr(rng.standard_normal((n, n)))
+    return q @ upper @ q.T
+
+
+@pytest.mark.parametrize("n", [40, SHORT + 100])
+def test_eigenvalues_come_with_small_residuals(n):
+    given = [-2.5, 1.01, 0.97, 0.6]
+    found = find_all_outside(MapOnly(map_with(given, n)), 8, 0.95)
+    assert [m.value.real for m in found[:4]] == pytest.approx(given, abs=1e-12)
+    assert all(m.residual < 1e-12 for m in found)
+
+
+def test_what_remembers_more_than_a_period_is_left_to_others():
+    assert find_all_outside(MapOnly(map_with([1.5], 20), kept=(None, None)), 8, 0.95) is None
+
+
+@pytest.mark.parametrize("hidden", [1.2, 0.96, -3.0])
+def test_a_list_that_lacks_one_is_refused(monkeypatch, hidden):
+    """As Arnoldi's method does of several that coincide, one is left out of what it finds."""
+    matrix = map_with([2.0, hidden], SHORT + 40)
+    values, vectors = np.linalg.eig(matrix)
+    keep = np.argsort(-np.abs(values))[:9]
+    keep = keep[np.abs(values[keep] - hidden) > 1e-9]
+    monkeypatch.setattr(eigenpairs, "find_eigenpairs", lambda *_: (values[keep], vectors[:, keep]))
+    assert find_all_outside(MapOnly(matrix), 8, 0.95) is None
+
+
+def test_more_than_are_asked_for_outside_the_circle_are_not_called_all():
+    assert find_all_outside(MapOnly(map_with([1.1] * 12, SHORT + 40, shear=0.0)), 8, 0.95) is None
+
+
+@pytest.mark.parametrize(("n", "factor"), [(60, 10.0), (8, 1e4)])
+def test_a_history_that_is_only_shifted_and_magnified_tells_nothing(n, factor):
+    """All multipliers are zero; with a perturbation by rounding they lie far outside the unit circle."""
+    shift = np.diag(np.full(n - 1, factor), 1)
+    q, _ = np.linalg.qr(np.random.default_rng(1).standard_normal((n, n)))
+    matrix = q @ shift @ q.T
+    assert np.max(np.abs(np.linalg.eigvals(matrix))) > 1.0
+    assert find_all_outside(MapOnly(matrix), 8, 0.95) is None
+
+
+@pytest.mark.parametrize("settle", [impact_oscillator, hard_wall])
+def test_they_are_those_of_the_characteristic_matrix(monkeypatch, settle):
+    """The same orbit's multipliers, corrected on the characteristic matrix and counted there."""
+    orbit = settle()
+    found = find_multipliers(orbit)
+    monkeypatch.setattr(module_of_multipliers, "find_all_outside", lambda *_: None)
+    other = find_multipliers(orbit)
+    n = min(len(found.values), len(other.values))
+    assert found.counted and other.counted
+    assert np.sort_complex(found.values[:n]) == pytest.approx(np.sort_complex(other.values[:n]), abs=1e-9)
