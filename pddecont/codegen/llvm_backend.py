@@ -20,12 +20,10 @@ POINTER = DOUBLE.as_pointer()
 SIGNATURE = ir.FunctionType(ir.VoidType(), [LONG, DOUBLE, *[POINTER] * 4])
 NAME = "generated"
 CONSTANTS = {"pi": math.pi, "e": math.e}
-# LLVM's own names where it has one: it knows what these functions do; else the mathematical library's.
+# LLVM's own names where it has one: it knows what these functions do; else the mathematical library's, the same.
 INTRINSICS = {"sqrt": "llvm.sqrt.f64", "abs": "llvm.fabs.f64", "pow": "llvm.pow.f64"}
-LIBRARY = {
-    **{name: name for name in ("sin", "cos", "tan", "atan2", "sinh", "cosh", "tanh", "exp", "log")},
-    **{name: name for name in ("asin", "acos", "atan")},
-}
+LIBRARY = ("sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "log")
+FUNCTIONS = {name: name for name in LIBRARY} | INTRINSICS
 COMPARISONS: dict[type[ast.cmpop], str] = {
     ast.Lt: "<",
     ast.LtE: "<=",
@@ -53,7 +51,7 @@ def compile_source(text: str) -> Code:
 
     Raises
     ------
-    NotImplementedError
+    AssertionError
         If the source holds what no printer of this program writes.
     """
     tree = ast.parse(text)
@@ -76,6 +74,10 @@ def _link(text: str, size: int) -> Code:
     engine = binding.create_mcjit_compiler(module, machine)
     engine.finalize_object()
     return Code(engine, engine.get_function_address(NAME))
+
+
+def _make_error(part: ast.AST) -> AssertionError:
+    return AssertionError(f"no printer writes this, and no code is made of it: {ast.unparse(part)}")
 
 
 @dataclass
@@ -112,7 +114,7 @@ class _Writer:
         while rest:
             case = rest[0]
             if not isinstance(case, ast.If) or not isinstance(case.test, ast.Compare):
-                raise NotImplementedError(ast.dump(case))
+                raise _make_error(case)
             number = case.test.comparators[0]
             assert isinstance(number, ast.Constant)
             block = self.function.append_basic_block()
@@ -137,7 +139,7 @@ class _Writer:
             case ast.AugAssign(target=ast.Name(id="which"), op=ast.RShift(), value=ast.Constant(value=bits)):
                 self.names["which"] = self.builder.ashr(self.names["which"], ir.Constant(LONG, bits))
             case _:
-                raise NotImplementedError(ast.dump(statement))
+                raise _make_error(statement)
 
     def _find_place(self, place: ast.Subscript) -> ir.Value:
         assert isinstance(place.value, ast.Name)
@@ -170,9 +172,9 @@ class _Writer:
                 return self.builder.select(self._evaluate(test), self._evaluate(body), self._evaluate(orelse))
             case ast.Call(func=ast.Name(id="float"), args=[ast.BinOp() as bit]):
                 return self._read_digit(bit)
-            case ast.Call(func=ast.Name(id=name), args=arguments):
+            case ast.Call(func=ast.Name(id=name), args=arguments) if name in FUNCTIONS:
                 return self._call(name, [self._evaluate(argument) for argument in arguments])
-        raise NotImplementedError(ast.unparse(expr))
+        raise _make_error(expr)
 
     def _combine(self, operation: ast.operator, left: ir.Value, right: ir.Value) -> ir.Value:
         write = {
@@ -193,7 +195,7 @@ class _Writer:
                 one = ir.Constant(LONG, 1)
                 shifted = self.builder.ashr(self.names["which"], ir.Constant(LONG, k))
                 return self.builder.sitofp(self.builder.and_(shifted, one), DOUBLE)
-        raise NotImplementedError(ast.unparse(bit))
+        raise _make_error(bit)
 
     def _raise(self, base: ast.expr, power: ast.expr) -> ir.Value:
         """Return a power: a product where it is small and whole."""
@@ -219,9 +221,7 @@ class _Writer:
             value = self.builder.fmul(value, value)
 
     def _call(self, name: str, arguments: list[ir.Value]) -> ir.Value:
-        symbol = INTRINSICS.get(name) or LIBRARY.get(name)
-        if symbol is None:
-            raise NotImplementedError(f"{name}()")
+        symbol = FUNCTIONS[name]
         function = self.module.globals.get(symbol)
         if function is None:
             function = ir.Function(self.module, ir.FunctionType(DOUBLE, [DOUBLE] * len(arguments)), name=symbol)

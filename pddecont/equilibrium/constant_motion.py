@@ -28,7 +28,7 @@ from pddecont.equilibrium.distributed import DistributedTerm
 from pddecont.equilibrium.partials import ExpressionPartials
 from pddecont.equilibrium.quadrature import Kernel, find_panels
 from pddecont.equilibrium.rest_reads import RestReads
-from pddecont.model import keep_reads
+from pddecont.model import keep_reads, list_held
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
@@ -57,8 +57,7 @@ class ConstantMotion:
     @cached_property
     def surfaces(self) -> tuple[str, ...]:
         """Names of the events whose surfaces the mode slides along."""
-        derived = self.numeric.model.derived
-        return () if derived is None else derived.list_surfaces(self.mode)
+        return list_held(self.numeric.model, self.mode)
 
     @property
     def n_states(self) -> int:

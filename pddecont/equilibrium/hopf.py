@@ -90,10 +90,12 @@ class _Places:
     n_pairs: int
 
     def join(self, states: Array, vectors: Complex, frequencies: Array, free: Array) -> Array:
+        """Return the unknowns in one row."""
         parts = np.stack([vectors.real, vectors.imag], axis=1).ravel()
         return np.concatenate([states, parts, frequencies, free])
 
     def split(self, x: Array) -> tuple[Array, Complex, Array, Array]:
+        """Return states, vectors (n_pairs, n_states), frequencies and free parameters of a row of unknowns."""
         n, m = self.n_states, self.n_pairs
         states, parts, frequencies, free = np.split(x, [n, n + 2 * m * n, n + 2 * m * n + m])
         parts = parts.reshape(m, 2, n)

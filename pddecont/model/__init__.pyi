@@ -35,6 +35,8 @@ from .lagged import Integral as Integral
 from .lagged import differentiate as differentiate
 from .lagged import find_reading_symbols as find_reading_symbols
 from .left_out import LeftOut as LeftOut
+from .mode_surfaces import find_surface as find_surface
+from .mode_surfaces import list_exits as list_exits
 from .parts import IDENTITY as IDENTITY
 from .parts import Event as Event
 from .parts import Form as Form

@@ -7,6 +7,7 @@ from collections.abc import Collection, Iterable, Mapping
 import sympy
 from sympy.utilities.iterables import strongly_connected_components
 
+from pddecont.model.equation_reads import list_conditions, list_state_reads
 from pddecont.model.lagged import find_reading_symbols, make_symbol
 from pddecont.model.system import Model
 
@@ -36,10 +37,10 @@ def find_reads(model: Model) -> tuple[Reads, set[str]]:
         return set().union(*(owners[s] for e in exprs for s in e.free_symbols if s in owners))
 
     if model.derived is not None:
-        reads = model.derived.list_reads()
+        reads = list_state_reads(model.derived.surfaces)
         return (
             {name: states_in(reads[i]) - {name} for i, name in enumerate(model.states)},
-            states_in(model.derived.list_conditions()),
+            states_in(list_conditions(model.derived.surfaces)),
         )
     bodies = [*model.modes.values(), *model.resets.values()]
     by_state = {name: states_in(body[i] for body in bodies) - {name} for i, name in enumerate(model.states)}

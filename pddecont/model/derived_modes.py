@@ -8,21 +8,22 @@ from __future__ import annotations
 
 import math
 import threading
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from itertools import product
-from typing import Any, TypeVar
+from typing import Any
 
 import sympy
 
 from pddecont.errors import PddecontError
+from pddecont.model.built_parts import BuiltParts
 from pddecont.model.contacts import add_contacts
 from pddecont.model.ending_names import list_event_digits, list_written_digits
 from pddecont.model.endings import Crossing, Ending, EndingFinder, ModeEndings
 from pddecont.model.parts import IDENTITY, Event, Form, Segment
 from pddecont.model.rest import find_rate_along, find_resting, make_resting
-from pddecont.model.sliding import Surfaces, find_surfaces, put_in
+from pddecont.model.sliding import Surfaces, find_surfaces, make_return, put_in
 from pddecont.model.switches import ABOVE, BELOW, ON, Digits, Equations, find_bits, name_digits
 from pddecont.model.validation import ALTERNATIVE
 from pddecont.model.ways import choose_digits
@@ -34,7 +35,6 @@ FEW_MODES, FEW_WAYS = 32, 32
 # Digits are bits of a number that says, too, which of a page's functions is meant.
 MAX_SWITCHES = 48
 
-T = TypeVar("T")
 Exprs = tuple[sympy.Expr, ...]
 # How the names of resets begin that put states on the surfaces of a mode.
 RETURN = "onto_"
@@ -42,28 +42,6 @@ RETURN = "onto_"
 
 class TooManySwitchesError(PddecontError):
     """A model has more switches than can be handled."""
-
-
-class Parts(Mapping[str, T]):
-    """Parts of a model by name: each is made when it is asked for; those built so far are listed."""
-
-    def __init__(self, built: Mapping[str, Any], find: Callable[[str], T | None]) -> None:
-        self._built, self._find = built, find
-
-    def __getitem__(self, name: str) -> T:
-        """Return the part with a name; raise KeyError if there is none."""
-        found = self._find(name)
-        if found is None:
-            raise KeyError(name)
-        return found
-
-    def __iter__(self) -> Iterator[str]:
-        """Return the names of those built so far."""
-        return iter(list(self._built))
-
-    def __len__(self) -> int:
-        """Return how many are built."""
-        return len(self._built)
 
 
 class DerivedModes:
@@ -77,7 +55,7 @@ class DerivedModes:
     ) -> None:
         self._sticks, self._delayed = sticks, delayed
         self.surfaces, self.equations = surfaces, surfaces.equations
-        self._finder = EndingFinder(surfaces)
+        self.finder = EndingFinder(surfaces)
         self._modes: dict[str, Digits] = {}
         self._endings: dict[Digits, ModeEndings] = {}
         self._fields: dict[str, Exprs] = {}
@@ -110,16 +88,16 @@ class DerivedModes:
     @cached_property
     def modes(self) -> Mapping[str, Exprs]:
         """The vector fields of modes by name."""
-        return Parts(self._modes, self._find_field)
+        return BuiltParts(self._modes, self._find_field)
 
     @cached_property
     def parts(self) -> dict[str, Any]:
         """Modes, events, resets and segments, by their names as fields of a model."""
         return {
             "modes": self.modes,
-            "events": Parts(self._events, self._find_event),
-            "resets": Parts(self._resets, self._find_reset),
-            "segments": Parts(self._segments, self._find_segment),
+            "events": BuiltParts(self._events, self._find_event),
+            "resets": BuiltParts(self._resets, self._find_reset),
+            "segments": BuiltParts(self._segments, self._find_segment),
         }
 
     @cached_property
@@ -198,7 +176,7 @@ class DerivedModes:
         """Return what ends the mode with some digits, which is not listed for that."""
         with self._lock:
             if digits not in self._endings:
-                ends = self._finder.find(digits)
+                ends = self.finder.find(digits)
                 ends.endings = [self._let_rest(ending, ends) for ending in ends.endings]
                 self._endings[digits] = ends
             return self._endings[digits]
@@ -260,7 +238,7 @@ class DerivedModes:
         made = replace(ending.segment, name=self._name_way(ending, digits), to=self.equations.name_mode(digits))
         if ending.n_ways == 1:
             return made
-        guard = self._finder.finder.find_guard(ending.decisions, digits)
+        guard = self.finder.finder.find_guard(ending.decisions, digits)
         return replace(made, written=ending.segment.name, guard=guard)
 
     def _name_way(self, ending: Ending, digits: Digits) -> str:
@@ -299,39 +277,6 @@ class DerivedModes:
             self._slid[on] = tuple(put_in(f, values) for f in self.equations.field)
         return Form(self._slid[on], find_bits(digits))
 
-    def list_reads(self) -> list[list[sympy.Expr]]:
-        """Return for each state the expressions that its rate and its resets are made of.
-
-        Where a motion slides, a digit stands for what its switch's rate reads.
-        """
-        equations, rates = self.equations, self.surfaces.rates
-        bodies = [equations.field, *(jump.reset for jump in equations.jumps)]
-        found = []
-        for i in range(len(equations.states)):
-            exprs = [body[i] for body in bodies]
-            seen: set[sympy.Symbol] = set()
-            for expr in exprs:
-                for k, switch in enumerate(equations.switches):
-                    rate = rates[k]
-                    if self.surfaces.slides[k] and rate is not None and switch.digit in expr.free_symbols - seen:
-                        seen.add(switch.digit)
-                        exprs.append(rate)
-            found.append(exprs)
-        return found
-
-    def list_conditions(self) -> list[sympy.Expr]:
-        """Return the expressions that decide when something happens, and which mode follows."""
-        equations = self.equations
-        rates = zip(self.surfaces.rates, self.surfaces.slides, strict=True)
-        found = [e for s in equations.switches for e in (s.argument, s.low, s.high)]
-        found += [rate for rate, slides in rates if rate is not None and (slides or equations.jumps)]
-        return found + [jump.function for jump in equations.jumps if jump.function is not None]
-
-    def list_expressions(self) -> list[sympy.Expr]:
-        """Return all that is evaluated along a motion: the field, resets, what decides when something happens."""
-        resets = [g for jump in self.equations.jumps for g in jump.reset]
-        return [*self.equations.field, *resets, *self.list_conditions()]
-
     def list_alike(self, mode: str) -> list[ModeEndings]:
         """Return what ends the modes that slide along the same surfaces, below and above all others.
 
@@ -365,34 +310,6 @@ class DerivedModes:
         """Return what a segment does with a switch; None for jumps."""
         return self.find_ending(segment).crossing if segment.event else None
 
-    def find_jump_of_rate(self, switch: int, mode: str) -> sympy.Expr:
-        """Return by how much du/dt of a switch grows across its surface: motions slide where it is negative."""
-        low, high = self.surfaces.find_bounds(switch, self.find_digits(mode))
-        return high - low
-
-    def find_digit(self, mode: str, switch: int) -> int:
-        """Return the digit of a switch in a mode."""
-        return self.find_digits(mode)[switch]
-
-    def list_exits(self, mode: str) -> list[tuple[str, Crossing]]:
-        """Return the events at which motions cease to slide in a mode, and what they do."""
-        leaving = (e for e in self.list_endings(mode) if e.crossing is not None and e.crossing.leaves)
-        return [(e.segment.event, e.crossing) for e in leaving if e.crossing is not None]
-
-    def find_surface(self, mode: str, event: str) -> int | None:
-        """Return the switch whose surface an event is in a mode beside it; None for other events."""
-        digits = self.find_digits(mode)
-        switches = self.equations.switches
-        beside = (
-            k for k, d in enumerate(digits) if d != ON and not switches[k].remembers and switches[k].contact is None
-        )
-        return next((k for k in beside if self._finder.name_surface(k, digits).name == event), None)
-
-    def list_surfaces(self, mode: str) -> tuple[str, ...]:
-        """Return the events whose functions are the surfaces that a motion slides along in a mode."""
-        digits = self.find_digits(mode)
-        return tuple(event.name for event in self._finder.list_held(digits))
-
     def find_return(self, mode: str) -> str:
         """Return the reset that puts states on the surfaces that a motion slides along in a mode."""
         return RETURN + mode if ON in self.find_digits(mode) else IDENTITY
@@ -423,7 +340,8 @@ class DerivedModes:
         if name not in self._resets and name.startswith(RETURN):
             digits = self.find_digits(name.removeprefix(RETURN))
             if ON in digits:
-                self._resets[name] = self._make_return(digits)
+                held = (event.function for event in self.finder.list_held(digits))
+                self._resets[name] = make_return(self.equations.states, [h for h in held if h is not None])
         elif name not in self._resets and ALTERNATIVE in name:
             # Those of motions that come to rest are called as their segments.
             self._find_segment(name)
@@ -445,15 +363,6 @@ class DerivedModes:
                     if after is not None and ending.may_lead_to(after):
                         return self.make_segment(ending, after)
         return self._segments.get(name)
-
-    def _make_return(self, digits: Digits) -> Exprs:
-        """Return the reset to the nearest states at which the functions of the surfaces of a mode are zero."""
-        held = (event.function for event in self._finder.list_held(digits))
-        x, u = sympy.Matrix(self.equations.states), sympy.Matrix([h for h in held if h is not None])
-        slopes = u.jacobian(x)
-        square = slopes * slopes.T
-        change = slopes.T * (square.adjugate() * u) / square.det(method="berkowitz")
-        return tuple(x - change)
 
 
 def make_modes(equations: Equations) -> DerivedModes:

@@ -15,6 +15,7 @@ import sympy
 from pddecont.model.conditions import list_differences, substitute_in
 from pddecont.model.dependence import find_owners, find_unread_states
 from pddecont.model.derived_modes import DerivedModes, make_modes
+from pddecont.model.equation_reads import list_expressions
 from pddecont.model.expression import TIME, require_finite, substitute
 from pddecont.model.lagged import find_reading_symbols, make_symbol
 from pddecont.model.parts import IDENTITY, Segment
@@ -295,7 +296,7 @@ def _expressions(model: Model) -> list[sympy.Expr]:
     Of a model given by its equations it is what its modes are made of.
     """
     if model.derived is not None:
-        return model.derived.list_expressions()
+        return list_expressions(model.derived.surfaces)
     bodies = [e for group in (model.modes, model.resets) for body in group.values() for e in body]
     bodies += [e.function for e in model.events.values() if e.function is not None]
     return bodies + [e for s in model.segments.values() for e in list_differences(s.guard)]

@@ -10,7 +10,7 @@ control is the same where the field is linear in the digits, as it is here.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import sympy
@@ -196,6 +196,15 @@ def find_surfaces(equations: Equations) -> Surfaces:
     found = Surfaces(equations, rates, slides, find_compatible(equations.switches))
     found.check_linear()
     return found
+
+
+def make_return(states: tuple[sympy.Symbol, ...], functions: Sequence[sympy.Expr]) -> tuple[sympy.Expr, ...]:
+    """Return the reset to the nearest states at which functions are zero, by one step of Newton's method."""
+    x, u = sympy.Matrix(states), sympy.Matrix(functions)
+    slopes = u.jacobian(x)
+    square = slopes * slopes.T
+    change = slopes.T * (square.adjugate() * u) / square.det(method="berkowitz")
+    return tuple(x - change)
 
 
 def put_in(expr: sympy.Expr, values: Values) -> sympy.Expr:

@@ -17,6 +17,7 @@ import sympy
 from sympy.logic.boolalg import Boolean
 
 from pddecont.model.endings import Ending
+from pddecont.model.mode_surfaces import list_surfaces
 from pddecont.model.parts import IDENTITY, Form, Segment
 from pddecont.model.repulsion import write_repulsion
 from pddecont.model.switches import Digits
@@ -129,7 +130,7 @@ def list_shared_forms(model: Model, mode: str) -> tuple[list[Form], list[Form], 
 
 def list_held(model: Model, mode: str) -> tuple[str, ...]:
     """Return the events on whose surfaces a motion slides in a mode."""
-    return () if model.derived is None else model.derived.list_surfaces(mode)
+    return () if model.derived is None else list_surfaces(model.derived, mode)
 
 
 def find_return(model: Model, mode: str) -> str:

@@ -28,7 +28,7 @@ class Repeller:
     def measure(self, orbit: Orbit) -> float:
         """Return how fast the field on the other side leads to the surface: negative where it points away too."""
         (below, above), (size_below, size_above) = self._find_rates(orbit)
-        is_above = self.derived.find_digit(self._find_mode(orbit), self.switch) == ABOVE
+        is_above = self.derived.find_digits(self._find_mode(orbit))[self.switch] == ABOVE
         return float(below / size_below if is_above else -above / size_above)
 
     def explain(self, orbit: Orbit) -> Reason:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pddecont.model import ABOVE, BELOW, ON, Crossing, DerivedModes
+from pddecont.model import ABOVE, BELOW, ON, Crossing, DerivedModes, find_surface, list_exits
 from pddecont.orbit.event_profiles import find_event_profile
 from pddecont.orbit.orbit import Orbit
 from pddecont.orbit.signature import Signature
@@ -29,9 +29,9 @@ def name_guard(orbit: Orbit, s: int) -> str:
     here, following = segments[s], segments[(s + 1) % len(segments)]
     if not derived.surfaces.slides[crossing.switch]:
         return ""
-    if derived.find_digit(here.to, crossing.switch) != ON:
+    if derived.find_digits(here.to)[crossing.switch] != ON:
         return CROSSING
-    exits = (e for e in derived.list_exits(here.to) if (e[1].switch, e[1].up) == (crossing.switch, crossing.up))
+    exits = (e for e in list_exits(derived, here.to) if (e[1].switch, e[1].up) == (crossing.switch, crossing.up))
     event = next((name for name, _ in exits), None)
     if event is None or following.mode != here.to:
         return CROSSING
@@ -45,9 +45,9 @@ def name_grazing(orbit: Orbit, s: int, event: str) -> str:
     if derived is None:
         return ""
     mode = orbit.signature.segments[s].mode
-    if any(name == event for name, _ in derived.list_exits(mode)):
+    if any(name == event for name, _ in list_exits(derived, mode)):
         return ADDING
-    switch = derived.find_surface(mode, event)
+    switch = find_surface(derived, mode, event)
     if switch is None or not derived.surfaces.slides[switch]:
         return ""
     times = [e.time for e in find_event_profile(orbit, event).extrema if e.segment == s]
@@ -64,7 +64,7 @@ def name_vanishing(signature: Signature, s: int) -> str:
     crossing = model.derived.find_crossing(here)
     if crossing is None or not crossing.leaves or before.to != here.mode:
         return ""
-    came, went = (model.derived.find_digit(mode, crossing.switch) for mode in (before.mode, after.mode))
+    came, went = (model.derived.find_digits(mode)[crossing.switch] for mode in (before.mode, after.mode))
     if {came, went} == {ABOVE, BELOW}:
         return CROSSING
     return GRAZING if came == went != ON else ""
@@ -72,10 +72,10 @@ def name_vanishing(signature: Signature, s: int) -> str:
 
 def _is_attracting(orbit: Orbit, derived: DerivedModes, switch: int, s: int, times: list[float]) -> bool:
     """Return whether motions slide along the surface of a switch where segment ``s`` is at some times."""
-    jump = derived.find_jump_of_rate(switch, orbit.signature.segments[s].mode)
+    low, high = derived.surfaces.find_bounds(switch, derived.find_digits(orbit.signature.segments[s].mode))
     place = orbit.mesh.locate(orbit.theta, np.array(times), segment=s)[0]
     reads = orbit.read(place)
-    values = orbit.numeric.function([jump]).value(reads.t, reads.x, reads.xd, orbit.parameters)
+    values = orbit.numeric.function([high - low]).value(reads.t, reads.x, reads.xd, orbit.parameters)
     return bool(np.all(values < 0.0))
 
 

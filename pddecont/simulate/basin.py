@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pddecont.simulate.attractors import Attractor, find_attractor, find_or_add
 from pddecont.simulate.initial_state import InitialState
-from pddecont.simulate.integrator import classify_cells
+from pddecont.simulate.integrator import KnownReturns, classify_cells
 from pddecont.simulate.motion_task import MotionTask
 from pddecont.simulate.returns import ReturnSettings
 
@@ -46,21 +46,6 @@ class ClassifiedRow:
     strays: dict[int, Attractor]
 
 
-@dataclass(frozen=True, eq=False)
-class _KnownReturns:
-    """The returns of all known attractors with a period, one a row.
-
-    Of each are held its states and how large each state of its attractor is (n_points, n), whose it is, which comes
-    next, and how many its attractor has (n_points,).
-    """
-
-    points: Array
-    size: Array
-    owner: Integers
-    following: Integers
-    length: Integers
-
-
 def classify_row(task: MotionTask, row: BasinRow) -> ClassifiedRow:
     """Return where the cells of a line lead; those that reach no known attractor are followed until they settle."""
     simulator = task.make_simulator()
@@ -88,11 +73,7 @@ def classify_row(task: MotionTask, row: BasinRow) -> ClassifiedRow:
             settings.forcing_period,
             settings.phase,
             settings.transient,
-            known.points,
-            known.owner,
-            known.following,
-            known.length,
-            known.size,
+            known,
             labels[done:],
             times[done:],
         )
@@ -107,12 +88,12 @@ def classify_row(task: MotionTask, row: BasinRow) -> ClassifiedRow:
     return ClassifiedRow(labels, times, strays)
 
 
-def _gather_returns(known: Sequence[Attractor], n: int) -> _KnownReturns:
+def _gather_returns(known: Sequence[Attractor], n: int) -> KnownReturns:
     periodic = [(k, a) for k, a in enumerate(known) if a.period > 0]
     ends = np.cumsum([0, *(a.period for _, a in periodic)])
     following = [end + np.roll(np.arange(a.period), -1) for (_, a), end in zip(periodic, ends, strict=False)]
     no_points, no_numbers = np.empty((0, n)), np.empty(0, np.int64)
-    return _KnownReturns(
+    return KnownReturns(
         np.ascontiguousarray(np.concatenate([no_points, *(a.states for _, a in periodic)])),
         np.concatenate([no_points, *(np.repeat(a.size[None], a.period, axis=0) for _, a in periodic)]),
         np.concatenate([no_numbers, *(np.full(a.period, k) for k, a in periodic)]).astype(np.int64),

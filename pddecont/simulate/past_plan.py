@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import dataclass
 from enum import IntEnum
+from functools import cached_property
 
 import numpy as np
 import sympy
@@ -59,48 +60,81 @@ class PastPlan:
     n_first: int
 
 
+@dataclass(frozen=True)
+class _Readers:
+    """Symbols by what holds them: vector fields, events and resets, lags and limits, and what is read besides."""
+
+    fields: set[sympy.Symbol]
+    events: set[sympy.Symbol]
+    lags: set[sympy.Symbol]
+    others: set[sympy.Symbol]
+
+    @cached_property
+    def every(self) -> set[sympy.Symbol]:
+        """The symbols that anything holds; derivatives alone may read more."""
+        return self.fields | self.events | self.lags | self.others
+
+
 def make_past_plan(model: Model, more_reads: Collection[sympy.Symbol] = ()) -> PastPlan:
     """Return how to evaluate what a model, and ``more_reads`` besides, read of the past."""
-    limits = dict.fromkeys(limit for i in model.integrals for limit in (i.low, i.high) if limit != 0)
-    known = set(model.parameter_symbols)
-    more = [limit for limit in limits if limit not in (*model.delays, *model.varying)]
-    constant = (*model.delays, *(e for e in more if e.free_symbols <= known))
-    varying = (*model.varying, *(e for e in more if not e.free_symbols <= known))
-    slot = {expr: k for k, expr in enumerate((*constant, *varying))}
-    turns = _put_in_order(model, varying)
-    inner = {s for e in (*varying, *limits) for s in e.free_symbols}
-    late = [turn for turn in turns if _is_late(model, turn, more_reads, inner)]
-    expressions = list(slot)
-    slots = tuple(slot[model.find_delay(read)] for read in model.delayed)
-    read = _list_read(model) | inner | set(more_reads)
-    rough = {k for k, symbol in zip(slots, model.read_symbols, strict=False) if symbol in read}
-    felt = set().union(inner, *(e.free_symbols for body in model.modes.values() for e in body))
-    silent = rough - {k for k, symbol in zip(slots, model.read_symbols, strict=False) if symbol in felt}
+    limits = tuple(dict.fromkeys(limit for i in model.integrals for limit in (i.low, i.high) if limit != 0))
+    constant, varying = _list_lags(model, limits)
+    slot = {lag: k for k, lag in enumerate((*constant, *varying))}
 
     def find_slot(limit: sympy.Expr) -> int:
         return PRESENT if limit == 0 else slot[limit]
 
-    def find_gain(k: int) -> int:
-        # What modes given by equations read is not known before they are reached.
-        if model.derived is not None:
-            return 1
-        if k >= len(constant) and k in silent and expressions[k] not in limits:
-            return LEVELS + 1
-        return 1 if k in rough else 2
-
+    readers = _list_readers(model, (*varying, *limits), more_reads)
+    turns = _put_in_order(model, varying)
+    late = [turn for turn in turns if _is_late(model, turn, readers)]
     return PastPlan(
         constant,
         varying,
-        slots,
+        tuple(slot[model.find_delay(read)] for read in model.delayed),
         tuple(find_slot(i.low) for i in model.integrals),
         tuple(find_slot(i.high) for i in model.integrals),
         (*(turn for turn in turns if turn not in late), *late),
-        tuple(find_gain(k) for k in range(len(slot))),
+        tuple(_find_gain(model, lag, lag in varying and lag not in limits, readers) for lag in slot),
         len(turns) - len(late),
     )
 
 
-def _is_late(model: Model, turn: tuple[Turn, int], read: Collection[sympy.Symbol], inner: set[sympy.Symbol]) -> bool:
+def _list_lags(model: Model, limits: tuple[sympy.Expr, ...]) -> tuple[tuple[sympy.Expr, ...], tuple[sympy.Expr, ...]]:
+    """Return the lags that depend on parameters alone, and those that change: those of the model, then other limits."""
+    known = set(model.parameter_symbols)
+    more = [limit for limit in limits if limit not in (*model.delays, *model.varying)]
+    constant = (*model.delays, *(e for e in more if e.free_symbols <= known))
+    return constant, (*model.varying, *(e for e in more if not e.free_symbols <= known))
+
+
+def _list_readers(model: Model, lags: Collection[sympy.Expr], others: Collection[sympy.Symbol]) -> _Readers:
+    functions = [event.function for event in model.events.values() if event.function is not None]
+    resets = [e for body in model.resets.values() for e in body]
+    fields = [e for body in model.modes.values() for e in body]
+    return _Readers(_list_symbols(fields), _list_symbols([*functions, *resets]), _list_symbols(lags), set(others))
+
+
+def _list_symbols(exprs: Collection[sympy.Expr]) -> set[sympy.Symbol]:
+    return set().union(*(e.free_symbols for e in exprs))
+
+
+def _find_gain(model: Model, lag: sympy.Expr, shifts_alone: bool, readers: _Readers) -> int:
+    """Return by how many orders what is read by a lag is smoother where it comes back.
+
+    ``shifts_alone`` says of a lag that it varies and is no limit of an integral. What modes given by equations read is
+    not known before they are reached.
+    """
+    if model.derived is not None:
+        return 1
+    pairs = zip(model.delayed, model.delayed_symbols, strict=True)
+    values = {symbol for read, symbol in pairs if model.find_delay(read) == lag}
+    if not values & readers.every:
+        return 2
+    in_events_alone = shifts_alone and not values & (readers.fields | readers.lags)
+    return LEVELS + 1 if in_events_alone else 1
+
+
+def _is_late(model: Model, turn: tuple[Turn, int], readers: _Readers) -> bool:
     """Return whether a turn is that of a rate or an integral that nothing but derivatives reads.
 
     What modes given by equations read is not known before they are reached.
@@ -108,15 +142,7 @@ def _is_late(model: Model, turn: tuple[Turn, int], read: Collection[sympy.Symbol
     kind, i = turn
     if model.derived is not None or kind == Turn.LAG or (kind == Turn.VALUE and not model.delayed[i].derivative):
         return False
-    symbol = model.read_symbols[i if kind == Turn.VALUE else len(model.delayed) + i]
-    return symbol not in inner and symbol not in read and symbol not in _list_read(model)
-
-
-def _list_read(model: Model) -> set[sympy.Symbol]:
-    """Return the symbols that the modes, events and resets of a model hold."""
-    exprs = [*(e for body in (*model.modes.values(), *model.resets.values()) for e in body)]
-    exprs += [event.function for event in model.events.values() if event.function is not None]
-    return set().union(*(e.free_symbols for e in exprs))
+    return model.read_symbols[i if kind == Turn.VALUE else len(model.delayed) + i] not in readers.every
 
 
 def _put_in_order(model: Model, varying: tuple[sympy.Expr, ...]) -> tuple[tuple[Turn, int], ...]:

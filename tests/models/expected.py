@@ -132,3 +132,9 @@ def both(item, names):
     for name, text in item.get("then", {}).items():
         names[name] = evaluated(text, names)
     return evaluated(item["quantity"], names), evaluated(item["value"], names)
+
+
+def value(model, what):
+    """Return an expected number, and how far another calculation may be from it: each may be off by its tolerance."""
+    item = entry(model, what)
+    return float(item["value"]), 2 * item["tol"]

@@ -27,6 +27,7 @@ class Family:
 
     @property
     def times(self):
+        """The times of the values, from 0 on."""
         return self.period * np.arange(len(self.values)) / len(self.values)
 
     def matrix(self, t, order=0):

@@ -308,3 +308,10 @@ class Motion:
                 continue
             if self._slope(other, self.fields[self.mode], self.z, 1) * crossed < 0:
                 raise MotionError(f"slides on '{exit_.what}' at t = {self.at}: both fields point at the surface")
+
+
+def settled_period(motion, name):
+    """Return the time between the last two events of a name; the two before are as far apart."""
+    before, middle, last = motion.times(name)[-3:]
+    assert abs((last - middle) - (middle - before)) <= 1e-8
+    return last - middle

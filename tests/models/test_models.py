@@ -12,9 +12,27 @@ from pddecont.steps.execution import execute
 from pddecont.tables import describe_endings
 from tests.conftest import ROOT
 from tests.conftest import SHIPPED as MODELS
-from tests.models import test_independent, test_smooth_orbits, test_sticking, test_switching, test_varying_delays
+from tests.models import (
+    test_machines,
+    test_oscillators,
+    test_populations,
+    test_smooth_orbits,
+    test_sticking,
+    test_switching,
+    test_varying_delays,
+)
 from tests.models.expected import FOLDER, both, entries, points
 
+# Where expected values are calculated again.
+INDEPENDENT = (
+    test_machines,
+    test_oscillators,
+    test_populations,
+    test_smooth_orbits,
+    test_sticking,
+    test_switching,
+    test_varying_delays,
+)
 # Their branches take half a minute and more: tests/test_full_model.py and the benchmarks follow them.
 LARGE = {"full_oscillator", "oscillator_chain_50"}
 
@@ -45,8 +63,7 @@ def test_what_is_expected_says_where_it_is_from(path):
         # A number is either from elsewhere or calculated again here; an expression is its own derivation.
         if "independent" in item:
             name = item["independent"]
-            rooms = (test_independent, test_smooth_orbits, test_sticking, test_switching, test_varying_delays)
-            assert any(hasattr(room, name) for room in rooms), name
+            assert any(hasattr(room, name) for room in INDEPENDENT), name
 
 
 def test_every_file_of_expected_values_belongs_to_a_model():

@@ -2,20 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from tests.random_delays.terms import Parts, draw_lag, draw_terms, read_late
 from tests.random_models.draw import Draw
 from tests.random_models.formula import States, call, name
 from tests.random_models.random_model import RandomModel, Segment
-
-
-@dataclass(frozen=True)
-class DrawnModel:
-    """A model, and the kinds of delay in it."""
-
-    model: RandomModel
-    kinds: tuple[str, ...]
 
 
 def draw_model(seed):
@@ -25,7 +15,7 @@ def draw_model(seed):
     parts, fields = FAMILIES[family](draw)
     free = draw.one_of([p for p in parts.parameters if p[0] in "Kqtw" and p != "wall"])
     value = parts.parameters[free]
-    model = RandomModel(
+    return RandomModel(
         seed=seed,
         family=family,
         states=parts.states.names,
@@ -36,9 +26,9 @@ def draw_model(seed):
         period=2 * name("pi") / name("omega") if parts.forced else None,
         # Damping of 0.25 and more leaves 1e-11 of a start.
         settle=200.0,
+        kinds=tuple(parts.kinds),
         **fields,
     )
-    return DrawnModel(model, tuple(parts.kinds))
 
 
 def driven(draw, remembers=False):

@@ -12,9 +12,9 @@ SEEDS = range(4 * len(FAMILIES))
 def test_a_seed_gives_the_same_model_again_which_is_read(seed):
     drawn = draw_model(seed)
     assert drawn == draw_model(seed)
-    model = model_from(drawn.model.as_mapping())
-    assert set(model.modes) == set(drawn.model.modes)
-    written = " ".join(str(f.yaml) for flow in drawn.model.modes.values() for f in flow.values())
+    model = model_from(drawn.as_mapping())
+    assert set(model.modes) == set(drawn.modes)
+    written = " ".join(str(f.yaml) for flow in drawn.modes.values() for f in flow.values())
     assert ("neutral" in drawn.kinds) == ("'(t - " in written)
     assert ("remembered" in drawn.kinds) == any(s.startswith("memory") for s in model.states)
 

@@ -16,5 +16,6 @@ LONGER = [0, 1, 3, 7, 8]
 def test_orbits_are_motions(seed, tmp_path):
     trial = try_model(draw_model(seed), tmp_path, max_points=3)
     assert trial.faults == []
+    assert trial.refused == []
     assert trial.outcome == "compared"
     assert trial.n_points >= 3

@@ -27,7 +27,7 @@ class RandomModel:
 
     ``events`` maps names to a formula or to (source, delay), a delayed event; ``resets`` to the states that change.
     ``delays`` are the parameters that are delays of states, ``period`` the forcing's. ``section`` is the sweep's, None
-    for once a forcing period.
+    for once a forcing period. ``kinds`` name the kinds of its delays where they are drawn too.
     """
 
     seed: int
@@ -45,6 +45,7 @@ class RandomModel:
     period: Formula | None = None
     section: dict[str, str] | None = None
     settle: float = 400.0
+    kinds: tuple[str, ...] = ()
 
     def as_mapping(self):
         """Return the model as a model file says it."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 
-from tests.random_models.trial import TOO_LONG
+from tests.random_models.program import TOO_LONG
 
 COLUMNS = (
     "family",

@@ -3,80 +3,20 @@
 from __future__ import annotations
 
 import time
-import warnings
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
-from pddecont.errors import PddecontError
-from pddecont.results import read_results
 from tests.random_models.comparison import AT_LIMIT, TOO_SENSITIVE, check_multiplier, check_period
+from tests.random_models.program import LIMITS, begin_trial, make_run, read_claims, run_program
 from tests.random_models.recorded import read_orbit
 from tests.random_models.sweeps import explain_attractors
-from tests.runs import run
-
-# Points at which a signature's orbit is at its own limit: the next one may be as good.
-LIMITS = ("GR", "VS", "MC", "GG", "GD", "HB")
-TOO_LONG = "too long"
-
-
-@dataclass
-class Trial:
-    """What was compared for one model, and what was found.
-
-    ``faults`` list what is wrong with no warning, each as (where, what was said, what is true); ``warned`` counts rows
-    that the program itself calls no motion of the model and that are none; ``refused`` lists those that are one.
-    """
-
-    seed: int
-    family: str
-    outcome: str = "compared"
-    why: str = ""
-    n_points: int = 0
-    n_multipliers: int = 0
-    at_limit: int = 0
-    too_sensitive: int = 0
-    warned: int = 0
-    worst_orbit: float = 0.0
-    worst_multiplier: float = 0.0
-    attractors: dict[str, int] = field(default_factory=dict)
-    faults: list[tuple[str, str, str]] = field(default_factory=list)
-    refused: list[tuple[str, str, str]] = field(default_factory=list)
-    seconds: dict[str, float] = field(default_factory=dict)
-    warnings: list[str] = field(default_factory=list)
-
-
-def make_run(model, *, sweep=True):
-    """Return a model's run: settle, solve, follow in its parameter, sweep over the same range."""
-    settle = f"{model.settle}"
-    steps = [
-        {"name": "transient", "simulate": {"t_end": settle}},
-        {"name": "orbit", "orbit": {"from": "transient", "stability": True}},
-        {
-            "name": "branch",
-            "continue": {
-                "from": "orbit",
-                "free": [model.free],
-                "range": {model.free: list(model.span)},
-                "stability": True,
-                "max_points": 60,
-            },
-        },
-    ]
-    low, high = model.span
-    given = {"over": {model.free: [low, high, 7]}, "initial": [dict(model.initial)], "transient": settle}
-    if model.section is not None:
-        given["section"] = model.section
-    if sweep:
-        steps.append({"name": "sweep", "sweep": given})
-    return {**model.as_mapping(), "run": {"steps": steps}}
 
 
 def try_model(model, folder, *, every=1, n_decays=3, sweep=True):
     """Return the trial of a model; of a branch every so many rows are compared."""
-    trial, path = Trial(model.seed, model.family), Path(folder) / f"{model.family}_{model.seed}.h5"
-    results = _run(make_run(model, sweep=sweep), trial, path)
+    trial, path = begin_trial(model), Path(folder) / f"{model.family}_{model.seed}.h5"
+    results = run_program(make_run(model, sweep=sweep), trial, path)
     if results is None:
         return trial
     began = time.process_time()
@@ -95,36 +35,9 @@ def try_model(model, folder, *, every=1, n_decays=3, sweep=True):
     return trial
 
 
-def _run(mapping, trial, path):
-    """Return the results of a model's run, as far as it went; None where it gave no orbit, and the trial says why."""
-    began = time.process_time()
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
-        try:
-            run(mapping, path)
-        except PddecontError as error:
-            trial.why = " ".join(str(error).split())
-    trial.seconds["program"] = time.process_time() - began
-    trial.warnings = [str(w.message) for w in caught]
-    results = read_results(path) if path.exists() else None
-    if results is None or "orbit" not in results.steps or len(results.steps["orbit"]) == 0:
-        trial.outcome = "no orbit"
-        return None
-    return results
-
-
-def _claims(step, row):
-    """Return whether a row is said to be a motion of the model, and whether to be stable."""
-    points = step.points
-    admissible = bool(points["admissible"][row])
-    if "verified" in points:
-        admissible &= int(points["verified"][row]) != 0
-    return admissible, points["stable"][row] == 1
-
-
 def _check_rows(model, step, rows, where, trial):
     for row in rows:
-        admissible, stable = _claims(step, row)
+        admissible, stable = read_claims(step, row)
         orbit = read_orbit(step, row)
         verdict = check_period(model, orbit)
         trial.n_points += 1
@@ -151,7 +64,7 @@ def _check_rows(model, step, rows, where, trial):
 
 def _check_decay(model, step, rows, where, trial):
     for row in dict.fromkeys(rows):
-        admissible, _ = _claims(step, row)
+        admissible, _ = read_claims(step, row)
         if not admissible or step.kind_of(row).startswith(LIMITS):
             continue
         orbit, pairs = read_orbit(step, row), step.orbit(row)["multipliers"]

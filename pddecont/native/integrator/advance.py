@@ -175,10 +175,32 @@ def _finish_step(c: Core, t: float, h: float, stop: float) -> int:
 
     A step over which an event function cannot be resolved is discarded, and the next one is shorter.
     """
-    mode = c.count[MODE]
+    sigma, hit, lag, passed = _find_first_event(c, t, h)
+    if _discard_unresolved_step(c, t, h):
+        return Status.REACHED
+    whole = sigma > 1.0
+    end = (stop if t + h >= stop - time_tolerance(stop) else t + h) if whole else min(t + sigma * h, stop)
+    _move_to_end(c, t, h, end, sigma)
+    # At the very start of a step a function that is on another side than it was has jumped, which is an event.
+    if end > t + time_tolerance(t):
+        _update_sides(c, hit, end, whole)
+    if hit == c.n_segments:
+        c.side[hit] = 0
+        return Status.SECTION
+    if lag >= 0:
+        return pass_lag(c, lag, passed, end)
+    return handle_events(c, hit, c.found_side[hit]) if hit >= 0 else Status.REACHED
+
+
+def _find_first_event(c: Core, t: float, h: float) -> tuple[float, int, int, int]:
+    """Return where in [0, 1] of the step just made something happens first, and what it is; 2 where nothing does.
+
+    It is a segment that ends (-1: none; ``c.n_segments`` stands for the section), or a lag (-1: none) that passes the
+    end of what it reads, with what :func:`find_lag_crossing` says that it passes.
+    """
+    mode, n_segments = c.count[MODE], c.n_segments
     hit, earliest = -1, 2.0
     same = time_tolerance(t + h) / h
-    n_segments = c.n_segments
     for place in range(c.crossing_first[mode], c.crossing_first[mode + 1]):
         segment = c.crossing_segment[place]
         event = c.segment_event[segment]
@@ -188,38 +210,43 @@ def _finish_step(c: Core, t: float, h: float, stop: float) -> int:
         # Of events at one moment the one declared first comes first.
         if s >= 0.0 and s < earliest - same:
             hit, earliest = segment, s
-    marked = False
     if c.section >= 0:
         s, c.found_side[n_segments] = find_first_crossing(
             c, c.section, c.section_direction, t, h, c.side[n_segments], 0.0
         )
         if s >= 0.0 and s < earliest:
-            marked, hit, earliest = True, -1, s
-    lag, passed = -1, 0
+            hit, earliest = n_segments, s
     if c.n_varying > 0:
         lag, s, passed = find_lag_crossing(c, t, h)
         if lag >= 0 and s < earliest - same:
-            marked, hit, earliest = False, -1, s
-        else:
-            lag = -1
-    if c.count[UNRESOLVED] == 1:
-        # An event function varies faster than a step of this length can show.
-        c.count[UNRESOLVED] = 0
-        if h > SHORTEST_RESOLVED * time_tolerance(t):
-            c.next_step[c.count[MODE]] = h / UNRESOLVED_SHRINK
-            c.count[READY] = 0
-            leave_step(c)
-            c.count[N_REJECTED] += 1
-            return Status.REACHED
-    whole = earliest > 1.0
-    end = (stop if t + h >= stop - time_tolerance(stop) else t + h) if whole else min(t + earliest * h, stop)
+            return s, -1, lag, passed
+    return earliest, hit, -1, 0
+
+
+def _discard_unresolved_step(c: Core, t: float, h: float) -> bool:
+    """Discard the step just made if an event function varies faster than a step of its length can show."""
+    if c.count[UNRESOLVED] == 0:
+        return False
+    c.count[UNRESOLVED] = 0
+    if h <= SHORTEST_RESOLVED * time_tolerance(t):
+        return False
+    c.next_step[c.count[MODE]] = h / UNRESOLVED_SHRINK
+    c.count[READY] = 0
+    leave_step(c)
+    c.count[N_REJECTED] += 1
+    return True
+
+
+def _move_to_end(c: Core, t: float, h: float, end: float, sigma: float) -> None:
+    """Record the step just made up to ``end``, where ``sigma`` of it is over, and make that the present."""
+    whole = sigma > 1.0
     if end > t:
         record_step(c, t, h, end)
     if end > t and c.log_steps > 0:
         _log_step(c, t, h, end)
     c.count[N_STEPS] += 1
     if not whole:
-        interpolate_state(c, earliest, offset(c.trial, c.dimension), c.dimension)
+        interpolate_state(c, sigma, offset(c.trial, c.dimension), c.dimension)
     if c.is_general == 1:
         leave_step(c)
     for i in range(c.dimension):
@@ -227,21 +254,17 @@ def _finish_step(c: Core, t: float, h: float, stop: float) -> int:
     return_to_surfaces(c, end, h)
     c.count[READY] = 1 if whole else 0
     c.clock[T] = end
-    # At the very start of a step a function that is on another side than it was has jumped, which is an event.
-    moved = end > t + time_tolerance(t)
-    if moved:
-        for place in range(c.crossing_first[mode], c.crossing_first[mode + 1]):
-            segment = c.crossing_segment[place]
-            if segment != hit:
-                update_side(c, segment, c.segment_event[segment], end, whole)
-    if c.section >= 0 and moved:
-        update_side(c, n_segments, c.section, end, whole)
-    if marked:
-        c.side[n_segments] = 0
-        return Status.SECTION
-    if lag >= 0:
-        return pass_lag(c, lag, passed, end)
-    return handle_events(c, hit, c.found_side[hit]) if hit >= 0 else Status.REACHED
+
+
+def _update_sides(c: Core, hit: int, end: float, whole: bool) -> None:
+    """Note on which sides the functions of events that did not happen, and the section's, are at the end of a step."""
+    mode = c.count[MODE]
+    for place in range(c.crossing_first[mode], c.crossing_first[mode + 1]):
+        segment = c.crossing_segment[place]
+        if segment != hit:
+            update_side(c, segment, c.segment_event[segment], end, whole)
+    if c.section >= 0:
+        update_side(c, c.n_segments, c.section, end, whole)
 
 
 def _log_step(c: Core, t: float, h: float, end: float) -> None:

@@ -43,14 +43,31 @@ def make_step(c: Core, t: float, stop: float) -> tuple[float, int]:
 
     The values at its end are in the second row of ``c.trial``, its extension in ``c.extension``.
     """
-    rest = stop - t
+    status = _begin_step(c, t, min(stop - t, c.max_step))
+    if status != Status.REACHED:
+        return 0.0, status
+    if c.is_general == 1:
+        enter_step(c)
+    h, status = _find_accepted_step(c, t, stop - t)
+    if status != Status.REACHED:
+        return h, status
+    if c.stiff == 1:
+        extend_stiff_step(c)
+    if c.is_general == 1:
+        hold_extension(c, h)
+        if c.lag_count[UNKNOWN] == 1:
+            return h, Status.PAST_UNKNOWN
+    return h, Status.REACHED
+
+
+def _begin_step(c: Core, t: float, first: float) -> int:
+    """Choose what the delays read, evaluate the slope, and choose a length if there is none; return a status.
+
+    The slope is left in the first row of ``c.stages``. No first step is longer than ``first``.
+    """
     mode = c.count[MODE]
-    first = min(rest, c.max_step)
-    changed = (
-        choose_arcs_with_tangent(c, t, t + 0.5 * _trial_length(c, first))
-        if c.tangent == 1
-        else choose_arcs(c, t + 0.5 * _trial_length(c, first))
-    )
+    middle = t + 0.5 * _trial_length(c, first)
+    changed = choose_arcs_with_tangent(c, t, middle) if c.tangent == 1 else choose_arcs(c, middle)
     if c.is_general == 1 and c.count[FRESH] == 1:
         choose_pieces(c, t)
     c.lag_count[UNKNOWN] = 0
@@ -62,56 +79,67 @@ def make_step(c: Core, t: float, stop: float) -> tuple[float, int]:
     if c.is_general == 1:
         status = check_lags(c, t)
         if status != Status.REACHED:
-            return 0.0, status
-    if c.next_step[c.count[MODE]] == 0.0:
-        c.next_step[c.count[MODE]] = _choose_first_length(c, t, first)
+            return status
+    if c.next_step[mode] == 0.0:
+        c.next_step[mode] = _choose_first_length(c, t, first)
         choose_arcs(c, t + 0.5 * _trial_length(c, first))
     if c.count[FRESH] == 1:
         note_sides(c, t)
-    wanted = min(c.next_step[c.count[MODE]], c.max_step)
-    # Delays, events, the section and the log read the extension of a step; without any of them there is none.
-    within = (c.n_delays > 0 and c.chain_n == 0) or c.n_segments > 0 or c.is_general == 1
-    extended = within or c.section >= 0 or c.log_steps > 0
+    return Status.REACHED
+
+
+def _find_accepted_step(c: Core, t: float, rest: float) -> tuple[float, int]:
+    """Try steps, each shorter than the one before, until the tolerances accept one; return its length and a status.
+
+    The stop is at a distance of ``rest``. How long the next step may be is left in ``c.next_step``.
+    """
+    mode = c.count[MODE]
+    wanted = min(c.next_step[mode], c.max_step)
+    order = STIFF_ORDER if c.stiff == 1 else EXPLICIT_ORDER
     rejected = False
-    if c.is_general == 1:
-        enter_step(c)
     while True:
         h = wanted if STRETCH * wanted < rest else rest
         if rest > h > 0.5 * rest:
             h = 0.5 * rest
         if h <= SHORTEST * time_tolerance(t) and h < rest:
-            for i in range(c.dimension):
-                if not isfinite(c.y[i]) or not isfinite(c.stages[i]):
-                    return h, Status.NOT_FINITE
-            return h, Status.STEP_TOO_SMALL
-        if c.is_general == 1:
-            error = try_any_step(c, t, h)
-        else:
-            error = try_stiff_step(c, t, h) if c.stiff == 1 else try_explicit_step(c, t, h)
-        order = STIFF_ORDER if c.stiff == 1 else EXPLICIT_ORDER
-        if error <= 1.0 and c.stiff == 0 and extended:
-            extend_explicit_step(c, t, h)
-            if within:
-                error = max(error, estimate_extension_error(c, t, h))
+            return h, Status.STEP_TOO_SMALL if _is_finite(c) else Status.NOT_FINITE
+        error = _try_step(c, t, h)
         if error <= 1.0:
             factor = GROW if error == 0.0 else min(GROW, max(SHRINK, SAFETY * error ** (-1.0 / order)))
             if rejected:
                 factor = min(factor, 1.0)
             # A step cut short by a breaking point says nothing against the length that was wanted.
-            c.next_step[c.count[MODE]] = (
-                max(h * factor, c.next_step[c.count[MODE]]) if h < 0.99 * wanted and not rejected else h * factor
-            )
-            break
+            c.next_step[mode] = max(h * factor, c.next_step[mode]) if h < 0.99 * wanted and not rejected else h * factor
+            return h, Status.REACHED
         c.count[N_REJECTED] += 1
         rejected = True
         wanted = h * (NOT_FINITE_SHRINK if not isfinite(error) else max(SHRINK, SAFETY * error ** (-1.0 / order)))
-    if c.stiff == 1:
-        extend_stiff_step(c)
+
+
+def _try_step(c: Core, t: float, h: float) -> float:
+    """Make a step of length ``h``, with its extension if anything reads that; return its error in parts of what may be.
+
+    Delays, events, the section and the log read the extension of a step.
+    """
     if c.is_general == 1:
-        hold_extension(c, h)
-        if c.lag_count[UNKNOWN] == 1:
-            return h, Status.PAST_UNKNOWN
-    return h, Status.REACHED
+        error = try_any_step(c, t, h)
+    else:
+        error = try_stiff_step(c, t, h) if c.stiff == 1 else try_explicit_step(c, t, h)
+    # What reads inside the step sees the extension's error.
+    within = (c.n_delays > 0 and c.chain_n == 0) or c.n_segments > 0 or c.is_general == 1
+    if error <= 1.0 and c.stiff == 0 and (within or c.section >= 0 or c.log_steps > 0):
+        extend_explicit_step(c, t, h)
+        if within:
+            error = max(error, estimate_extension_error(c, t, h))
+    return error
+
+
+def _is_finite(c: Core) -> bool:
+    """Return whether the present state and its slope are finite."""
+    for i in range(c.dimension):
+        if not isfinite(c.y[i]) or not isfinite(c.stages[i]):
+            return False
+    return True
 
 
 def _trial_length(c: Core, first: float) -> float:

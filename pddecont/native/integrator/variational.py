@@ -23,15 +23,21 @@ from pddecont.native.integrator.ring import find_step_before
 
 def find_event_shift(c: Core, event: int, mode: int, t: float) -> float:
     """Return by how much later, to first order, a motion displaced by the tangent meets an event."""
-    n, m, y = c.n, c.n_pairs, c.y
+    slope, along = _evaluate_event_changes(c, event, mode, t)
+    return -along / slope if slope != 0.0 else 0.0
+
+
+def _evaluate_event_changes(c: Core, event: int, mode: int, t: float) -> tuple[float, float]:
+    """Return the derivatives of an event function along the flow and along the tangent, delayed values included."""
+    n, y = c.n, c.y
     slope, _ = evaluate_event_slope(c, event, mode, t, y)
     read_delayed(c, t, y, c.xd_slope, 1)
-    moved = 0.0
+    along = 0.0
     for i in range(n):
-        moved += c.gradient[i] * y[c.n_full + i]
-    for i in range(m):
-        moved += c.gradient[n + i] * c.xd_slope[i]
-    return -moved / slope if slope != 0.0 else 0.0
+        along += c.gradient[i] * y[c.n_full + i]
+    for i in range(c.n_pairs):
+        along += c.gradient[n + i] * c.xd_slope[i]
+    return slope, along
 
 
 def map_tangent(c: Core, reset: int, mode: int, t: float, shift: float) -> None:
@@ -75,18 +81,12 @@ def jump_at_lag(c: Core, k: int, slot: int, target: int, later: int, t: float) -
 
     With the read time a(t) = t - lag and a jump at xi, a neighbour passes it (d xi - d a) / a' later.
     """
-    n, m, y = c.n, c.n_pairs, c.y
-    slope, _ = evaluate_event_slope(c, c.n_events + 2 * k, c.count[MODE], t, y)
-    read_delayed(c, t, y, c.xd_slope, 1)
-    moved = 0.0
-    for i in range(n):
-        moved += c.gradient[i] * y[c.n_full + i]
-    for i in range(m):
-        moved += c.gradient[n + i] * c.xd_slope[i]
+    y = c.y
+    slope, along = _evaluate_event_changes(c, c.n_events + 2 * k, c.count[MODE], t)
     number = find_first_step(c, later)
     inside = number < c.count[FIRST] + c.count[USED]
     own = c.past_shift[number & c.mask] if inside else c.clock[SHIFT]
-    shift = (own - moved) / slope if slope != 0.0 else 0.0
+    shift = (own - along) / slope if slope != 0.0 else 0.0
     evaluate_rhs(c, c.count[MODE], t, y, offset(c.slope, c.dimension))
     c.reading[slot] = target
     evaluate_rhs(c, c.count[MODE], t, y, c.slope)

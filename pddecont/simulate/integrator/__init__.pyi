@@ -4,6 +4,7 @@ from .buffers import Workspace as Workspace
 from .buffers import make_log as make_log
 from .buffers import make_return_buffer as make_return_buffer
 from .buffers import make_workspace as make_workspace
+from .classification import KnownReturns as KnownReturns
 from .classification import classify_cells as classify_cells
 from .core import make_core as make_core
 from .entries import advance_to_return as advance_to_return

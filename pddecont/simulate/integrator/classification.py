@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,6 +20,21 @@ Integers = NDArray[np.int64]
 NEAR, NEAR_ERRORS = 1e-4, 100.0
 
 
+@dataclass(frozen=True, eq=False)
+class KnownReturns:
+    """The returns of all known attractors with a period, one a row.
+
+    Of each are held its states and how large each state of its attractor is (n_points, n), whose it is, which comes
+    next, and how many its attractor has (n_points,).
+    """
+
+    points: Array
+    size: Array
+    owner: Integers
+    following: Integers
+    length: Integers
+
+
 def classify_cells(
     system: System,
     values: ParameterValues,
@@ -29,11 +46,7 @@ def classify_cells(
     period: float,
     phase: float,
     t_end: float,
-    points: Array,
-    owner: Integers,
-    following: Integers,
-    length: Integers,
-    size: Array,
+    known: KnownReturns,
     labels: Integers,
     times: Array,
 ) -> int:
@@ -41,23 +54,15 @@ def classify_cells(
 
     Return how many cells are done; the next one comes to where the tables of ``system`` have nothing yet.
 
-    A motion is on an attractor when its returns are near those of the attractor, in their order, for longer than these
-    take and than the longest delay.
-
     Parameters
     ----------
     template
         All variables at the start (dimension,); the states are replaced by those of a cell.
     modes
         The numbers of the cells' modes at the start (n_cells,).
-    points, size
-        The returns of all attractors (n_points, n), and how large each state of the attractor is (n_points, n).
-    owner, following, length
-        Whose return each is, which comes after it, and how many returns its attractor has (n_points,).
     labels, times
         The results: the number of the attractor, -1 for none, and the time (n_cells,).
     """
-    allowed = NEAR * size + NEAR_ERRORS * values.atol
     for cell in range(len(initial)):
         state = make_state(system, values)
         state.y[:] = template
@@ -67,30 +72,50 @@ def classify_cells(
             state.constant[:] = initial[cell]
             _start_chain(system, state)
         initialise(system, values, state, work, 0.0, int(modes[cell]))
-        labels[cell], expected, since, met = -1, -1, 0.0, 0
-        stop = np.array([np.nan])
-        while True:
-            status = advance_to_return(system, values, state, work, period, phase, t_end, stop)
-            if status == Status.CAPACITY:
-                state = enlarge(state)
-                continue
-            if status == Status.NEW_WAY:
-                return cell
-            if status != Status.SECTION:
-                break
-            near = np.all(np.abs(points - state.y[: system.n]) <= allowed, axis=1)
-            if expected >= 0 and near[expected]:
-                found, met = expected, met + 1
-            else:
-                found, met = int(np.argmax(near)) if near.any() else -1, 1
-                since = state.clock[T]
-            expected = -1 if found < 0 else int(following[found])
-            settled = found >= 0 and met > length[found]
-            if settled and state.clock[T] - since >= max(values.longest, state.lag_time[LONGEST]):
-                labels[cell] = owner[found]
-                break
-        times[cell] = state.clock[T]
+        found = _find_attractor(system, values, state, work, period, phase, t_end, known)
+        if found is None:
+            return cell
+        labels[cell], times[cell] = found
     return len(initial)
+
+
+def _find_attractor(
+    system: System,
+    values: ParameterValues,
+    state: IntegratorState,
+    work: Workspace,
+    period: float,
+    phase: float,
+    t_end: float,
+    known: KnownReturns,
+) -> tuple[int, float] | None:
+    """Return the number of the attractor that a motion leads to (-1: none of those known), and when that was seen.
+
+    A motion is on an attractor when its returns are near those of the attractor, in their order, for longer than these
+    take and than the longest delay. None says that it comes to where the tables of ``system`` have nothing yet.
+    """
+    allowed = NEAR * known.size + NEAR_ERRORS * values.atol
+    expected, since, met = -1, 0.0, 0
+    stop = np.array([np.nan])
+    while True:
+        status = advance_to_return(system, values, state, work, period, phase, t_end, stop)
+        if status == Status.CAPACITY:
+            state = enlarge(state)
+            continue
+        if status == Status.NEW_WAY:
+            return None
+        if status != Status.SECTION:
+            return -1, float(state.clock[T])
+        near = np.all(np.abs(known.points - state.y[: system.n]) <= allowed, axis=1)
+        if expected >= 0 and near[expected]:
+            found, met = expected, met + 1
+        else:
+            found, met = int(np.argmax(near)) if near.any() else -1, 1
+            since = state.clock[T]
+        expected = -1 if found < 0 else int(known.following[found])
+        settled = found >= 0 and met > known.length[found]
+        if settled and state.clock[T] - since >= max(values.longest, state.lag_time[LONGEST]):
+            return int(known.owner[found]), float(state.clock[T])
 
 
 def _start_chain(system: System, state: IntegratorState) -> None:

@@ -1,4 +1,7 @@
-"""What Python asks of the compiled integrator, in its own records."""
+"""What Python asks of the compiled integrator, in its own records.
+
+What each function does is said where its source is, under the same name. A status CAPACITY asks for a larger state.
+"""
 
 from __future__ import annotations
 
@@ -18,20 +21,14 @@ NOTHING = make_log(0, 0, 0)
 def initialise(
     system: System, values: ParameterValues, state: IntegratorState, work: Workspace, t: float, mode: int
 ) -> None:
-    """Set the clock of a new integration to ``t`` and its mode; its states are in ``state.y`` already.
-
-    A mode of -1 says that nothing decides in which one it starts.
-    """
+    """Begin an integration: :func:`pddecont.native.integrator.advance.initialise`."""
     compiled.initialise(make_core(system, values, state, NOTHING, work), t, mode)
 
 
 def change_parameters(
     system: System, values: ParameterValues, state: IntegratorState, work: Workspace, before: ParameterValues
 ) -> None:
-    """Let ``values`` hold from the present time on instead of ``before``.
-
-    The delayed values at the present time are left in ``work.xd``.
-    """
+    """Let ``values`` hold instead of ``before``: :func:`pddecont.native.integrator.advance.change_parameters`."""
     compiled.change_parameters(make_core(system, values, state, NOTHING, work), before.tau)
 
 
@@ -44,10 +41,7 @@ def run(
     t_stop: float,
     most_steps: int,
 ) -> int:
-    """Integrate to ``t_stop``, or until something is to be said; return a status.
-
-    CAPACITY asks for a larger state.
-    """
+    """Integrate to ``t_stop``, and return a status: :func:`pddecont.native.integrator.advance.run`."""
     return compiled.run(make_core(system, values, state, log, work), t_stop, most_steps)
 
 
@@ -61,11 +55,7 @@ def begin_inside_arc(
     mode: int,
     arc: int,
 ) -> int:
-    """Set an integration to time ``t`` inside an arc; return REACHED, or CAPACITY, which asks for a larger state.
-
-    The states are in ``state.y`` already, the past, which starts at ``begin``, in its ring, and the delayed events
-    under way in their queue.
-    """
+    """Begin where another integration was: :func:`pddecont.native.integrator.restart.begin_inside_arc`."""
     return compiled.begin_inside_arc(make_core(system, values, state, NOTHING, work), t, begin, mode, arc)
 
 
@@ -79,10 +69,7 @@ def advance_to_return(
     t_end: float,
     stop: NDArray[np.float64],
 ) -> int:
-    """Integrate to the next return, or ``t_end``; return a status: SECTION at a return.
-
-    ``stop`` (1,) is NaN at first.
-    """
+    """Integrate to the next return: :func:`pddecont.native.integrator.poincare.advance_to_return`."""
     return compiled.advance_to_return(make_core(system, values, state, NOTHING, work), period, phase, t_end, stop)
 
 
@@ -97,10 +84,7 @@ def follow_to_period(
     t_end: float,
     max_period: int,
 ) -> tuple[int, int]:
-    """Follow a motion until it repeats itself or its time is over; return a status and its period in returns (0: none).
-
-    ``returns`` are filled; CAPACITY asks for a larger state.
-    """
+    """Follow a motion until it repeats itself: :func:`pddecont.native.integrator.poincare.follow_to_period`."""
     record = make_returns(system, returns, period)
     core = make_core(system, values, state, NOTHING, work)
     return compiled.follow_to_period(core, record, period, phase, t_end, max_period)
@@ -131,9 +115,5 @@ def measure_growth(
     logs: NDArray[np.float64],
     done: NDArray[np.float64],
 ) -> int:
-    """Write the logarithm of the growth of the tangent over each of ``len(logs)`` intervals; return a status.
-
-    CAPACITY asks for a larger state. ``done`` (2,) keeps for the next call how many intervals are done and when the
-    present one ends (NaN: none is under way); it begins with (0, NaN).
-    """
+    """Write how the tangent grows to ``logs``: :func:`pddecont.native.integrator.tangent_growth.measure_growth`."""
     return compiled.measure_growth(make_core(system, values, state, NOTHING, work), interval, len(logs), logs, done)

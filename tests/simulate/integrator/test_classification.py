@@ -5,7 +5,7 @@ import pytest
 
 from pddecont.delay import Chain, Direct
 from pddecont.simulate import Simulator
-from pddecont.simulate.integrator import classify_cells
+from pddecont.simulate.integrator import KnownReturns, classify_cells
 from tests.conftest import numeric_from
 
 WELLS = (
@@ -22,6 +22,7 @@ def classify(points, owner, following, length, initial, delay, transient=200.0):
     template = simulator.start(values, [0.0, 0.0], constant=True).y
     labels, times = np.full(len(initial), -7), np.zeros(len(initial))
     integers = [np.array(a, dtype=np.int64) for a in (owner, following, length)]
+    known = KnownReturns(np.array(points, dtype=float).reshape(-1, 2), np.ones((len(points), 2)), *integers)
     classify_cells(
         simulator.system,
         values,
@@ -33,9 +34,7 @@ def classify(points, owner, following, length, initial, delay, transient=200.0):
         2 * np.pi,
         0.0,
         transient,
-        np.array(points, dtype=float).reshape(-1, 2),
-        *integers,
-        np.ones((len(points), 2)),
+        known,
         labels,
         times,
     )

@@ -4,10 +4,10 @@ import time
 
 import pytest
 
-from tests.random_models import __main__ as many
+from tests.random_models.driver import try_within
 from tests.random_models.generator import draw_model
+from tests.random_models.program import TOO_LONG, Trial
 from tests.random_models.tables import COLUMNS, summarise_trials
-from tests.random_models.trial import TOO_LONG, Trial
 
 
 def work_for_ever(model, folder):
@@ -18,9 +18,8 @@ def work_for_ever(model, folder):
             return Trial(model.seed, model.family, why=str(error))
 
 
-def test_a_model_that_takes_too_long_is_given_up_and_counted(monkeypatch, tmp_path):
-    monkeypatch.setattr(many, "try_model", work_for_ever)
-    trial = many.try_within(draw_model(3), tmp_path, limit=0.05)
+def test_a_model_that_takes_too_long_is_given_up_and_counted(tmp_path):
+    trial = try_within(work_for_ever, draw_model(3), tmp_path, limit=0.05)
     assert trial.outcome == TOO_LONG
     (head, lines), _ = summarise_trials([vars(trial)])
     assert head == list(COLUMNS)
@@ -29,9 +28,8 @@ def test_a_model_that_takes_too_long_is_given_up_and_counted(monkeypatch, tmp_pa
 
 
 @pytest.mark.parametrize("outcome", ["compared", "no orbit"])
-def test_another_is_what_it_is(monkeypatch, tmp_path, outcome):
-    monkeypatch.setattr(many, "try_model", lambda model, folder: Trial(model.seed, model.family, outcome))
-    trial = many.try_within(draw_model(3), tmp_path, limit=60.0)
+def test_another_is_what_it_is(tmp_path, outcome):
+    trial = try_within(lambda model, _: Trial(model.seed, model.family, outcome), draw_model(3), tmp_path, limit=60.0)
     assert trial.outcome == outcome
     (_, lines), _ = summarise_trials([vars(trial)])
     assert lines[-1][COLUMNS.index("given up")] == "0"
