@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Generic
@@ -36,6 +37,11 @@ class CurvePoint(Generic[E]):
     def n_iterations(self) -> int:
         """Number of Newton steps that it took."""
         return self.solution.n_iterations if self.solution else 0
+
+    @property
+    def solve(self) -> Callable[[Array], Array] | None:
+        """What solves with the bordered Jacobian here, None where its factors are not at hand."""
+        return self.solution.solve if self.solution is not None and self.solution.at is self.at else None
 
     @cached_property
     def tangent(self) -> Array:

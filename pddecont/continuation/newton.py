@@ -1,4 +1,4 @@
-"""Newton's method with damping, in variables scaled to order one."""
+"""Newton's method with damping, in variables scaled to order one; its last steps with one Jacobian where that pays."""
 
 from __future__ import annotations
 
@@ -9,11 +9,15 @@ from typing import Generic
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.continuation.linear import equilibrate
+from pddecont.continuation.linear import Matrix, ScaledFactors, equilibrate
 from pddecont.continuation.system import E
 from pddecont.errors import ConvergenceError
 
 Array = NDArray[np.float64]
+# Steps with one Jacobian that are taken at most, and the scaled length of a step that is rounding.
+CHORD_STEPS, EXACT = 5, 1e-15
+# Solutions with the Jacobian at the end of such steps are corrected to this, relative to their size, so many times.
+CORRECTED, MAX_CORRECTIONS = 1e-10, 6
 
 
 @dataclass(frozen=True)
@@ -32,24 +36,31 @@ class NewtonSettings:
 
 @dataclass(frozen=True, eq=False)
 class Solution(Generic[E]):
-    """Where Newton's method arrived; ``history`` holds the scaled residual before each iteration and at the end.
+    """Where Newton's method arrived; ``history`` holds the scaled residual before each step and at the end.
 
-    ``solve(b)`` solves with the last Jacobian, which is that at the solution to within the last step.
+    ``solve(b)`` solves with the Jacobian at the solution, to within what is left of the last step or ``CORRECTED``.
+    ``n_iterations`` counts Newton steps; steps with an old Jacobian count as the Newton steps that they stand for.
     """
 
     at: E
     history: tuple[float, ...]
     solve: Callable[[Array], Array]
+    n_iterations: int
 
     @property
     def x(self) -> Array:
         """The solution's unknowns."""
         return self.at.x
 
-    @property
-    def n_iterations(self) -> int:
-        """Number of Newton steps taken."""
-        return len(self.history) - 1
+
+@dataclass(frozen=True, eq=False)
+class _Step(Generic[E]):
+    """A step that was taken: where it led, its scaled length, the scaled residual there, and its factors."""
+
+    at: E
+    length: float
+    residual: float
+    factors: ScaledFactors
 
 
 def solve_newton(
@@ -57,7 +68,8 @@ def solve_newton(
 ) -> Solution[E]:
     """Return the solution near ``x`` of as many equations as unknowns.
 
-    ``scale`` gives the typical size of each unknown. A step is halved until the scaled residual falls.
+    ``scale`` gives the typical size of each unknown. A step is halved until the scaled residual falls. Where steps with
+    the last Jacobian shrink so fast that a few of them lead to the solution, no other is factored.
 
     Raises
     ------
@@ -68,44 +80,107 @@ def solve_newton(
     history: list[float] = []
     steps: list[float] = []
     here = evaluate(x)
-    r = here.residual
-    for _ in range(settings.max_iterations):
-        equilibrated = equilibrate(here.jacobian(), scale)
-        rows = equilibrated.rows
-        size = _norm(rows * r)
-        if not history:
-            history.append(size)
-        try:
-            factors = equilibrated.factor()
-            step = factors.solve_scaled(-r)
-        except ConvergenceError as exc:
-            raise ConvergenceError(f"{exc} (residuals: {format_history(history)})", history) from exc
-        damping, obstacle = 1.0, ""
-        while True:
-            trial = evaluate(here.x + damping * scale * step)
-            try:
-                trial_size = _norm(rows * trial.residual)
-            except ConvergenceError as exc:
-                trial_size, obstacle = np.inf, f"; {exc}"
-            if trial_size < size or trial_size < settings.residual_tol:
-                break
-            damping *= 0.5
-            if damping < settings.min_damping:
-                raise ConvergenceError(
-                    f"Newton's method cannot lower the residual further (residuals: {format_history(history)})"
-                    f"{obstacle}",
-                    history,
-                )
-        here, r = trial, trial.residual
-        history.append(trial_size)
-        steps.append(damping * _norm(step))
-        if damping == 1.0 and steps[-1] < settings.step_tol and trial_size < settings.residual_tol:
-            return Solution(here, tuple(history), factors.solve)
+    for n in range(1, settings.max_iterations + 1):
+        step, damping = _take_newton_step(evaluate, here, scale, settings, history)
+        here = step.at
+        steps.append(step.length)
+        if damping == 1.0 and step.length < settings.step_tol and step.residual < settings.residual_tol:
+            return Solution(here, tuple(history), step.factors.solve, n)
+        chord = _follow_chord(evaluate, step, settings) if damping == 1.0 else []
+        if chord:
+            last = chord[-1]
+            history += [c.residual for c in chord]
+            n_iterations = n + _count_newton_steps(step.length, chord[0].length, settings)
+            return Solution(last.at, tuple(history), _correct_solutions(last), n_iterations)
     raise ConvergenceError(
         f"Newton's method did not converge in {settings.max_iterations} iterations "
         f"({_explain_failure(history, steps, settings)})",
         history,
     )
+
+
+def _take_newton_step(
+    evaluate: Callable[[Array], E], here: E, scale: Array, settings: NewtonSettings, history: list[float]
+) -> tuple[_Step[E], float]:
+    """Return a Newton step and what it was multiplied by; put the scaled residual after it into ``history``."""
+    equilibrated = equilibrate(here.jacobian(), scale)
+    rows = equilibrated.rows
+    size = _norm(rows * here.residual)
+    if not history:
+        history.append(size)
+    try:
+        factors = equilibrated.factor()
+        step = factors.solve_scaled(-here.residual)
+    except ConvergenceError as exc:
+        raise ConvergenceError(f"{exc} (residuals: {format_history(history)})", history) from exc
+    damping, obstacle = 1.0, ""
+    while True:
+        trial = evaluate(here.x + damping * scale * step)
+        try:
+            trial_size = _norm(rows * trial.residual)
+        except ConvergenceError as exc:
+            trial_size, obstacle = np.inf, f"; {exc}"
+        if trial_size < size or trial_size < settings.residual_tol:
+            history.append(trial_size)
+            return _Step(trial, damping * _norm(step), trial_size, factors), damping
+        damping *= 0.5
+        if damping < settings.min_damping:
+            raise ConvergenceError(
+                f"Newton's method cannot lower the residual further (residuals: {format_history(history)}){obstacle}",
+                history,
+            )
+
+
+def _follow_chord(evaluate: Callable[[Array], E], before: _Step[E], settings: NewtonSettings) -> list[_Step[E]]:
+    """Return the steps with the factors of a Newton step that lead on to the solution, none if too many would.
+
+    Each is shorter than the one before by about the same factor, which tells what is left after the last.
+    """
+    factors, last = before.factors, before
+    result: list[_Step[E]] = []
+    while True:
+        step = factors.solve_scaled(-last.at.residual)
+        length = _norm(step)
+        shrinks = length / last.length
+        n_left = 1.0 if length <= EXACT else np.log(EXACT / length) / np.log(shrinks) if shrinks < 1.0 else np.inf
+        if len(result) + n_left > CHORD_STEPS:
+            return []
+        trial = evaluate(last.at.x + factors.columns * step)
+        try:
+            residual = _norm(factors.rows * trial.residual)
+        except ConvergenceError:
+            return []
+        last = _Step(trial, length, residual, factors)
+        result.append(last)
+        if length < settings.step_tol and residual < settings.residual_tol and shrinks * length <= EXACT:
+            return result
+
+
+def _count_newton_steps(last: float, first: float, settings: NewtonSettings) -> int:
+    """Return how many Newton steps would have followed one of length ``last``, were the next of length ``first``."""
+    n, length = 1, first
+    while length >= settings.step_tol:
+        n, length = n + 1, last * (first / last) ** (2 ** (n + 1) - 1)
+    return n
+
+
+def _correct_solutions(last: _Step[E]) -> Callable[[Array], Array]:
+    """Return what solves with the Jacobian where a step led, by factors of another not far from it."""
+    matrix: list[Matrix] = []
+
+    def solve(b: Array) -> Array:
+        matrix.append(matrix.pop() if matrix else last.at.jacobian())
+        factors = last.factors
+        x = factors.solve(b)
+        size = _norm(x / factors.columns) or 1.0
+        for _ in range(MAX_CORRECTIONS):
+            correction = factors.solve(b - matrix[0] @ x)
+            x = x + correction
+            if _norm(correction / factors.columns) <= CORRECTED * size:
+                return x
+        return equilibrate(matrix[0], factors.columns).factor().solve(b)
+
+    return solve
 
 
 def _explain_failure(history: list[float], steps: list[float], settings: NewtonSettings) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -84,11 +84,13 @@ def orbit_to_row(
     referee: Verifier | None = None,
     ranges: tuple[float, ...] = (),
     error: float | None = None,
+    solve: Callable[[Array], Array] | None = None,
 ) -> tuple[dict[str, Any], dict[str, Array]]:
     """Return the row of points and the rows of arrays that record an orbit.
 
     ``events`` are those whose surfaces the step keeps, ``n_shown`` is the number of multipliers that were asked for,
-    ``ranges`` are the widths of the free parameters' ranges; ``error`` is that of the orbit, where it is known already.
+    ``ranges`` are the widths of the free parameters' ranges; ``error`` is that of the orbit, where it is known already,
+    ``solve`` solves with its bordered Jacobian, where its factors are at hand.
     An orbit that is no motion of the model is not stable.
     """
     unknown = multipliers is None or not multipliers.says_stability
@@ -106,7 +108,7 @@ def orbit_to_row(
         "admissible": is_motion,
         "verified": verification.verified,
         "deviation": verification.deviation,
-        "error_estimate": estimate_error(orbit, ranges) if error is None else error,
+        "error_estimate": estimate_error(orbit, ranges, solve) if error is None else error,
         "monitors": np.array([monitor.evaluate(orbit) for monitor in monitors]),
         "clearance": measure_grazing_gap(orbit),
         "n_iterations": n_iterations,
