@@ -22,7 +22,7 @@ from pddecont.orbit.orbit import Orbit
 from pddecont.orbit.residual import Rows, compute_residual
 
 Array = NDArray[np.float64]
-# A step that leaves more than this part of what the orbit left of the equations is none.
+# A step after which the next is longer than this part of it, or leaves so much of the equations, is none.
 LEFT = 0.1
 
 
@@ -45,43 +45,48 @@ def _make_tables(degree: int) -> _Tables:
     )
 
 
-def find_deferred_correction(orbit: Orbit, finer: Orbit, solve: Callable[[Array], Array]) -> tuple[Array, Array] | None:
+def find_deferred_correction(
+    orbit: Orbit, finer: Orbit, scale: Array, solve: Callable[[Array], Array]
+) -> tuple[Array, Array] | None:
     """Return the step from ``finer``, an orbit as polynomials of one degree more, and the directions that stay free.
 
-    ``solve`` solves with the Jacobian of the orbit's equations, bordered by a row for each free parameter. The step has
-    shape (n_unknowns,), the directions (n_unknowns, n_free). None: the step leaves too much of the equations.
+    ``scale`` (n_unknowns,) are typical sizes of its unknowns; ``solve`` solves with the Jacobian of the orbit's own
+    equations, bordered by a row for each free parameter. The step has shape (n_unknowns,), the directions
+    (n_unknowns, n_free). None: one such step does not do.
     """
-    tables, size = _make_tables(orbit.mesh.degree), np.ptp(orbit.values, axis=0) + np.max(np.abs(orbit.values), axis=0)
-    n_free = len(orbit.problem.free)
+    tables, mesh, unknowns = _make_tables(orbit.mesh.degree), orbit.mesh, orbit.problem.unknowns
+    n_free, n_values = len(orbit.problem.free), finer.problem.unknowns.values.stop
 
-    def split(x: Array) -> tuple[Array, Array]:
-        """Return what is left of the collocation equations by intervals, and of the others."""
+    def find_left(x: Array) -> tuple[Array, Array]:
+        """Return what is left of the collocation equations, by intervals, and of the others."""
         left = compute_residual(Orbit(finer.problem, x))
         n = Rows(finer.problem.unknowns).n_collocation
-        return left[:n].reshape(finer.mesh.n_intervals, orbit.mesh.degree + 1, -1), left[n:]
+        return left[:n].reshape(mesh.n_intervals, mesh.degree + 1, -1), left[n:]
+
+    def solve_smooth(collocation: Array, others: Array) -> Array:
+        """Return the step that the part of lower degree asks for."""
+        restricted = np.einsum("ci,jin->jcn", tables.restrict, collocation)
+        return raise_unknowns(solve(-np.concatenate([restricted.ravel(), others, np.zeros(n_free)])))
 
     def raise_unknowns(y: Array) -> Array:
         """Return unknowns of the orbit's mesh as those of the finer one."""
-        values = y[orbit.problem.unknowns.values].reshape(orbit.mesh.n_base, -1)
-        raised = resample(orbit.mesh, values, finer.mesh)
-        return np.concatenate([raised.ravel(), y[orbit.problem.unknowns.values.stop :]])
+        values = resample(mesh, y[unknowns.values].reshape(mesh.n_base, -1), finer.mesh)
+        return np.concatenate([values.ravel(), y[unknowns.values.stop :]])
 
-    first, _ = split(finer.x)
+    first, _ = find_left(finer.x)
     bubble = np.zeros((finer.mesh.n_base, first.shape[2]))
     bubble[finer.mesh.base_index] = -np.einsum("bi,jin->jbn", tables.bubble, first)
-    step = np.zeros(len(finer.x))
-    step[finer.problem.unknowns.values] = bubble.ravel()
-    second, others = split(finer.x + step)
-    restricted = np.einsum("ci,jin->jcn", tables.restrict, second)
-    step += raise_unknowns(solve(-np.concatenate([restricted.ravel(), others, np.zeros(n_free)])))
-    last, _ = split(finer.x + step)
-    largest = [float(np.max(np.abs(left) / np.where(size > 0.0, size, 1.0))) for left in (first, last)]
-    if not largest[1] <= LEFT * largest[0]:
+    step = np.concatenate([bubble.ravel(), np.zeros(len(finer.x) - n_values)])
+    step += solve_smooth(*find_left(finer.x + step))
+    last, others = find_left(finer.x + step)
+    following = solve_smooth(last, others)
+    states = scale[:n_values].reshape(finer.mesh.n_base, -1)[0]
+    left, leaves = np.max(np.abs(last) / states), np.max(np.abs(first) / states)
+    if not (left <= LEFT * leaves and np.max(np.abs(following) / scale) <= LEFT * np.max(np.abs(step) / scale)):
         return None
-    n_rows = len(orbit.x)
     free = np.zeros((len(step), n_free))
     for k in range(n_free):
-        unit = np.zeros(n_rows)
-        unit[n_rows - n_free + k] = 1.0
+        unit = np.zeros(len(orbit.x))
+        unit[len(unit) - n_free + k] = 1.0
         free[:, k] = raise_unknowns(solve(unit))
-    return step, free
+    return step + following, free

@@ -56,7 +56,7 @@ def _find_nearest_by_deferral(
     orbit: Orbit, finer: Orbit, solve: Callable[[Array], Array], scaling: Scaling
 ) -> Array | None:
     """Return the shortest step to an orbit of a degree more by a deferred correction, None where that does not do."""
-    found = find_deferred_correction(orbit, finer, solve)
+    found = find_deferred_correction(orbit, finer, scaling.scale, solve)
     if found is None:
         return None
     step, free = found[0] / scaling.size, found[1] / scaling.size[:, None]

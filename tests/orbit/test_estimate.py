@@ -144,12 +144,18 @@ def in_phase(other, orbit):
     return solve_on_mesh(same).at.orbit.with_free(other.problem.free)
 
 
-def on(orbit, rule):
-    """Return the orbit on a mesh of ``rule``, or None where so coarse a mesh has none."""
+def solved_on(orbit, rule):
+    """Return the solution on a mesh of ``rule``, or None where so coarse a mesh has none."""
     try:
-        return solve_orbit(adapt_mesh(orbit, rule), rule).at.orbit
+        return solve_orbit(adapt_mesh(orbit, rule), rule)
     except ConvergenceError:
         return None
+
+
+def on(orbit, rule):
+    """Return the orbit on a mesh of ``rule``, or None where so coarse a mesh has none."""
+    solution = solved_on(orbit, rule)
+    return None if solution is None else solution.at.orbit
 
 
 def with_delay(orbit, delay):
@@ -157,9 +163,13 @@ def with_delay(orbit, delay):
     return Orbit(replace(orbit.problem, delay=delay), orbit.x)
 
 
-def measured(orbits, exact, check):
-    """Return true errors and estimates of ``orbits`` for which the truth is known well enough."""
-    pairs = [(distance(o, exact), distance(o, check), estimate_error(o)) for o in orbits]
+def measured(solutions, exact, check):
+    """Return true errors and estimates of orbits for which the truth is known well enough."""
+    pairs = [
+        (distance(s.at.orbit, exact), distance(s.at.orbit, check), estimate_error(s.at.orbit, (), s.solve))
+        for s in solutions
+        if s
+    ]
     known = [(true, estimate) for true, other, estimate in pairs if abs(true - other) < true / RESOLVED]
     # An orbit that the mesh holds to rounding has no error left to be estimated: where both its true error and the
     # estimate are that small, their ratio is one of rounding errors and says nothing.
@@ -183,8 +193,8 @@ def test_delays_read_directly(model, compare):
     check = settle_to_orbit(model, t_end=MODELS[model])
     exact = on(check, MeshRule(12, tol=1e-12))
     tracked = [True, False] if check.numeric.model.delays and model not in JUMPS_COME_BACK else [True]
-    found = [on(with_delay(check, Direct(track)), rule) for rule in MESHES for track in tracked]
-    errors, estimates = measured([f for f in found if f], exact, check)
+    found = [solved_on(with_delay(check, Direct(track)), rule) for rule in MESHES for track in tracked]
+    errors, estimates = measured(found, exact, check)
     # Of a smooth orbit most meshes leave nothing but rounding.
     assert len(errors) >= min(12, 0.6 * len(found))
     compare(model, errors, estimates)
@@ -215,8 +225,8 @@ def test_delay_lines(model, compare):
         if start is None:
             continue
         exact, check = (on(start, MeshRule(d, intervals=n)) for d, n in ((9, 50), (8, 40)))
-        found = [on(start, rule) for rule in CHAIN_MESHES]
-        errors, estimates = measured([f for f in found if f], exact, check)
+        found = [solved_on(start, rule) for rule in CHAIN_MESHES]
+        errors, estimates = measured(found, exact, check)
         all_errors += [*errors]
         all_estimates += [*estimates]
     assert len(all_errors) >= 0.6 * len(LINES) * len(CHAIN_MESHES)
@@ -259,7 +269,7 @@ def test_along_branches_and_round_folds(model, name, ends, rule, compare):
         true, other = (distance(here, exact, width) for exact in nearest)
         if abs(true - other) < true / RESOLVED:
             errors.append(true)
-            estimates.append(estimate_error(here, (width,)))
+            estimates.append(estimate_error(here, (width,), point.state.point.solve))
     assert len(errors) >= len(points) - 2
     compare(f"{model}, along a branch", errors, estimates)
     trusted(np.array(errors), np.array(estimates))
