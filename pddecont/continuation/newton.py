@@ -14,8 +14,9 @@ from pddecont.continuation.system import E
 from pddecont.errors import ConvergenceError
 
 Array = NDArray[np.float64]
-# Steps with one Jacobian that are taken at most, and the scaled length of a step that is rounding.
-CHORD_STEPS, EXACT = 5, 1e-15
+# From so many unknowns on a factorisation costs far more than a step. Steps that are taken at most with an old one, and
+# the scaled length of a step that is rounding.
+LARGE, CHORD_STEPS, EXACT = 2000, 5, 1e-15
 # Solutions with the Jacobian at the end of such steps are corrected to this, relative to their size, so many times.
 CORRECTED, MAX_CORRECTIONS = 1e-10, 6
 
@@ -68,8 +69,9 @@ def solve_newton(
 ) -> Solution[E]:
     """Return the solution near ``x`` of as many equations as unknowns.
 
-    ``scale`` gives the typical size of each unknown. A step is halved until the scaled residual falls. Where steps with
-    the last Jacobian shrink so fast that a few of them lead to the solution, no other is factored.
+    ``scale`` gives the typical size of each unknown. A step is halved until the scaled residual falls. Where a
+    factorisation is expensive and steps with the last one shrink so fast that a few of them lead to the solution, they
+    are taken.
 
     Raises
     ------
@@ -86,7 +88,7 @@ def solve_newton(
         steps.append(step.length)
         if damping == 1.0 and step.length < settings.step_tol and step.residual < settings.residual_tol:
             return Solution(here, tuple(history), step.factors.solve, n)
-        chord = _follow_chord(evaluate, step, settings) if damping == 1.0 else []
+        chord = _follow_chord(evaluate, step, settings) if damping == 1.0 and len(scale) >= LARGE else []
         if chord:
             last = chord[-1]
             history += [c.residual for c in chord]
@@ -103,14 +105,15 @@ def _take_newton_step(
     evaluate: Callable[[Array], E], here: E, scale: Array, settings: NewtonSettings, history: list[float]
 ) -> tuple[_Step[E], float]:
     """Return a Newton step and what it was multiplied by; put the scaled residual after it into ``history``."""
+    residual = here.residual
     equilibrated = equilibrate(here.jacobian(), scale)
     rows = equilibrated.rows
-    size = _norm(rows * here.residual)
+    size = _norm(rows * residual)
     if not history:
         history.append(size)
     try:
         factors = equilibrated.factor()
-        step = factors.solve_scaled(-here.residual)
+        step = factors.solve_scaled(-residual)
     except ConvergenceError as exc:
         raise ConvergenceError(f"{exc} (residuals: {format_history(history)})", history) from exc
     damping, obstacle = 1.0, ""
