@@ -45,6 +45,10 @@ class InputError(PddecontError):
         self.problems = tuple(found)
         super().__init__("\n".join(map(str, self.problems)))
 
+    def __reduce__(self) -> tuple[type[InputError], tuple[tuple[Problem, ...]]]:
+        """Return what makes the error anew in another process."""
+        return type(self), (self.problems,)
+
     @classmethod
     def at(cls, path: str, line: int, column: int, message: str) -> InputError:
         """Return the error for a single problem at ``path:line:column``."""

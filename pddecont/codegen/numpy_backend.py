@@ -97,6 +97,10 @@ class ArrayFunction:
     _compiled: dict[tuple[int, ...] | None, Callable[..., None]] = field(default_factory=dict, repr=False)
     _structures: dict[tuple[int, ...], Structure] = field(default_factory=dict, repr=False)
 
+    def __reduce__(self) -> tuple[type[ArrayFunction], tuple[Any, ...]]:
+        """Return what makes the function anew in another process, where it is compiled again."""
+        return ArrayFunction, (self.exprs, self.states, self.delayed, self.parameters, self.chain)
+
     @property
     def n_out(self) -> int:
         """Number of expressions."""

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import ast
+import operator
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import TypeAlias
 
 import numpy as np
@@ -52,7 +54,7 @@ def parse_monitor(
         If the text writes none, with the offset into it.
     """
     model, parser = numeric.model, _MeasureParser(numeric)
-    period = parser.add(lambda orbit: orbit.period)
+    period = parser.add(operator.attrgetter("period"))
     named = {key: parser.add(other.evaluate) for key, other in (others or {}).items()}
     scope = Scope(
         {**model.parameter_values, **named, "period": period},
@@ -101,7 +103,7 @@ class _MeasureParser:
     def _along(self, reduce: Callable[[Orbit, ArrayFunction], float]) -> Callable[[ast.Call, Scope], sympy.Expr]:
         def translate(node: ast.Call, _: Scope) -> sympy.Expr:
             function = self.numeric.function([translate_expression(_only_argument(node), self.inner)])
-            return self.add(lambda orbit: reduce(orbit, function))
+            return self.add(partial(_call, reduce, function))
 
         return translate
 
@@ -110,18 +112,24 @@ class _MeasureParser:
             raise ExpressionError("at takes a segment and an expression: at(segment, expression)", node.col_offset)
         segment = _find_name(self.model, node.args[0], "segment", self.model.has_segment)
         function = self.numeric.function([translate_expression(node.args[1], self.inner)])
-        return self.add(lambda orbit: measure_at(orbit, segment, function))
+        return self.add(partial(_call, measure_at, segment, function))
 
     def _time_in(self, node: ast.Call, _: Scope) -> sympy.Expr:
         mode = _find_name(self.model, _only_argument(node), "mode", self.model.modes.__contains__)
-        return self.add(lambda orbit: measure_time_in(orbit, mode))
+        return self.add(partial(_call, measure_time_in, mode))
 
     def _extremum(self, node: ast.Call, _: Scope) -> sympy.Expr:
         event = _find_name(self.model, _only_argument(node), "event", self._has_function)
-        return self.add(lambda orbit: measure_approach(orbit, event))
+        return self.add(partial(_call, measure_approach, event))
 
     def _has_function(self, event: str) -> bool:
         return event in self.model.events and self.model.events[event].function is not None
+
+
+def _call(measure: Callable[..., float], *arguments: object) -> float:
+    """Return a measure of an orbit, the last argument; the others come first here so that it can be left open."""
+    *more, orbit = arguments
+    return measure(orbit, *more)
 
 
 def _only_argument(node: ast.Call) -> ast.expr:

@@ -27,6 +27,7 @@ from .motion_row import pack_motion as pack_motion
 from .motion_row import unpack_motion as unpack_motion
 from .motion_task import MotionTask as MotionTask
 from .nearby_cycle import find_nearby_cycle as find_nearby_cycle
+from .other_process import begin_apart as begin_apart
 from .past import Past as Past
 from .past import make_extension_basis as make_extension_basis
 from .past_plan import find_longest_lag as find_longest_lag

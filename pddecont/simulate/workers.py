@@ -61,7 +61,7 @@ def _make_submit(
     if workers.scheduler is None:
         pool = stack.enter_context(ThreadPoolExecutor(workers.number))
         return lambda chunk: pool.submit(work, chunk), workers.number
-    client = stack.enter_context(_connect(workers.scheduler))
+    client = stack.enter_context(connect(workers.scheduler))
     n = max(1, sum(client.nthreads().values()))
     executor = stack.enter_context(client.get_executor(retries=RETRIES, pure=False))
     # A result on the cluster: workers fetch it once, and it is computed anew if the worker that holds it is lost.
@@ -77,7 +77,7 @@ def _apply(work: Callable[[Chunk], Result], chunk: Chunk) -> Result:
     return work(chunk)
 
 
-def _connect(address: str) -> Any:
+def connect(address: str) -> Any:
     """Return a client of the Dask scheduler at an address."""
     try:
         from distributed import Client
