@@ -34,10 +34,17 @@ from pddecont.cli.console import Progress, print_json, say
 @click.option("--resume", is_flag=True, help="Go on with an output that exists.")
 @click.option("--overwrite", is_flag=True, help="Replace results that exist.")
 @click.option(
-    "--workers", type=click.IntRange(1), default=1, show_default=True, metavar="N", help="Cores for sweeps and basins."
+    "--workers",
+    type=click.IntRange(1),
+    default=1,
+    show_default=True,
+    metavar="N",
+    help="Cores for sweeps and basins; with 2 or more both directions of a branch of orbits at once.",
 )
 @click.option(
-    "--scheduler", metavar="ADDRESS", help="Dask scheduler whose workers do sweeps and basins, such as tcp://host:8786."
+    "--scheduler",
+    metavar="ADDRESS",
+    help="Dask scheduler whose workers do sweeps, basins and second directions of branches, such as tcp://host:8786.",
 )
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors and warnings.")
 @click.option(

@@ -12,6 +12,7 @@ import pytest
 
 from pddecont.results import read_results
 from pddecont.tables import describe_endings
+from tests.cli.test_resume import SMOOTH
 from tests.conftest import ROOT
 from tests.runs import change, to_yaml
 
@@ -66,11 +67,9 @@ def rows(path):
         return 0
 
 
-def test_a_lost_worker_changes_nothing(tmp_path, processes):
-    (tmp_path / "run.yaml").write_text(to_yaml(RUN))
-    command = [sys.executable, "-m", "pddecont", "run", str(tmp_path / "run.yaml"), "-q", "-o"]
-    subprocess.run([*command, str(tmp_path / "serial.h5")], check=True, timeout=200)
-    address_file = tmp_path / "scheduler.json"
+def start_cluster(processes, folder):
+    """Return the address of a scheduler with two workers, and the workers."""
+    address_file = folder / "scheduler.json"
     start(
         processes,
         "distributed.cli.dask_scheduler",
@@ -81,7 +80,7 @@ def test_a_lost_worker_changes_nothing(tmp_path, processes):
         "--no-dashboard",
         "--scheduler-file",
         str(address_file),
-        log=tmp_path / "scheduler.log",
+        log=folder / "scheduler.log",
     )
     wait_for(address_file.exists, 60, "the scheduler")
     workers = [
@@ -95,14 +94,30 @@ def test_a_lost_worker_changes_nothing(tmp_path, processes):
             "--no-nanny",
             "--no-dashboard",
             "--local-directory",
-            str(tmp_path),
-            log=tmp_path / f"worker{k}.log",
+            str(folder),
+            log=folder / f"worker{k}.log",
         )
         for k in range(2)
     ]
     for k in range(2):
-        wait_for(lambda k=k: "Registered to" in (tmp_path / f"worker{k}.log").read_text(), 60, "a worker")
-    address = json.loads(address_file.read_text())["address"]
+        wait_for(lambda k=k: "Registered to" in (folder / f"worker{k}.log").read_text(), 60, "a worker")
+    return json.loads(address_file.read_text())["address"], workers
+
+
+def test_both_directions_of_a_branch(tmp_path, processes):
+    (tmp_path / "run.yaml").write_text(to_yaml(SMOOTH))
+    command = [sys.executable, "-m", "pddecont", "run", str(tmp_path / "run.yaml"), "-q", "-o"]
+    subprocess.run([*command, str(tmp_path / "serial.h5")], check=True, timeout=200)
+    address, _ = start_cluster(processes, tmp_path)
+    subprocess.run([*command, str(tmp_path / "cluster.h5"), "--scheduler", address], check=True, timeout=200)
+    assert (tmp_path / "cluster.h5").read_bytes() == (tmp_path / "serial.h5").read_bytes()
+
+
+def test_a_lost_worker_changes_nothing(tmp_path, processes):
+    (tmp_path / "run.yaml").write_text(to_yaml(RUN))
+    command = [sys.executable, "-m", "pddecont", "run", str(tmp_path / "run.yaml"), "-q", "-o"]
+    subprocess.run([*command, str(tmp_path / "serial.h5")], check=True, timeout=200)
+    address, workers = start_cluster(processes, tmp_path)
     with open(tmp_path / "run.log", "w") as log:
         run = subprocess.Popen([*command, str(tmp_path / "cluster.h5"), "--scheduler", address], stderr=log)
     processes.append(run)
