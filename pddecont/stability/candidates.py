@@ -19,6 +19,8 @@ DENSE, DENSE_LINES = 160, 1200
 # Arnoldi's method finds little in larger histories that reach back over more periods than this: mostly shifts.
 DEEP = 3
 MAX_RESTARTS = 30
+# Directions that are given room at most, and room besides.
+MOST_LASTING, SPARE = 400, 24
 
 
 def find_candidates(monodromy: MonodromyOperator, n: int) -> Complex:
@@ -37,8 +39,10 @@ def find_eigenpairs(monodromy: MonodromyOperator, n: int) -> tuple[Complex, Comp
     With them their vectors, histories in units of their sizes, as columns (size, n).
     """
     size = monodromy.size
-    # Arnoldi's method wants room for several times as many vectors as values.
-    n_vectors = min(size - 1, max(3 * n, 40))
+    # Arnoldi's method wants room for several times as many vectors as values. About as many directions as there are
+    # states last longer than a period: with room for all of them it need not start again.
+    n_lasting = min(monodromy.problem.unknowns.n_states, MOST_LASTING)
+    n_vectors = min(size - 1, max(3 * n, n_lasting + n + SPARE))
     operator = scipy.sparse.linalg.LinearOperator((size, size), matvec=monodromy.apply_scaled, dtype=float)
     # Any vector to start from, but the same each time.
     start = np.random.default_rng(1).standard_normal(size)

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -18,6 +19,10 @@ class MapOnly:
 
     scaled_matrix: np.ndarray
     kept: tuple = (None,)
+
+    @property
+    def problem(self):
+        return SimpleNamespace(unknowns=SimpleNamespace(n_states=2))
 
     @property
     def size(self):
