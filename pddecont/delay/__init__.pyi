@@ -1,7 +1,6 @@
 from .breaking_points import MERGE as MERGE
 from .breaking_points import BreakingPoint as BreakingPoint
 from .breaking_points import DiscontinuitySources as DiscontinuitySources
-from .breaking_points import breaking_points_are_distinct as breaking_points_are_distinct
 from .breaking_points import find_breaking_points as find_breaking_points
 from .breaking_points import find_discontinuity_sources as find_discontinuity_sources
 from .breaking_points import jump_returns_at_event as jump_returns_at_event

@@ -10,6 +10,7 @@ Reference: Bellen, Zennaro, Numerical Methods for Delay Differential Equations (
 
 from __future__ import annotations
 
+from bisect import bisect
 from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, field
 from itertools import combinations_with_replacement
@@ -122,35 +123,37 @@ class BreakingPoint:
     level: int
 
 
-def breaking_points_are_distinct(sources: DiscontinuitySources, theta: Array, n_segments: int, degree: int) -> bool:
-    """Return whether no two breaking points, or segments' ends, count as one at ``theta``."""
-    inside = find_breaking_points(sources, theta, n_segments, degree)
-    ends = [tuple([1] * s + [0] * (len(theta) - s)) for s in range(n_segments + 1)]
-    near = MERGE * float(np.sum(theta[:n_segments]))
-    return sum(len(points) - 2 for points in inside) == len(_propagate(sources, theta, ends, near, degree))
+@dataclass(frozen=True)
+class BreakingPoints:
+    """The breaking points of each segment in order of time, the segment's own ends first and last.
+
+    ``distinct``: no two of them, or of the segments' ends, count as one.
+    """
+
+    by_segment: list[list[BreakingPoint]]
+    distinct: bool
 
 
-def find_breaking_points(
-    sources: DiscontinuitySources, theta: Array, n_segments: int, degree: int
-) -> list[list[BreakingPoint]]:
-    """Return the breaking points of each segment in order of time, the segment's own ends first and last.
+def find_breaking_points(sources: DiscontinuitySources, theta: Array, n_segments: int, degree: int) -> BreakingPoints:
+    """Return the breaking points of an orbit.
 
     Points closer than ``MERGE`` periods count as one: the segment's end, else the one that jumps lowest.
     """
     n_theta = len(theta)
     period = float(np.sum(theta[:n_segments]))
     ends = [tuple([1] * s + [0] * (n_theta - s)) for s in range(n_segments + 1)]
-    at_ends = np.concatenate([[0.0], np.cumsum(theta[:n_segments])])
+    at_ends = [0.0, *np.cumsum(theta[:n_segments]).tolist()]
     near = MERGE * period
     points = _propagate(sources, theta, ends, near, degree)
     kept: list[list[tuple[float, BreakingPoint]]] = [[] for _ in range(n_segments)]
-    taken = list(at_ends)
+    taken = sorted(at_ends)
     for level, key, value in sorted((level, key, value) for key, (value, level) in points.items()):
-        if all(abs(value - other) > near for other in taken):
-            taken.append(value)
-            segment = int(np.clip(np.searchsorted(at_ends, value, side="right") - 1, 0, n_segments - 1))
+        place = bisect(taken, value)
+        if all(abs(value - other) > near for other in taken[max(0, place - 1) : place + 1]):
+            taken.insert(place, value)
+            segment = min(max(bisect(at_ends, value) - 1, 0), n_segments - 1)
             kept[segment].append((value, BreakingPoint(key, level)))
-    return [
+    found = [
         [
             BreakingPoint(ends[s], -1),
             *(p for _, p in sorted(kept[s], key=lambda item: item[0])),
@@ -158,6 +161,7 @@ def find_breaking_points(
         ]
         for s in range(n_segments)
     ]
+    return BreakingPoints(found, sum(map(len, kept)) == len(points))
 
 
 def _propagate(
@@ -171,13 +175,14 @@ def _propagate(
     for s, q in enumerate(sources.jumps):
         for level in range(1, degree - q + 1):
             for combination in combinations_with_replacement(delays, level):
-                c = np.array(ends[s + 1])
+                c = list(ends[s + 1])
                 for k in combination:
                     c[n_segments + k] += 1
-                c[:n_segments] -= int(np.floor(float(c @ theta) / period))
-                key = tuple(c.tolist())
+                wraps = int(np.floor(float(np.dot(c, theta)) / period))
+                c[:n_segments] = [i - wraps for i in c[:n_segments]]
+                key = tuple(c)
                 if key not in points or points[key][1] > q + level:
-                    points[key] = (float(c @ theta), q + level)
+                    points[key] = (float(np.dot(c, theta)), q + level)
             if len(points) > MAX_POINTS:
                 break
     return points

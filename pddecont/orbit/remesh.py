@@ -22,14 +22,7 @@ from pddecont.collocation import (
     share_intervals,
     transfer,
 )
-from pddecont.delay import (
-    MERGE,
-    BreakingPoint,
-    DiscontinuitySources,
-    TrackedPoints,
-    breaking_points_are_distinct,
-    find_breaking_points,
-)
+from pddecont.delay import MERGE, BreakingPoint, DiscontinuitySources, TrackedPoints, find_breaking_points
 from pddecont.errors import ConvergenceError
 from pddecont.orbit.error import estimate_interval_errors
 from pddecont.orbit.orbit import Orbit
@@ -38,15 +31,21 @@ from pddecont.orbit.problem import OrbitProblem
 from pddecont.orbit.residual import group_by_mode
 
 Array = NDArray[np.float64]
+# Under this name a mesh knows whether no two of the breaking points that it was made for count as one.
+DISTINCT = "breaking points are distinct"
 
 
 @dataclass(frozen=True, eq=False)
 class Pieces:
-    """The smooth parts of an orbit, not yet cut, at ``theta``, which holds the ``breaking`` times too."""
+    """The smooth parts of an orbit, not yet cut, at ``theta``, which holds the ``breaking`` times too.
+
+    ``distinct``: they are all known from sums of delays after events, no two of which count as one.
+    """
 
     pieces: list[Piece]
     theta: Array
     breaking: tuple[BreakingTime, ...] = ()
+    distinct: bool = False
 
 
 def find_pieces(problem: OrbitProblem, theta: Array, degree: int, orbit: Orbit | None = None) -> Pieces:
@@ -59,7 +58,8 @@ def find_pieces(problem: OrbitProblem, theta: Array, degree: int, orbit: Orbit |
         sources = replace(sources, delays=(), varying=(), gains={})
     theta = theta[: n + len(problem.numeric.model.delays)]
     if orbit is None or sources.are_sums or not problem.signature.has_events:
-        return Pieces(_join(find_breaking_points(sources, theta, n, degree)), theta)
+        points = find_breaking_points(sources, theta, n, degree)
+        return Pieces(_join(points.by_segment), theta, distinct=points.distinct)
     orbit = _unfold(orbit, theta)
     found = TrackedPoints(sources, theta, n, degree, PreimageSearch(orbit).find, find_fading(orbit, sources))
     times = found.list_breaking_times()
@@ -115,7 +115,9 @@ def make_mesh(
     """
     found = find_pieces(problem, theta, rule.degree, orbit)
     pieces = cut_pieces(found.pieces, found.theta, rule, density)
-    return Mesh(rule.degree, len(problem.signature), tuple(pieces), found.theta.copy(), found.breaking)
+    mesh = Mesh(rule.degree, len(problem.signature), tuple(pieces), found.theta.copy(), found.breaking)
+    mesh.once(DISTINCT, lambda: found.distinct)
+    return mesh
 
 
 def find_density(orbit: Orbit, tol: float) -> Density:
@@ -164,9 +166,9 @@ def _keeps_its_order(orbit: Orbit) -> bool:
 
     def are_distinct() -> bool:
         found = find_pieces(orbit.problem, made_for, mesh.degree)
-        return _are_same(found.pieces, mesh.pieces) and breaking_points_are_distinct(sources, made_for, n, mesh.degree)
+        return found.distinct and _are_same(found.pieces, mesh.pieces)
 
-    if not mesh.once("breaking points are distinct", are_distinct):
+    if not mesh.once(DISTINCT, are_distinct):
         return False
     near, delays = MERGE * orbit.period, n + np.array(sources.delays, dtype=np.intp)
     as_before = (theta[delays] > near) == (made_for[delays] > MERGE * np.sum(made_for[:n]))

@@ -36,7 +36,7 @@ def test_the_image_of_a_piece_lies_inside_one_piece(durations, delays, degree, h
     n, jump = len(durations), 0 if hard else 1
     theta = np.array([*durations, *delays])
     sources = DiscontinuitySources((jump,) * n, tuple(range(len(delays))))
-    found = find_breaking_points(sources, theta, n, degree)
+    found = find_breaking_points(sources, theta, n, degree).by_segment
     mesh = mesh_from(found, n)
     starts, lengths = mesh.start @ theta, mesh.length @ theta
     assert np.all(lengths > 0)
@@ -62,7 +62,7 @@ def test_the_image_of_a_piece_lies_inside_one_piece(durations, delays, degree, h
 def test_points_come_in_order_and_each_lies_in_its_segment(durations, delays, degree):
     n = len(durations)
     theta = np.array([*durations, *delays])
-    found = find_breaking_points(DiscontinuitySources((1,) * n, tuple(range(len(delays)))), theta, n, degree)
+    found = find_breaking_points(DiscontinuitySources((1,) * n, tuple(range(len(delays)))), theta, n, degree).by_segment
     ends = np.concatenate([[0.0], np.cumsum(durations)])
     assert len(found) == n
     for s, points in enumerate(found):
@@ -115,17 +115,19 @@ def test_an_implicit_delay_of_a_state_that_is_an_integral_smooths_jumps():
 def test_a_degree_needs_one_level_more_after_a_state_jump():
     theta = np.array([10.0, 0.7])
     for degree in (2, 5):
-        soft = find_breaking_points(DiscontinuitySources((1,), (0,)), theta, 1, degree)[0]
-        hard = find_breaking_points(DiscontinuitySources((0,), (0,)), theta, 1, degree)[0]
+        soft = find_breaking_points(DiscontinuitySources((1,), (0,)), theta, 1, degree).by_segment[0]
+        hard = find_breaking_points(DiscontinuitySources((0,), (0,)), theta, 1, degree).by_segment[0]
         assert len(soft) - 2 == degree - 1
         assert len(hard) - 2 == degree
 
 
 def test_points_that_coincide_are_one():
     sources = DiscontinuitySources((1, 1), (0,))
-    found = find_breaking_points(sources, np.array([1.0, 2.0, 3.0]), 2, 5)  # the delay is the period
+    points = find_breaking_points(sources, np.array([1.0, 2.0, 3.0]), 2, 5)  # the delay is the period
+    found = points.by_segment
+    assert not points.distinct
     assert [len(points) for points in found] == [2, 2]
-    found = find_breaking_points(sources, np.array([1.0, 2.0, 1.0]), 2, 5)
+    found = find_breaking_points(sources, np.array([1.0, 2.0, 1.0]), 2, 5).by_segment
     assert [len(points) for points in found] == [2, 3]
 
 
@@ -148,3 +150,10 @@ def test_only_the_jump_of_the_state_counts():
     sources = DiscontinuitySources((0, 1), (0,))
     assert jump_returns_at_event(sources, np.array([1.0, 2.0, 2.0]), 2)
     assert not jump_returns_at_event(sources, np.array([1.0, 2.0, 1.0]), 2)
+
+
+def test_points_that_lie_apart_are_called_distinct():
+    sources = DiscontinuitySources((1, 1), (0,))
+    assert find_breaking_points(sources, np.array([1.0, 2.0, 0.3]), 2, 5).distinct
+    # The second sum of delays after one event falls on the first after the other.
+    assert not find_breaking_points(sources, np.array([1.0, 2.0, 1.0]), 2, 5).distinct

@@ -21,7 +21,7 @@ RULE = MeshRule(6, intervals=20)
 def test_pieces_lie_between_breaking_points():
     orbit = hard_wall()
     pieces = find_pieces(orbit.problem, orbit.theta, 4).pieces
-    points = find_breaking_points(orbit.signature.discontinuity_sources, orbit.theta, 1, 4)[0]
+    points = find_breaking_points(orbit.signature.discontinuity_sources, orbit.theta, 1, 4).by_segment[0]
     ends = np.array([point.coefficients for point in points]) @ orbit.theta
     assert [piece.start @ orbit.theta for piece in pieces] == pytest.approx(ends[:-1])
     assert [piece.end @ orbit.theta for piece in pieces] == pytest.approx(ends[1:])
