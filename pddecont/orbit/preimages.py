@@ -32,7 +32,7 @@ class PreimageSearch:
         points = MeshPoints(points.interval, points.sigma, points.weights, inward)
         self.times = mesh.times(points) @ orbit.theta
         # Without delays that vary there is nothing to read.
-        lags = orbit.read(points).lags if orbit.numeric.model.varying else np.zeros((0, len(points)))
+        lags = orbit.read(points, integrals=False).lags if orbit.numeric.model.varying else np.zeros((0, len(points)))
         self.reads = self.times - lags
 
     def crosses_anew(self, delay: int, moments: Array, known: Array) -> bool:
@@ -92,5 +92,5 @@ class PreimageSearch:
 
     def _read(self, number: int, times: Array) -> Array:
         points, _ = self.orbit.mesh.locate(self.orbit.theta, times)
-        read: Array = times - self.orbit.read(points.clipped()).lags[number]
+        read: Array = times - self.orbit.read(points.clipped(), integrals=False).lags[number]
         return read
