@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from pddecont.codegen import ArrayFunction, Derivatives
@@ -109,30 +110,38 @@ class IntegralOperator:
         """Return whether every point reads the same base points, as many periods back, as with ``other``."""
         return np.array_equal(self.window.point, other.window.point) and self.pairs.reads_as(other.pairs)
 
-    def moves(self, times: Array, starts: Array, lengths: Array, h: Array) -> Array:
+    def moves(self, times: Array, starts: Array, lengths: Array, read: Ints, h: Array) -> Array:
         """Return how the integral moves with components of theta, base values fixed, shape (n_points, c).
+
+        Each pair's part moves with the time of its point and with start and length of what it reads, by numbers that
+        the quadrature gives: one sparse product a kind.
 
         Parameters
         ----------
-        times, starts, lengths
-            How the points (n_points, c), the pairs' intervals' starts and lengths (P, c) move; the starts as many
-            periods back as they are read.
+        times
+            How the points move (n_points, c).
+        starts, lengths
+            How the starts and lengths of intervals move, in the turns that they are read in (n_read, c).
+        read
+            Which of those each pair reads (P,).
         h
             Lengths of the pairs' intervals (P,).
         """
-        w = self.window
-        here = times[w.point]
-        low = np.where(w.cut_low[:, None], here, starts)
-        high = np.where(w.cut_high[:, None], here, starts + lengths)
-        total = np.zeros((len(self.value), times.shape[1]))
+        w, sigma = self.window, self.pairs.sigma
         width = w.high - w.low
-        for r, (xi, weight) in enumerate(zip(self.xi, self.quadrature, strict=True)):
-            at = low + xi * (high - low)
-            sigma = self.pairs.sigma[:, r]
-            moved = (at - starts - sigma[:, None] * lengths) / h[:, None]
-            part = (high - low) * self.integrand[:, r, None]
-            part += width[:, None] * (self.slope[:, r, None] * (here - at) + self.stretch[:, r, None] * moved)
-            np.add.at(total, w.point, weight * part)
+        # Where u = low + xi (high - low): the derivatives in u, and those with its place among low and high.
+        by_lag, by_sigma = self.slope * width[:, None], self.stretch * (width / h)[:, None]
+        in_place = by_sigma - by_lag
+        part = self.integrand @ self.quadrature
+        by_high = part + in_place @ (self.quadrature * self.xi)
+        by_low = in_place @ (self.quadrature * (1.0 - self.xi)) - part
+        by_start = np.where(w.cut_low, 0.0, by_low) + np.where(w.cut_high, 0.0, by_high) - by_sigma @ self.quadrature
+        by_length = np.where(w.cut_high, 0.0, by_high) - (by_sigma * sigma) @ self.quadrature
+        here = np.where(w.cut_low, by_low, 0.0) + np.where(w.cut_high, by_high, 0.0) + by_lag @ self.quadrature
+        n = len(self.value)
+        total: Array = np.bincount(w.point, here, n)[:, None] * times
+        for values, moving in ((by_start, starts), (by_length, lengths)):
+            total += sp.csr_array((values, (w.point, read)), shape=(n, len(moving))) @ moving
         return total
 
 
