@@ -59,7 +59,7 @@ def find_window(mesh: Mesh, theta: Array, times: Array, low: Array, high: Array)
     """
     if not np.all((low >= 0.0) & (high >= low)):
         raise ConvergenceError("an integral over the past ends before it begins, or reads the future")
-    period, starts = mesh.period(theta), mesh.start @ theta
+    period, (starts, lengths) = mesh.period(theta), mesh.evaluate_edges(theta)
     begin, end = times - high, times - low
     turns = np.arange(np.floor(np.min(begin) / period), np.floor(np.max(end) / period) + 1.0)
     edges = (starts + period * turns[:, None]).ravel()
@@ -70,7 +70,7 @@ def find_window(mesh: Mesh, theta: Array, times: Array, low: Array, high: Array)
     place = np.arange(len(point)) - np.repeat(np.cumsum(count) - count, count) + first[point]
     interval, wraps = place % mesh.n_intervals, -turns[place // mesh.n_intervals].astype(np.intp)
     own = edges[place]
-    own_end = own + (mesh.length @ theta)[interval]
+    own_end = own + lengths[interval]
     return Window(
         point,
         interval,
@@ -149,17 +149,18 @@ def make_integral_operator(
     integrand: ArrayFunction, mesh: Mesh, theta: Array, values: Array, points: MeshPoints, limits: Array, p: Array
 ) -> IntegralOperator:
     """Return an integral at ``points`` of the orbit with base ``values``; ``limits`` (2, n_points) low and high."""
-    window = find_window(mesh, theta, mesh.times(points) @ theta, *limits)
+    times, (starts, lengths) = mesh.evaluate_times(points, theta), mesh.evaluate_edges(theta)
+    window = find_window(mesh, theta, times, *limits)
     xi, quadrature = _make_quadrature(mesh.degree + MORE_NODES)
-    h, width = (mesh.length @ theta)[window.interval], window.high - window.low
-    start = (mesh.start @ theta)[window.interval] - window.wraps * mesh.period(theta)
+    h, width = lengths[window.interval], window.high - window.low
+    start = starts[window.interval] - window.wraps * mesh.period(theta)
     at = window.low[:, None] + xi * width[:, None]
     sigma = (at - start[:, None]) / h[:, None]
     columns = mesh.base_index[window.interval]
     basis = mesh.basis.lagrange(sigma.ravel()).reshape(*sigma.shape, -1)
     local = values[columns]
     x = np.einsum("prb,pbn->npr", basis, local)
-    lags = (mesh.times(points) @ theta)[window.point][:, None] - at
+    lags = times[window.point][:, None] - at
     d = _evaluate(integrand, lags, x, p)
     where = integrand.structure()
     g = d.value[0].reshape(sigma.shape)

@@ -150,7 +150,7 @@ class Orbit:
         integrals alone: no delay depends on one.
         """
         mesh, theta, model = self.mesh, self.theta, self.numeric.model
-        t = self.start + mesh.times(points) @ theta
+        t = self.start + mesh.evaluate_times(points, theta)
         x, xd = mesh.interpolate(self.values, points).T, np.zeros((len(model.read_symbols), len(points)))
         lags = np.zeros((len(model.varying), len(points)))
         operators = self.problem.make_operators(theta, points) if delays else []
@@ -161,7 +161,7 @@ class Orbit:
             operators.append(self.problem.make_varying_operator(theta, lags[number], points, number))
             self._read_delay(len(model.delays) + number, operators[-1], xd)
         found = self._integrate(points, t, x, xd) if delays and integrals else []
-        return Reads(points, mesh.length @ theta, t, x, xd, operators, lags, found)
+        return Reads(points, mesh.evaluate_edges(theta)[1], t, x, xd, operators, lags, found)
 
     def _integrate(self, points: MeshPoints, t: Array, x: Array, xd: Array) -> list[IntegralOperator]:
         """Return the integrals over the past, with their values written to their rows of ``xd``."""

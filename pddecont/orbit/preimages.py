@@ -30,7 +30,7 @@ class PreimageSearch:
         # At an edge what is read is that of the interval's own side.
         inward = np.where(points.sigma <= 0.0, 1.0, np.where(points.sigma >= 1.0, -1.0, 0.0))
         points = MeshPoints(points.interval, points.sigma, points.weights, inward)
-        self.times = mesh.times(points) @ orbit.theta
+        self.times = mesh.evaluate_times(points, orbit.theta)
         # Without delays that vary there is nothing to read.
         lags = orbit.read(points, integrals=False).lags if orbit.numeric.model.varying else np.zeros((0, len(points)))
         self.reads = self.times - lags
