@@ -155,29 +155,66 @@ def make_integral_operator(
     h, width = lengths[window.interval], window.high - window.low
     start = starts[window.interval] - window.wraps * mesh.period(theta)
     at = window.low[:, None] + xi * width[:, None]
-    sigma = (at - start[:, None]) / h[:, None]
-    columns = mesh.base_index[window.interval]
-    basis = mesh.basis.lagrange(sigma.ravel()).reshape(*sigma.shape, -1)
-    local = values[columns]
-    x = np.einsum("prb,pbn->npr", basis, local)
-    lags = times[window.point][:, None] - at
+    nodes = _find_nodes(mesh, window, xi, (at - start[:, None]) / h[:, None])
+    x, lags = nodes.interpolate(mesh, values), times[window.point][:, None] - at
     d = _evaluate(integrand, lags, x, p)
     where = integrand.structure()
-    g = d.value[0].reshape(sigma.shape)
-    slope, stretch = np.zeros(sigma.shape), np.zeros(sigma.shape)
+    g = d.value[0].reshape(lags.shape)
+    slope, stretch = np.zeros(lags.shape), np.zeros(lags.shape)
     if len(where.dt):
-        slope = d.dt[0].reshape(sigma.shape)
-    rates = np.einsum("prb,pbn->npr", basis @ mesh.basis.differentiate, local)
+        slope = d.dt[0].reshape(lags.shape)
     state_weights: dict[int, Array] = {}
     scale = quadrature * width[:, None]
     for state, slopes in zip(where.dx[1].tolist(), d.dx, strict=True):
-        by_node = slopes.reshape(sigma.shape)
-        stretch += by_node * rates[state]
-        state_weights[state] = np.einsum("pr,prb->pb", scale * by_node, basis)
-    value = np.zeros(len(points))
-    np.add.at(value, window.point, np.sum(scale * g, axis=1))
-    pairs = LocalWeights(columns, basis[:, 0], window.interval, sigma, window.wraps)
+        by_node = slopes.reshape(lags.shape)
+        stretch += by_node * nodes.interpolate(mesh, values[:, [state]], derivative=True)[0]
+        state_weights[state] = nodes.collect(scale * by_node)
+    value = np.bincount(window.point, np.sum(scale * g, axis=1), len(points))
+    pairs = LocalWeights(nodes.columns, nodes.list_first(), window.interval, nodes.sigma, window.wraps)
     return IntegralOperator(window, pairs, value, state_weights, xi, quadrature, g, slope, stretch)
+
+
+@dataclass(frozen=True, eq=False)
+class _Nodes:
+    """Where pairs are read: ``sigma`` (P, n_nodes) in intervals with base points ``columns`` (P, degree + 1).
+
+    Most pairs are whole intervals, and read as these do: ``whole`` (n_nodes, degree + 1) are the weights of base values
+    there, ``own`` (n, n_nodes, degree + 1) those of the pairs ``cut`` (n,) by a limit.
+    """
+
+    interval: Ints
+    columns: Ints
+    sigma: Array
+    whole: Array
+    cut: Ints
+    own: Array
+
+    def interpolate(self, mesh: Mesh, values: Array, *, derivative: bool = False) -> Array:
+        """Return base ``values`` (n_base, n), or their derivatives in sigma, at the nodes, shape (n, P, n_nodes)."""
+        matrix = mesh.basis.differentiate if derivative else np.eye(mesh.degree + 1)
+        every = np.einsum("rb,jbn->njr", self.whole @ matrix, values[mesh.base_index])
+        result: Array = every[:, self.interval]
+        result[:, self.cut] = np.einsum("prb,pbn->npr", self.own @ matrix, values[self.columns[self.cut]])
+        return result
+
+    def collect(self, numbers: Array) -> Array:
+        """Return what ``numbers`` (P, n_nodes) at the nodes are as weights of base values, shape (P, degree + 1)."""
+        result: Array = numbers @ self.whole
+        result[self.cut] = np.einsum("pr,prb->pb", numbers[self.cut], self.own)
+        return result
+
+    def list_first(self) -> Array:
+        """Return the weights of base values at the first node of each pair, shape (P, degree + 1)."""
+        result = np.tile(self.whole[0], (len(self.sigma), 1))
+        result[self.cut] = self.own[:, 0]
+        return result
+
+
+def _find_nodes(mesh: Mesh, window: Window, xi: Array, sigma: Array) -> _Nodes:
+    cut = np.flatnonzero(window.cut_low | window.cut_high)
+    own = mesh.basis.lagrange(sigma[cut].ravel()).reshape(len(cut), len(xi), -1)
+    columns = mesh.base_index[window.interval]
+    return _Nodes(window.interval, columns, sigma, mesh.basis.lagrange(xi), cut, own)
 
 
 @cache

@@ -34,6 +34,11 @@ class PreimageSearch:
         # Without delays that vary there is nothing to read.
         lags = orbit.read(points, integrals=False).lags if orbit.numeric.model.varying else np.zeros((0, len(points)))
         self.reads = self.times - lags
+        # What is read at the end of one interval and at the start of the next is one time, unless the delay jumps: told
+        # apart by rounding, a moment between them would be read by neither interval.
+        ends = np.arange(len(places) - 1, len(self.times) - 1, len(places))
+        alike = np.abs(self.reads[:, ends + 1] - self.reads[:, ends]) <= KNOWN * orbit.period
+        self.reads[:, ends + 1] = np.where(alike, self.reads[:, ends], self.reads[:, ends + 1])
 
     def crosses_anew(self, delay: int, moments: Array, known: Array) -> bool:
         """Return whether a delay reads one of ``moments`` (n,), or periods before it, at a time not ``known`` (m,).

@@ -197,7 +197,7 @@ def settle_reads(orbit: Orbit) -> Orbit:
     mesh = orbit.mesh
     if not orbit.numeric.model.varying or mesh.reference_lags is not None:
         return orbit
-    settled = replace(mesh, reference_lags=orbit.equation_reads.lags.copy())
+    settled = replace(mesh, reference_lags=orbit.read(mesh.equation_points, integrals=False).lags)
     return Orbit(replace(orbit.problem, mesh=settled), orbit.x)
 
 

@@ -132,6 +132,16 @@ def test_each_breaking_time_reads_its_source(relay):
         assert min(abs(other - b) for other in near) < 1e-12
 
 
+def test_rounding_hides_no_time_at_an_edge(relay):
+    """What is read at an edge is known twice, and a moment may lie between the two by rounding: it is read there."""
+    search, mesh, theta = PreimageSearch(relay), relay.mesh, relay.theta
+    edges = (mesh.start @ theta)[~np.isin(np.arange(mesh.n_intervals), mesh.last_interval + 1)][1:]
+    lags = relay.read(mesh.locate(theta, edges)[0].clipped()).lags[0]
+    for edge, read in zip(edges, (edges - lags) % relay.period, strict=True):
+        found = search.find(0, read + 2.0**-54 * np.arange(-40, 41))
+        assert all(min([abs(time - edge) for time, _ in times], default=1.0) < 1e-12 for times in found)
+
+
 def test_derivatives_are_those_of_the_residuals(relay):
     orbit = relay.with_free(("k", "c", "tau"))
     system = PeriodicOrbitSystem(orbit.problem, measure_orbit(orbit))
