@@ -169,7 +169,7 @@ def make_integral_operator(
         by_node = slopes.reshape(lags.shape)
         stretch += by_node * nodes.interpolate(mesh, values[:, [state]], derivative=True)[0]
         state_weights[state] = nodes.collect(scale * by_node)
-    value = np.bincount(window.point, np.sum(scale * g, axis=1), len(points))
+    value = np.asarray(np.bincount(window.point, np.sum(scale * g, axis=1), len(points)), dtype=np.float64)
     pairs = LocalWeights(nodes.columns, nodes.list_first(), window.interval, nodes.sigma, window.wraps)
     return IntegralOperator(window, pairs, value, state_weights, xi, quadrature, g, slope, stretch)
 
