@@ -28,10 +28,17 @@ class FourierOrbit:
 
 
 def _evaluate(coefficients, period, t, derivative):
-    n = (coefficients.shape[1] - 1) // 2
-    k = np.arange(-n, n + 1)
-    turns = np.exp(2j * np.pi / period * np.multiply.outer(np.asarray(t), k))
-    return np.real(np.moveaxis(turns @ (((2j * np.pi / period * k) ** derivative) * coefficients).T, -1, 0))
+    """Return Re of sum over k >= 0, by k = width a + b: few powers of exp(i w t) make all. The series is real."""
+    n, rate, t = (coefficients.shape[1] - 1) // 2, 2j * np.pi / period, np.asarray(t)
+    k, width = np.arange(n + 1), int(np.ceil(np.sqrt(n + 1)))
+    positive = np.where(k > 0, 2.0, 1.0) * (rate * k) ** derivative * coefficients[:, n:]
+    blocks = np.zeros((len(coefficients), width * width), dtype=complex)
+    blocks[:, : n + 1] = positive
+    fine = np.exp(np.multiply.outer(rate * t.ravel(), np.arange(width)))
+    coarse = np.exp(np.multiply.outer(rate * width * t.ravel(), np.arange(width)))
+    parts = fine @ blocks.reshape(-1, width).T
+    sums = np.einsum("ta,tsa->st", coarse, parts.reshape(len(fine), len(blocks), width))
+    return np.real(sums).reshape(len(blocks), *t.shape)
 
 
 def find_fourier_orbit(field, guess, period, n, *, free_period=False, steps=30):

@@ -181,11 +181,17 @@ class Mesh:
     @cached_property
     def breaking_interval(self) -> Ints:
         """The interval that ends at each breaking time, shape (J,)."""
+        if not self.breaking:
+            return np.zeros(0, dtype=np.intp)
         last = np.cumsum([len(p.cuts) - 1 for p in self.pieces]) - 1
-        n_theta = len(self.pieces[0].end)
         ends = np.array([p.end for p in self.pieces])
-        own = np.eye(n_theta)[n_theta - self.n_breaking :]
-        return np.array([last[np.flatnonzero(np.all(ends == b, axis=1))[0]] for b in own], dtype=np.intp)
+        n_known = ends.shape[1] - self.n_breaking
+        # The pieces that end at one breaking time, and at nothing else.
+        pieces = np.flatnonzero((np.count_nonzero(ends, axis=1) == 1) & np.any(ends[:, n_known:] == 1.0, axis=1))
+        numbers = np.argmax(ends[pieces, n_known:], axis=1)
+        result = np.full(self.n_breaking, -1, dtype=np.intp)
+        result[numbers[::-1]] = last[pieces[::-1]]
+        return result
 
     @cached_property
     def equation_points(self) -> MeshPoints:
@@ -215,10 +221,22 @@ class Mesh:
         """Return the coefficients of the times of ``points``, shape (n_points, n_theta)."""
         return self.start[points.interval] + points.sigma[:, None] * self.length[points.interval]
 
+    def evaluate_edges(self, theta: Array) -> tuple[Array, Array]:
+        """Return the intervals' starts and lengths at ``theta``, each (n_intervals,)."""
+        key, found = theta.tobytes(), self._found.get("edges")
+        if found is None or found[0] != key:
+            found = self._found["edges"] = (key, self.start @ theta, self.length @ theta)
+        return found[1], found[2]
+
+    def evaluate_times(self, points: MeshPoints, theta: Array) -> Array:
+        """Return the times of ``points`` at ``theta``, shape (n_points,)."""
+        starts, lengths = self.evaluate_edges(theta)
+        return np.asarray(starts[points.interval] + points.sigma * lengths[points.interval])
+
     def base_times(self, theta: Array) -> Array:
         """Return the times of the base points, shape (n_base,)."""
-        times = np.empty(self.n_base)
-        times[self.base_index] = (self.start @ theta)[:, None] + self.basis.base * (self.length @ theta)[:, None]
+        times, (starts, lengths) = np.empty(self.n_base), self.evaluate_edges(theta)
+        times[self.base_index] = starts[:, None] + self.basis.base * lengths[:, None]
         return times
 
     def period(self, theta: Array) -> float:
@@ -241,7 +259,7 @@ class Mesh:
             Choose among the intervals of this segment alone; its times are not wrapped by periods.
         """
         chooser = times if choose_by is None else choose_by
-        edges, lengths = self.start @ theta, self.length @ theta
+        edges, lengths = self.evaluate_edges(theta)
         if segment is None:
             wraps = np.floor(chooser / self.period(theta)).astype(np.intp)
             candidates = np.arange(self.n_intervals)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,8 +69,8 @@ class Direct:
         """Return whether points that read ``reads`` lie where they do ``now``, or near it."""
         # What is read at a breaking time is an edge: rounding says on which side.
         held = slice(0 if self.track else mesh.n_collocation, mesh.n_collocation + mesh.n_segments)
-        lengths, starts = mesh.length @ theta, mesh.start @ theta
-        sigma = (reads.times @ theta - lags - starts[reads.interval]) / lengths[reads.interval]
+        starts, lengths = mesh.evaluate_edges(theta)
+        sigma = (reads.evaluate(theta) - lags - starts[reads.interval]) / lengths[reads.interval]
         if np.any(sigma < -BEYOND) or np.any(sigma > 1.0 + BEYOND):
             return False
         same_piece = mesh.piece[now.interval[held]] == mesh.piece[reads.interval[held]]
@@ -97,10 +98,10 @@ class Direct:
 def make_operator(mesh: Mesh, theta: Array, reads: Reads, lags: Array | float, orders: int) -> DelayOperator:
     """Return the operator that reads ``reads``, ``lags`` earlier than their times, and so many derivatives there."""
     j = reads.interval
-    lengths = (mesh.length @ theta)[j]
+    starts, lengths = (edge[j] for edge in mesh.evaluate_edges(theta))
     if not np.all(np.abs(lengths) > 0.0):
         raise ConvergenceError("a mesh interval has vanished")
-    sigma = ((reads.times - mesh.start[j]) @ theta - lags) / lengths
+    sigma = (reads.evaluate(theta) - starts - lags) / lengths
     if not np.max(np.abs(sigma), initial=0.0) <= FAR:
         raise ConvergenceError("a delayed value is read far outside its mesh interval")
     weights = LocalWeights(reads.columns, mesh.basis.lagrange(sigma), j, sigma, reads.wraps)
@@ -112,10 +113,11 @@ def make_operator(mesh: Mesh, theta: Array, reads: Reads, lags: Array | float, o
     def theta_derivative(values: Array, which: Sequence[int], order: int) -> Array:
         read = rates[order]
         slopes = np.matmul((read.weights @ matrix)[:, None], values[reads.columns])[:, 0]
-        moves = (reads.times - mesh.start[j] - sigma[:, None] * mesh.length[j])[:, which] / lengths[:, None]
+        start, length = mesh.start[:, which][j], mesh.length[:, which][j]
+        moves = (reads.times[:, which] - start - sigma[:, None] * length) / lengths[:, None]
         result: Array = slopes[:, :, None] * moves[:, None, :]
         if order:
-            stretches = mesh.length[j][:, which] / lengths[:, None]
+            stretches = length / lengths[:, None]
             result -= order * read.apply(values)[:, :, None] * stretches[:, None, :]
         return result
 
@@ -124,16 +126,30 @@ def make_operator(mesh: Mesh, theta: Array, reads: Reads, lags: Array | float, o
 
 @dataclass(frozen=True, eq=False)
 class Reads:
-    """Where points read: ``times`` their coefficients of theta, ``wraps`` periods back, ``interval`` of the mesh.
+    """Where ``points`` of a mesh read, ``lag`` (n_theta,) before: ``wraps`` periods back, in which ``interval``.
 
     The lags of a delay that varies are to be taken from the times. ``columns`` (n_points, degree + 1) are the
     interval's base points.
     """
 
-    times: Array
+    mesh: Mesh
+    points: MeshPoints
+    lag: Array
     wraps: NDArray[np.intp]
     interval: NDArray[np.intp]
     columns: NDArray[np.intp]
+
+    @cached_property
+    def times(self) -> Array:
+        """Coefficients of theta in the times that are read, moved into the orbit, shape (n_points, n_theta)."""
+        times = self.mesh.times(self.points) - self.lag
+        times[:, : self.mesh.n_segments] += self.wraps[:, None]
+        return times
+
+    def evaluate(self, theta: Array) -> Array:
+        """Return the times that are read at ``theta``, moved into the orbit, shape (n_points,)."""
+        times = self.mesh.evaluate_times(self.points, theta) - self.lag @ theta
+        return np.asarray(times + self.wraps * self.mesh.period(theta))
 
 
 def reference_varying_reads(mesh: Mesh, number: int) -> Reads:
@@ -158,11 +174,9 @@ def find_reads(mesh: Mesh, theta: Array, lag: Array, points: MeshPoints, lags: A
 
     ``lags`` (n_points,) are added to ``lag @ theta``.
     """
-    times = mesh.times(points) - lag
     inward = points.inward
     if inward is None:
         inward = np.where(points.sigma <= 0.0, 1.0, np.where(points.sigma >= 1.0, -1.0, 0.0))
-    at = times @ theta - lags
+    at = mesh.evaluate_times(points, theta) - lag @ theta - lags
     located, later = mesh.locate(theta, at, choose_by=at + NUDGE * mesh.period(theta) * inward)
-    times[:, : mesh.n_segments] -= later[:, None]
-    return Reads(times, -later, located.interval, mesh.base_index[located.interval])
+    return Reads(mesh, points, lag, -later, located.interval, mesh.base_index[located.interval])

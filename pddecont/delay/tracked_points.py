@@ -12,6 +12,7 @@ Math. Anal. Appl. 56 (1976), for the order of the jumps.
 from __future__ import annotations
 
 import heapq
+from bisect import bisect, insort
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
@@ -47,7 +48,7 @@ class TrackedPoints:
         self.kept: list[tuple[float, tuple[int, ...], int]] = []
         self.ends = [tuple([1] * s + [0] * (len(theta) - s)) for s in range(n_segments + 1)]
         self.at_ends = np.concatenate([[0.0], np.cumsum(theta[:n_segments])])
-        self._taken = list(self.at_ends)
+        self._taken: list[float] = self.at_ends.tolist()
         self._found: dict[tuple[int, float], Sequence[tuple[float, int]]] = {}
         self._spread()
 
@@ -105,7 +106,11 @@ class TrackedPoints:
         return found
 
     def _is_allowed(self, k: int, level: int, time: float, size: float) -> bool:
-        return self._goes_on(k, level, size) and min(abs(time - other) for other in self._taken) > MERGE * self.period
+        if not self._goes_on(k, level, size):
+            return False
+        place = bisect(self._taken, time)
+        beside = self._taken[max(0, place - 1) : place + 1]
+        return min(abs(time - other) for other in beside) > MERGE * self.period
 
     def _keep(
         self, k: int, level: int, time: float, size: float, key: tuple[int, ...]
@@ -113,7 +118,7 @@ class TrackedPoints:
         if not self._is_allowed(k, level, time, size):
             return []
         level += self.sources.gain(k)
-        self._taken.append(time)
+        insort(self._taken, time)
         self.kept.append((time, key, level))
         return [(level, time, size * self.fading.get(k, 1.0), key)]
 

@@ -11,14 +11,18 @@ from numpy.typing import NDArray
 from pddecont.codegen import NumericModel
 from pddecont.collocation import Mesh, MeshRule
 from pddecont.delay import DelayMethod
+from pddecont.errors import ConvergenceError
 from pddecont.model import check_signature
 from pddecont.orbit.orbit import Orbit
 from pddecont.orbit.problem import OrbitProblem
-from pddecont.orbit.remesh import make_mesh
+from pddecont.orbit.remesh import breaking_times_vary, make_mesh, settle_reads
 from pddecont.orbit.signature import Signature, link_delayed_events, make_eventless
 from pddecont.orbit.varying_links import link_varying_jumps
 
 Array = NDArray[np.float64]
+# Meshes at most until the breaking times that are found on a cycle stand still, and how still, in periods: Newton's
+# method moves them from there, and must not move them past one another.
+N_MESHES, STILL = 8, 1e-8
 
 
 class Cycle(Protocol):
@@ -68,11 +72,46 @@ def guess_from_cycle(numeric: NumericModel, p: Array, delay: DelayMethod, cycle:
     bare = OrbitProblem(
         signature, Mesh(rule.degree, len(segments), ()), delay, p, (), cycle.n_periods, None, start, links
     )
-    mesh = make_mesh(bare, theta, rule)
-    times = cycle.times[0] + mesh.base_times(theta)
-    values = np.empty((mesh.n_base, numeric.n_states))
-    for s in range(len(segments)):
+    orbit = _sample(bare, make_mesh(bare, theta, rule), cycle, theta)
+    if breaking_times_vary(bare):
+        orbit = _settle_breaking_times(orbit, bare, cycle, rule)
+    return link_varying_jumps(orbit)
+
+
+def _sample(bare: OrbitProblem, mesh: Mesh, cycle: Cycle, theta: Array) -> Orbit:
+    """Return a cycle on a mesh that was made for it."""
+    n = len(bare.segments)
+    breaking = mesh.reference_breaking
+    times = cycle.times[0] + mesh.base_times(np.concatenate([theta, breaking]))
+    values = np.empty((mesh.n_base, bare.numeric.n_states))
+    for s in range(n):
         inside = slice(mesh.first_base[s], mesh.last_base[s] + 1)
         values[inside] = cycle.evaluate(s, times[inside])
-    problem = replace(bare, mesh=mesh, reference=values if signature.needs_phase_reference else None)
-    return link_varying_jumps(Orbit(problem, problem.unknowns.join(values, durations, start, np.zeros(0))))
+    problem = replace(bare, mesh=mesh, reference=values if bare.signature.needs_phase_reference else None)
+    return Orbit(problem, problem.unknowns.join(values, theta[:n], bare.phase, np.zeros(0), breaking))
+
+
+def _settle_breaking_times(orbit: Orbit, bare: OrbitProblem, cycle: Cycle, rule: MeshRule) -> Orbit:
+    """Return a cycle on a mesh with the breaking times behind delays that vary, where the cycle itself has them.
+
+    On polynomials that know nothing of them they are found roughly, on those of the next mesh nearly. Where a cycle is
+    so rough that delays cannot be read, that is left to whoever solves for the orbit.
+    """
+    n_known = len(orbit.theta)
+    try:
+        for _ in range(N_MESHES):
+            mesh, before = make_mesh(bare, orbit.theta, rule, orbit=orbit), orbit.mesh
+            orbit = _sample(bare, mesh, cycle, orbit.theta[:n_known])
+            if _stand_still(before, mesh, STILL * orbit.period):
+                break
+        return settle_reads(orbit)
+    except ConvergenceError:
+        return orbit
+
+
+def _stand_still(before: Mesh, after: Mesh, near: float) -> bool:
+    """Return whether two meshes have the same breaking times, to within ``near``."""
+    alike = [(b.delay, b.source.tolist()) for b in before.breaking] == [
+        (b.delay, b.source.tolist()) for b in after.breaking
+    ]
+    return alike and bool(np.all(np.abs(before.reference_breaking - after.reference_breaking) <= near))

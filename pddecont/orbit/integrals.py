@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from pddecont.codegen import ArrayFunction, Derivatives
@@ -58,7 +59,7 @@ def find_window(mesh: Mesh, theta: Array, times: Array, low: Array, high: Array)
     """
     if not np.all((low >= 0.0) & (high >= low)):
         raise ConvergenceError("an integral over the past ends before it begins, or reads the future")
-    period, starts = mesh.period(theta), mesh.start @ theta
+    period, (starts, lengths) = mesh.period(theta), mesh.evaluate_edges(theta)
     begin, end = times - high, times - low
     turns = np.arange(np.floor(np.min(begin) / period), np.floor(np.max(end) / period) + 1.0)
     edges = (starts + period * turns[:, None]).ravel()
@@ -69,7 +70,7 @@ def find_window(mesh: Mesh, theta: Array, times: Array, low: Array, high: Array)
     place = np.arange(len(point)) - np.repeat(np.cumsum(count) - count, count) + first[point]
     interval, wraps = place % mesh.n_intervals, -turns[place // mesh.n_intervals].astype(np.intp)
     own = edges[place]
-    own_end = own + (mesh.length @ theta)[interval]
+    own_end = own + lengths[interval]
     return Window(
         point,
         interval,
@@ -109,30 +110,38 @@ class IntegralOperator:
         """Return whether every point reads the same base points, as many periods back, as with ``other``."""
         return np.array_equal(self.window.point, other.window.point) and self.pairs.reads_as(other.pairs)
 
-    def moves(self, times: Array, starts: Array, lengths: Array, h: Array) -> Array:
+    def moves(self, times: Array, starts: Array, lengths: Array, read: Ints, h: Array) -> Array:
         """Return how the integral moves with components of theta, base values fixed, shape (n_points, c).
+
+        Each pair's part moves with the time of its point and with start and length of what it reads, by numbers that
+        the quadrature gives: one sparse product a kind.
 
         Parameters
         ----------
-        times, starts, lengths
-            How the points (n_points, c), the pairs' intervals' starts and lengths (P, c) move; the starts as many
-            periods back as they are read.
+        times
+            How the points move (n_points, c).
+        starts, lengths
+            How the starts and lengths of intervals move, in the turns that they are read in (n_read, c).
+        read
+            Which of those each pair reads (P,).
         h
             Lengths of the pairs' intervals (P,).
         """
-        w = self.window
-        here = times[w.point]
-        low = np.where(w.cut_low[:, None], here, starts)
-        high = np.where(w.cut_high[:, None], here, starts + lengths)
-        total = np.zeros((len(self.value), times.shape[1]))
+        w, sigma = self.window, self.pairs.sigma
         width = w.high - w.low
-        for r, (xi, weight) in enumerate(zip(self.xi, self.quadrature, strict=True)):
-            at = low + xi * (high - low)
-            sigma = self.pairs.sigma[:, r]
-            moved = (at - starts - sigma[:, None] * lengths) / h[:, None]
-            part = (high - low) * self.integrand[:, r, None]
-            part += width[:, None] * (self.slope[:, r, None] * (here - at) + self.stretch[:, r, None] * moved)
-            np.add.at(total, w.point, weight * part)
+        # Where u = low + xi (high - low): the derivatives in u, and those with its place among low and high.
+        by_lag, by_sigma = self.slope * width[:, None], self.stretch * (width / h)[:, None]
+        in_place = by_sigma - by_lag
+        part = self.integrand @ self.quadrature
+        by_high = part + in_place @ (self.quadrature * self.xi)
+        by_low = in_place @ (self.quadrature * (1.0 - self.xi)) - part
+        by_start = np.where(w.cut_low, 0.0, by_low) + np.where(w.cut_high, 0.0, by_high) - by_sigma @ self.quadrature
+        by_length = np.where(w.cut_high, 0.0, by_high) - (by_sigma * sigma) @ self.quadrature
+        here = np.where(w.cut_low, by_low, 0.0) + np.where(w.cut_high, by_high, 0.0) + by_lag @ self.quadrature
+        n = len(self.value)
+        total: Array = np.bincount(w.point, here, n)[:, None] * times
+        for values, moving in ((by_start, starts), (by_length, lengths)):
+            total += sp.csr_array((values, (w.point, read)), shape=(n, len(moving))) @ moving
         return total
 
 
@@ -140,34 +149,72 @@ def make_integral_operator(
     integrand: ArrayFunction, mesh: Mesh, theta: Array, values: Array, points: MeshPoints, limits: Array, p: Array
 ) -> IntegralOperator:
     """Return an integral at ``points`` of the orbit with base ``values``; ``limits`` (2, n_points) low and high."""
-    window = find_window(mesh, theta, mesh.times(points) @ theta, *limits)
+    times, (starts, lengths) = mesh.evaluate_times(points, theta), mesh.evaluate_edges(theta)
+    window = find_window(mesh, theta, times, *limits)
     xi, quadrature = _make_quadrature(mesh.degree + MORE_NODES)
-    h, width = (mesh.length @ theta)[window.interval], window.high - window.low
-    start = (mesh.start @ theta)[window.interval] - window.wraps * mesh.period(theta)
+    h, width = lengths[window.interval], window.high - window.low
+    start = starts[window.interval] - window.wraps * mesh.period(theta)
     at = window.low[:, None] + xi * width[:, None]
-    sigma = (at - start[:, None]) / h[:, None]
-    columns = mesh.base_index[window.interval]
-    basis = mesh.basis.lagrange(sigma.ravel()).reshape(*sigma.shape, -1)
-    local = values[columns]
-    x = np.einsum("prb,pbn->npr", basis, local)
-    lags = (mesh.times(points) @ theta)[window.point][:, None] - at
+    nodes = _find_nodes(mesh, window, xi, (at - start[:, None]) / h[:, None])
+    x, lags = nodes.interpolate(mesh, values), times[window.point][:, None] - at
     d = _evaluate(integrand, lags, x, p)
     where = integrand.structure()
-    g = d.value[0].reshape(sigma.shape)
-    slope, stretch = np.zeros(sigma.shape), np.zeros(sigma.shape)
+    g = d.value[0].reshape(lags.shape)
+    slope, stretch = np.zeros(lags.shape), np.zeros(lags.shape)
     if len(where.dt):
-        slope = d.dt[0].reshape(sigma.shape)
-    rates = np.einsum("prb,pbn->npr", basis @ mesh.basis.differentiate, local)
+        slope = d.dt[0].reshape(lags.shape)
     state_weights: dict[int, Array] = {}
     scale = quadrature * width[:, None]
     for state, slopes in zip(where.dx[1].tolist(), d.dx, strict=True):
-        by_node = slopes.reshape(sigma.shape)
-        stretch += by_node * rates[state]
-        state_weights[state] = np.einsum("pr,prb->pb", scale * by_node, basis)
-    value = np.zeros(len(points))
-    np.add.at(value, window.point, np.sum(scale * g, axis=1))
-    pairs = LocalWeights(columns, basis[:, 0], window.interval, sigma, window.wraps)
+        by_node = slopes.reshape(lags.shape)
+        stretch += by_node * nodes.interpolate(mesh, values[:, [state]], derivative=True)[0]
+        state_weights[state] = nodes.collect(scale * by_node)
+    value = np.asarray(np.bincount(window.point, np.sum(scale * g, axis=1), len(points)), dtype=np.float64)
+    pairs = LocalWeights(nodes.columns, nodes.list_first(), window.interval, nodes.sigma, window.wraps)
     return IntegralOperator(window, pairs, value, state_weights, xi, quadrature, g, slope, stretch)
+
+
+@dataclass(frozen=True, eq=False)
+class _Nodes:
+    """Where pairs are read: ``sigma`` (P, n_nodes) in intervals with base points ``columns`` (P, degree + 1).
+
+    Most pairs are whole intervals, and read as these do: ``whole`` (n_nodes, degree + 1) are the weights of base values
+    there, ``own`` (n, n_nodes, degree + 1) those of the pairs ``cut`` (n,) by a limit.
+    """
+
+    interval: Ints
+    columns: Ints
+    sigma: Array
+    whole: Array
+    cut: Ints
+    own: Array
+
+    def interpolate(self, mesh: Mesh, values: Array, *, derivative: bool = False) -> Array:
+        """Return base ``values`` (n_base, n), or their derivatives in sigma, at the nodes, shape (n, P, n_nodes)."""
+        matrix = mesh.basis.differentiate if derivative else np.eye(mesh.degree + 1)
+        every = np.einsum("rb,jbn->njr", self.whole @ matrix, values[mesh.base_index])
+        result: Array = every[:, self.interval]
+        result[:, self.cut] = np.einsum("prb,pbn->npr", self.own @ matrix, values[self.columns[self.cut]])
+        return result
+
+    def collect(self, numbers: Array) -> Array:
+        """Return what ``numbers`` (P, n_nodes) at the nodes are as weights of base values, shape (P, degree + 1)."""
+        result: Array = numbers @ self.whole
+        result[self.cut] = np.einsum("pr,prb->pb", numbers[self.cut], self.own)
+        return result
+
+    def list_first(self) -> Array:
+        """Return the weights of base values at the first node of each pair, shape (P, degree + 1)."""
+        result = np.tile(self.whole[0], (len(self.sigma), 1))
+        result[self.cut] = self.own[:, 0]
+        return result
+
+
+def _find_nodes(mesh: Mesh, window: Window, xi: Array, sigma: Array) -> _Nodes:
+    cut = np.flatnonzero(window.cut_low | window.cut_high)
+    own = mesh.basis.lagrange(sigma[cut].ravel()).reshape(len(cut), len(xi), -1)
+    columns = mesh.base_index[window.interval]
+    return _Nodes(window.interval, columns, sigma, mesh.basis.lagrange(xi), cut, own)
 
 
 @cache

@@ -70,9 +70,14 @@ class PeriodicColumns:
         turns[: orbit.mesh.n_segments] = 1.0
         for i, integral in enumerate(reads.integrals):
             interval, wraps = integral.window.interval, integral.window.wraps
-            starts = mesh.start[interval][:, self.theta_components] - wraps[:, None] * turns
-            lengths = self.interval_lengths[interval]
-            slopes[len(model.delayed) + i] = integral.moves(self.equation_times, starts, lengths, reads.h[interval])
+            first, last = int(np.min(wraps, initial=0)), int(np.max(wraps, initial=0))
+            own = mesh.start[:, self.theta_components]
+            starts = np.concatenate([own - w * turns for w in range(first, last + 1)])
+            lengths = np.tile(self.interval_lengths, (last + 1 - first, 1))
+            read = interval + (wraps - first) * mesh.n_intervals
+            slopes[len(model.delayed) + i] = integral.moves(
+                self.equation_times, starts, lengths, read, reads.h[interval]
+            )
         return slopes
 
     def read_columns(self, weights: LocalWeights, points: Ints, state: int) -> Ints:

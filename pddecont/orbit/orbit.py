@@ -143,13 +143,14 @@ class Orbit:
         result[mesh.base_index.ravel()] = self.read(mesh.grid(mesh.basis.base)).xd.T
         return result
 
-    def read(self, points: MeshPoints, *, delays: bool = True) -> Reads:
+    def read(self, points: MeshPoints, *, delays: bool = True, integrals: bool = True) -> Reads:
         """Return what the orbit is at ``points``, delays read by the problem's method.
 
-        ``delays=False`` leaves the delayed values at zero, for functions that do not use them.
+        ``delays=False`` leaves the delayed values at zero, for functions that do not use them; ``integrals=False`` the
+        integrals alone: no delay depends on one.
         """
         mesh, theta, model = self.mesh, self.theta, self.numeric.model
-        t = self.start + mesh.times(points) @ theta
+        t = self.start + mesh.evaluate_times(points, theta)
         x, xd = mesh.interpolate(self.values, points).T, np.zeros((len(model.read_symbols), len(points)))
         lags = np.zeros((len(model.varying), len(points)))
         operators = self.problem.make_operators(theta, points) if delays else []
@@ -159,15 +160,17 @@ class Orbit:
             lags[number] = self.numeric.varying_delay(number).value(t, x, xd, self.parameters)[0]
             operators.append(self.problem.make_varying_operator(theta, lags[number], points, number))
             self._read_delay(len(model.delays) + number, operators[-1], xd)
-        integrals = []
-        for number in range(len(model.integrals) if delays else 0):
-            limits = self.numeric.limits(number).value(t, x, xd, self.parameters)
-            integrand = self.numeric.integrand(number)
-            integrals.append(
-                make_integral_operator(integrand, mesh, theta, self.values, points, limits, self.parameters)
-            )
-            xd[len(model.delayed) + number] = integrals[-1].value
-        return Reads(points, mesh.length @ theta, t, x, xd, operators, lags, integrals)
+        found = self._integrate(points, t, x, xd) if delays and integrals else []
+        return Reads(points, mesh.evaluate_edges(theta)[1], t, x, xd, operators, lags, found)
+
+    def _integrate(self, points: MeshPoints, t: Array, x: Array, xd: Array) -> list[IntegralOperator]:
+        """Return the integrals over the past, with their values written to their rows of ``xd``."""
+        found, model, p = [], self.numeric.model, self.parameters
+        for number in range(len(model.integrals)):
+            limits, integrand = self.numeric.limits(number).value(t, x, xd, p), self.numeric.integrand(number)
+            found.append(make_integral_operator(integrand, self.mesh, self.theta, self.values, points, limits, p))
+            xd[len(model.delayed) + number] = found[-1].value
+        return found
 
     def _read_delay(self, k: int, operator: DelayOperator, xd: Array) -> None:
         """Write what is read by delay number ``k`` to its rows of ``xd``."""

@@ -30,10 +30,15 @@ class PreimageSearch:
         # At an edge what is read is that of the interval's own side.
         inward = np.where(points.sigma <= 0.0, 1.0, np.where(points.sigma >= 1.0, -1.0, 0.0))
         points = MeshPoints(points.interval, points.sigma, points.weights, inward)
-        self.times = mesh.times(points) @ orbit.theta
+        self.times = mesh.evaluate_times(points, orbit.theta)
         # Without delays that vary there is nothing to read.
-        lags = orbit.read(points).lags if orbit.numeric.model.varying else np.zeros((0, len(points)))
+        lags = orbit.read(points, integrals=False).lags if orbit.numeric.model.varying else np.zeros((0, len(points)))
         self.reads = self.times - lags
+        # What is read at the end of one interval and at the start of the next is one time, unless the delay jumps: told
+        # apart by rounding, a moment between them would be read by neither interval.
+        ends = np.arange(len(places) - 1, len(self.times) - 1, len(places))
+        alike = np.abs(self.reads[:, ends + 1] - self.reads[:, ends]) <= KNOWN * orbit.period
+        self.reads[:, ends + 1] = np.where(alike, self.reads[:, ends], self.reads[:, ends + 1])
 
     def crosses_anew(self, delay: int, moments: Array, known: Array) -> bool:
         """Return whether a delay reads one of ``moments`` (n,), or periods before it, at a time not ``known`` (m,).
@@ -92,5 +97,5 @@ class PreimageSearch:
 
     def _read(self, number: int, times: Array) -> Array:
         points, _ = self.orbit.mesh.locate(self.orbit.theta, times)
-        read: Array = times - self.orbit.read(points.clipped()).lags[number]
+        read: Array = times - self.orbit.read(points.clipped(), integrals=False).lags[number]
         return read

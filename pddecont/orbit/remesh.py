@@ -53,9 +53,7 @@ def find_pieces(problem: OrbitProblem, theta: Array, degree: int, orbit: Orbit |
 
     Breaking points behind delays that vary are found on ``orbit``, and left out without one.
     """
-    sources, n = problem.signature.discontinuity_sources, len(problem.signature)
-    if not problem.delay.tracks_breaking_points:
-        sources = replace(sources, delays=(), varying=(), gains={})
+    sources, n = _find_sources(problem), len(problem.signature)
     theta = theta[: n + len(problem.numeric.model.delays)]
     if orbit is None or sources.are_sums or not problem.signature.has_events:
         points = find_breaking_points(sources, theta, n, degree)
@@ -64,6 +62,17 @@ def find_pieces(problem: OrbitProblem, theta: Array, degree: int, orbit: Orbit |
     found = TrackedPoints(sources, theta, n, degree, PreimageSearch(orbit).find, find_fading(orbit, sources))
     times = found.list_breaking_times()
     return Pieces(_join(found.list_points()), np.concatenate([theta, found.breaking_times]), times)
+
+
+def _find_sources(problem: OrbitProblem) -> DiscontinuitySources:
+    """Return the sources of the breaking points that a problem's meshes have."""
+    sources = problem.signature.discontinuity_sources
+    return sources if problem.delay.tracks_breaking_points else replace(sources, delays=(), varying=(), gains={})
+
+
+def breaking_times_vary(problem: OrbitProblem) -> bool:
+    """Return whether a problem's meshes have breaking times that are found on an orbit alone."""
+    return problem.signature.has_events and bool(_find_sources(problem).varying)
 
 
 def _unfold(orbit: Orbit, theta: Array) -> Orbit:
@@ -224,7 +233,7 @@ def settle_reads(orbit: Orbit) -> Orbit:
     mesh = orbit.mesh
     if not orbit.numeric.model.varying or mesh.reference_lags is not None:
         return orbit
-    settled = replace(mesh, reference_lags=orbit.equation_reads.lags.copy())
+    settled = replace(mesh, reference_lags=orbit.read(mesh.equation_points, integrals=False).lags)
     return Orbit(replace(orbit.problem, mesh=settled), orbit.x)
 
 

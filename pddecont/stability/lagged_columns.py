@@ -56,16 +56,16 @@ class LaggedColumns:
         """Return the derivatives of an integral over the past, shape (n_equation_points, n_lags * (S + J))."""
         integral, lags = reads.integrals[number], self.lags
         interval, wraps = integral.window.interval, integral.window.wraps
-        lag = np.arange(self.n_lags)
-        starts, lengths = np.zeros((2, len(interval), *lags.start.shape[1:]))
-        n_segments = self.problem.mesh.n_segments
-        starts[:, :, :n_segments] -= ((lag >= 1) & (lag <= wraps[:, None]))[:, :, None]
-        for w in np.unique(wraps):
-            here = wraps == w
-            starts[here, w:] += lags.start[interval[here], : self.n_lags - w]
-            lengths[here, w:] = lags.length[interval[here], : self.n_lags - w]
-        flat = (len(interval), -1)
-        return integral.moves(self.equation_times, starts.reshape(flat), lengths.reshape(flat), reads.h[interval])
+        first, last = int(np.min(wraps, initial=0)), int(np.max(wraps, initial=0))
+        n_segments, lag = self.problem.mesh.n_segments, np.arange(self.n_lags)
+        starts, lengths = np.zeros((2, last + 1 - first, *lags.start.shape))
+        for w in range(first, last + 1):
+            starts[w - first, :, :, :n_segments] -= ((lag >= 1) & (lag <= w))[:, None]
+            starts[w - first, :, w:] += lags.start[:, : self.n_lags - w]
+            lengths[w - first, :, w:] = lags.length[:, : self.n_lags - w]
+        flat, read = (-1, self.equation_times.shape[1]), interval + (wraps - first) * len(lags.start)
+        h = reads.h[interval]
+        return integral.moves(self.equation_times, starts.reshape(flat), lengths.reshape(flat), read, h)
 
     def _derivatives_of(self, q: int, orbit: Orbit, reads: Reads) -> Array:
         """Return the derivatives of delayed value ``q``, shape (n_equation_points, n_lags, S + J)."""

@@ -62,15 +62,15 @@ def follow_clock(c):
 
 
 class Clock:
-    """The clock and its follower as a cycle to begin from, roughly."""
+    """The clock and its follower as a cycle to begin from, off by so much."""
 
     signature, times, n_periods, mode = ("tick",), np.array([0.0, 1.0]), 1, "m"
 
-    def __init__(self, c):
-        self.known = follow_clock(c)[2]
+    def __init__(self, c, off=1e-3):
+        self.known, self.off = follow_clock(c)[2], off
 
     def evaluate(self, segment, t):
-        return np.stack([t, self.known(t) + 1e-3 * np.sin(2 * np.pi * t)], axis=1)
+        return np.stack([t, self.known(t) + self.off * np.sin(2 * np.pi * t)], axis=1)
 
 
 def solve_clock(rule, c=0.25):
@@ -87,6 +87,18 @@ def test_a_breaking_time_in_closed_form(c):
     # At the segment's start y is that of its end; x jumps there.
     times = orbit.mesh.base_times(orbit.theta)
     assert np.max(np.abs(orbit.values[:, 1] - known(times))) < 1e-12
+
+
+def test_a_guess_has_the_breaking_times_of_its_cycle():
+    """As exactly as the cycle is known: on a mesh without them they would be off by parts of an interval."""
+    numeric = numeric_from(to_yaml(CLOCK))
+    cycle, rule = Clock(0.25, off=0.0), MeshRule(6, None, 1e-8)
+    guess = guess_from_cycle(numeric, numeric.parameter_values, Direct(), cycle, rule)
+    assert guess.mesh.n_breaking
+    assert np.min(np.abs(guess.breaking - follow_clock(0.25)[0])) < 1e-7
+    times = guess.mesh.grid(np.linspace(0, 1, 9))
+    missed = guess.mesh.interpolate(guess.values, times) - cycle.evaluate(0, guess.mesh.times(times) @ guess.theta)
+    assert np.max(np.abs(missed)) < 1e-7
 
 
 @pytest.mark.parametrize("degree", [2, 3, 4])
@@ -118,6 +130,16 @@ def test_each_breaking_time_reads_its_source(relay):
     for b, breaking in zip(relay.breaking, mesh.breaking, strict=True):
         near = [other for other, _ in search.find(0, np.array([breaking.source @ theta % relay.period]))[0]]
         assert min(abs(other - b) for other in near) < 1e-12
+
+
+def test_rounding_hides_no_time_at_an_edge(relay):
+    """What is read at an edge is known twice, and a moment may lie between the two by rounding: it is read there."""
+    search, mesh, theta = PreimageSearch(relay), relay.mesh, relay.theta
+    edges = (mesh.start @ theta)[~np.isin(np.arange(mesh.n_intervals), mesh.last_interval + 1)][1:]
+    lags = relay.read(mesh.locate(theta, edges)[0].clipped()).lags[0]
+    for edge, read in zip(edges, (edges - lags) % relay.period, strict=True):
+        found = search.find(0, read + 2.0**-54 * np.arange(-40, 41))
+        assert all(min([abs(time - edge) for time, _ in times], default=1.0) < 1e-12 for times in found)
 
 
 def test_derivatives_are_those_of_the_residuals(relay):

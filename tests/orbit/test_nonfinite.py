@@ -39,7 +39,7 @@ def orbit_of(rate="1", event="x", reset="0", p=1.0, free=()):
     [
         ({"rate": "sqrt(p - 2) - x"}, r"sqrt\(p - 2\) takes a root of a negative number \(-1\) in x' of mode 'walk'"),
         ({"rate": "1/(x - 0.5)"}, r"divides by zero in x' of mode 'walk'"),
-        ({"rate": "log(x(t - tau) - 0.5)"}, r"takes the logarithm of zero in x' of mode 'walk'"),
+        ({"rate": "log((x(t - tau) - 0.5)**30)"}, r"takes the logarithm of zero in x' of mode 'walk'"),
         (
             {"reset": "log(x - 1)"},
             r"log\(x - 1\) takes the logarithm of a negative number \(-0\.5\) in x of reset 'back'",

@@ -82,6 +82,7 @@ def test_a_rate_at_no_delay_is_refused():
 
 # Integrals.
 KERNEL = math.e**2 * (math.cos(2) + math.sin(2)) / 2 - math.e**0.5 * (math.cos(0.5) + math.sin(0.5)) / 2
+NARROW = 0.02 * math.sqrt(math.pi) * math.exp(1.0 + 0.01**2)
 FAST = (math.e**2 * (math.cos(400) + 200 * math.sin(400)) - 1) / (1 + 200**2)
 
 
@@ -99,6 +100,16 @@ FAST = (math.e**2 * (math.cos(400) + 200 * math.sin(400)) - 1) / (1 + 200**2)
 )
 def test_decay_with_an_integral(rate, method, error):
     assert largest_error(decay(rate), lambda t: math.exp(-t), 5.0, method) < error
+
+
+@pytest.mark.parametrize("longest", [0.5, 0.2, 0.02])
+def test_steps_short_beside_an_integral_resolve_its_kernel(longest):
+    """Parts of the past are integrated with as few points as two rules agree with: a narrow kernel hides from none."""
+    rate = f"-x - integral(exp(-((s - 1)/0.02)**2)*x(t - s), s, 0, 2) + {NARROW!r}*x"
+    method = Method(1e-12, 1e-13, max_step=longest)
+    assert largest_error(decay(rate), lambda t: math.exp(-t), 5.0, method) < 2e-12
+    rate = f"-x - integral(cos(200*s)*x(t - s), s, 0, 2) + {FAST!r}*x"
+    assert largest_error(decay(rate), lambda t: math.exp(-t), 5.0, method) < 2e-12
 
 
 def test_an_integral_over_a_jump():

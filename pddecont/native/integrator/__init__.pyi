@@ -27,6 +27,8 @@ from .places import T_START as T_START
 from .places import USED as USED
 from .places import ZENO_TIME as ZENO_TIME
 from .places import T as T
+from .quadrature import N_SUMS as N_SUMS
+from .quadrature import SUM_WIDTH as SUM_WIDTH
 from .status import Status as Status
 from .ways import REST as REST
 from .ways import WAY as WAY

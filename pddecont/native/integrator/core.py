@@ -191,6 +191,7 @@ class Core(NamedTuple):
     inside: Floats
     integrand: Floats
     panels: Floats
+    sums: Floats
     # Of the stiff method: derivatives of all slopes, a matrix with its factors, and the steps of Newton's method.
     full_jacobian: Floats
     matrix: Floats

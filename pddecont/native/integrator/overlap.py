@@ -13,6 +13,7 @@ from math import inf, isfinite
 from pddecont.native.integrator.core import Core
 from pddecont.native.integrator.dop853 import extend_explicit_step, try_explicit_step
 from pddecont.native.integrator.places import HELD, HELD_LENGTH, IN_STEP, MODE, N_COEFFICIENTS, OVERLAPS, UNKNOWN
+from pddecont.native.integrator.quadrature import forget_sums
 from pddecont.native.integrator.radau import extend_stiff_step, try_stiff_step
 from pddecont.native.integrator.rhs import evaluate_rhs
 
@@ -27,6 +28,7 @@ NOT_CONVERGED = 1e3
 def try_any_step(c: Core, t: float, h: float) -> float:
     """Try a step as :func:`try_explicit_step` or :func:`try_stiff_step` do; one that reads itself is repeated."""
     c.lag_count[HELD], c.lag_count[OVERLAPS], c.lag_count[UNKNOWN] = 0, 0, 0
+    forget_sums(c)
     for k in range(c.n_varying):
         c.lag_least[k], c.lag_most[k] = inf, -inf
     error = try_stiff_step(c, t, h) if c.stiff == 1 else try_explicit_step(c, t, h)

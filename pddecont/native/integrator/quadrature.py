@@ -1,6 +1,9 @@
-"""Integrals over the past: Gauss-Kronrod quadrature over its steps, each cut at the limits, halved where need be.
+"""Integrals over the past: Patterson's rules over its steps, each cut at the limits, halved where need be.
 
-Reference: Piessens, de Doncker-Kapenga, Überhuber, Kahaner, QUADPACK (1983), rule QK15.
+A rule of 7 points has those of Gauss's of 3 among its own, one of 15 has those 7. A part that is short beside all that
+is integrated over is done where the first two agree, any other where the last two do.
+
+Reference: Patterson, Math. Comp. 22 (1968), 847-856.
 """
 
 from __future__ import annotations
@@ -15,6 +18,7 @@ from pddecont.native.integrator.places import (
     FIRST,
     HELD,
     HELD_LENGTH,
+    IN_STEP,
     KNOWN_FROM,
     N_COEFFICIENTS,
     OVERLAPS,
@@ -28,47 +32,51 @@ from pddecont.native.integrator.ring import evaluate_extension, evaluate_history
 
 # What is integrated: g, its derivative in the lag, and that in the states times the tangent.
 INTEGRAND, DERIVATIVE_IN_LAG, TANGENT = 0, 1, 2
-# Nodes of Kronrod's rule of 15 points on [-1, 1] that are not negative, its weights, and those of Gauss's rule of 7
-# points at every second node.
+# Nodes of Patterson's rule of 15 points on [-1, 1] that are not negative: those of the rules of 3 and 7 points first.
+# Computed to 60 digits from what defines them, as are the weights of the three.
 NODES = np.array(
     [
         0.0,
-        0.207784955007898467600689403773245,
-        0.405845151377397166906606412076961,
-        0.586087235467691130294144691693013,
-        0.741531185599394439863864773280788,
-        0.864864423359769072789712788640926,
-        0.949107912342758524526189684047851,
-        0.991455371120812639206854697526329,
+        0.774596669241483377035853079956480,
+        0.434243749346802558002071502844628,
+        0.960491268708020283423507092629080,
+        0.223386686428966881628203986843998,
+        0.621102946737226402940687443816595,
+        0.888459232872256998890420167258503,
+        0.993831963212755022208512841307951,
     ]
 )
-KRONROD = np.array(
+OF_3 = np.array([0.888888888888888888888888888888889, 0.555555555555555555555555555555556])
+OF_7 = np.array(
     [
-        0.209482141084727828012999174891714,
-        0.204432940075298892414161999234649,
-        0.190350578064785409913256402421014,
-        0.169004726639267902826583426598550,
-        0.140653259715525918745189590510238,
-        0.104790010322250183839876322541518,
-        0.063092092629978553290700663189204,
-        0.022935322010529224963732008058970,
+        0.450916538658474142345110087045571,
+        0.268488089868333440728569280666710,
+        0.401397414775962222905051818618432,
+        0.104656226026467265193823857192073,
     ]
 )
-GAUSS = np.array(
+OF_15 = np.array(
     [
-        0.417959183673469387755102040816327,
-        0.0,
-        0.381830050505118944950369775488975,
-        0.0,
-        0.279705391489276667901467771423780,
-        0.0,
-        0.129484966168869693270611432679082,
-        0.0,
+        0.225510499798206687386422549155949,
+        0.134415255243784220359768964802492,
+        0.200628529376989021033931873331359,
+        0.051603282997079739696920120567861,
+        0.219156858401587496403693161643774,
+        0.171511909136391380787353165019717,
+        0.092927195315124537685894222654169,
+        0.017001719629940260339027417402654,
     ]
 )
-# Where both rules agree so well, relative to the integral of the absolute value, that of 15 points is exact to
-# rounding. A part is halved no more often than this: below it a kernel is not smooth.
+# Nodes, not negative, of the rules of 3 and 7 points.
+N_3, N_7 = 2, 4
+# Where two rules agree so well, relative to the integral of the absolute value, the better one is exact to rounding. A
+# part is halved no more often than this: below it a kernel is not smooth.
 AGREED, MAX_HALVINGS = 1e-11, 20
+# Parts no longer than this share of all that is integrated over begin with 7 points: no kernel is looked at in fewer
+# places than by 15 points in one part.
+SHORT = 0.25
+# Sums over whole steps that are kept while a step is tried, after their number, and the numbers each is kept with.
+N_SUMS, SUM_WIDTH = 64, 5
 # Where the states of a part come from, besides steps of the ring, by number: the history, the extension of the present
 # step that is held, and the present states.
 FROM_HISTORY, FROM_HELD, FROM_PRESENT = -1, -2, -3
@@ -84,18 +92,25 @@ def integrate_past(c: Core, t: float, y: Floats, q: int, low: float, high: float
         c.lag_count[UNKNOWN] = 1
     start, now = c.clock[T_START], c.clock[T]
     if begin < start:
-        total += _integrate_part(c, t, q, begin, min(end, start), what, FROM_HISTORY)
+        total += _integrate_part(c, t, q, begin, min(end, start), what, FROM_HISTORY, high - low)
     if c.count[USED] > 0 and end > start and begin < now:
         last = c.count[FIRST] + c.count[USED]
         slot = c.n_delays + c.n_varying + q
         number = find_step_before(c, max(begin, start), c.cursor[slot])
         c.cursor[slot] = number
-        while number < last and c.past_time[number & c.mask] < end:
+        if number < last and c.past_time[number & c.mask] < max(begin, start):
             j = number & c.mask
-            left, right = max(begin, c.past_time[j]), min(end, c.past_end[j])
-            if right > left:
-                total += _integrate_part(c, t, q, left, right, what, j)
+            right = min(end, c.past_end[j])
+            if right > begin:
+                total += _integrate_part(c, t, q, max(begin, start), right, what, j, high - low)
             number += 1
+        beyond = number
+        while beyond < last and c.past_end[beyond & c.mask] <= end:
+            beyond += 1
+        total += _integrate_steps(c, t, q, number, beyond, what, high - low)
+        if beyond < last and c.past_time[beyond & c.mask] < end:
+            j = beyond & c.mask
+            total += _integrate_part(c, t, q, c.past_time[j], end, what, j, high - low)
     if end > now:
         left, source = max(begin, now), FROM_PRESENT
         if end > now + time_tolerance(t):
@@ -104,7 +119,7 @@ def integrate_past(c: Core, t: float, y: Floats, q: int, low: float, high: float
             source = FROM_HELD
         elif c.count[USED] > 0 and _last_piece(c) == c.lag_count[PIECE]:
             source = (c.count[FIRST] + c.count[USED] - 1) & c.mask
-        total += _integrate_part(c, t, q, left, end, what, source)
+        total += _integrate_part(c, t, q, left, end, what, source, high - low)
     return sign * total
 
 
@@ -132,8 +147,42 @@ def _last_piece(c: Core) -> int:
     return c.past_piece[(c.count[FIRST] + c.count[USED] - 1) & c.mask]
 
 
-def _integrate_part(c: Core, t: float, q: int, left: float, right: float, what: int, source: int) -> float:
-    """Return the integral over times from ``left`` to ``right``, which one polynomial, or the history, holds."""
+def forget_sums(c: Core) -> None:
+    """Let the sums over whole steps that were kept be made anew: another step is tried."""
+    c.sums[0] = 0.0
+
+
+def _integrate_steps(c: Core, t: float, q: int, first: int, beyond: int, what: int, window: float) -> float:
+    """Return the integral over the whole steps from number ``first`` on to that before ``beyond``.
+
+    A step that reads itself is repeated, and so is its past: while a step is tried what was found is kept.
+    """
+    if beyond <= first:
+        return 0.0
+    n_kept = 0
+    while c.lag_count[IN_STEP] == 1 and n_kept < c.sums[0]:
+        kept = offset(c.sums, 1 + SUM_WIDTH * n_kept)
+        if kept[0] == t and kept[1] == 3 * q + what and kept[2] == first and kept[3] == beyond:
+            return kept[4]
+        n_kept += 1
+    total = 0.0
+    for number in range(first, beyond):
+        j = number & c.mask
+        total += _integrate_part(c, t, q, c.past_time[j], c.past_end[j], what, j, window)
+    if c.lag_count[IN_STEP] == 1 and n_kept < N_SUMS:
+        new = offset(c.sums, 1 + SUM_WIDTH * n_kept)
+        new[0], new[1], new[2], new[3], new[4] = t, 3.0 * q + what, first, beyond, total
+        c.sums[0] = n_kept + 1.0
+    return total
+
+
+def _integrate_part(
+    c: Core, t: float, q: int, left: float, right: float, what: int, source: int, window: float
+) -> float:
+    """Return the integral over times from ``left`` to ``right``, which one polynomial, or the history, holds.
+
+    ``window`` is the length of all that is integrated over.
+    """
     total, size, top = 0.0, 0.0, 0
     panels = c.panels
     panels[0], panels[1], panels[2] = left, right, 0.0
@@ -141,22 +190,33 @@ def _integrate_part(c: Core, t: float, q: int, left: float, right: float, what: 
         a, b, depth = panels[3 * top], panels[3 * top + 1], panels[3 * top + 2]
         top -= 1
         middle, half = 0.5 * (a + b), 0.5 * (b - a)
-        gauss, kronrod, absolute = 0.0, 0.0, 0.0
-        for i in range(8):
+        by_3, by_7, by_15, absolute_7, absolute_15 = 0.0, 0.0, 0.0, 0.0, 0.0
+        for i in range(N_7):
             for side in range(1 if i == 0 else 2):
-                there = middle + half * NODES[i] * (1.0 if side == 0 else -1.0)
-                value = _evaluate(c, t, q, there, what, source)
-                gauss += GAUSS[i] * value
-                kronrod += KRONROD[i] * value
-                absolute += KRONROD[i] * abs(value)
-        size = max(size, half * absolute)
+                value = _evaluate(c, t, q, middle + half * NODES[i] * (1.0 if side == 0 else -1.0), what, source)
+                if i < N_3:
+                    by_3 += OF_3[i] * value
+                by_7 += OF_7[i] * value
+                by_15 += OF_15[i] * value
+                absolute_7 += OF_7[i] * abs(value)
+                absolute_15 += OF_15[i] * abs(value)
+        if b - a <= SHORT * window and half * abs(by_7 - by_3) <= AGREED * max(size, half * absolute_7):
+            size = max(size, half * absolute_7)
+            total += half * by_7
+            continue
+        for i in range(N_7, 8):
+            for side in range(2):
+                value = _evaluate(c, t, q, middle + half * NODES[i] * (1.0 if side == 0 else -1.0), what, source)
+                by_15 += OF_15[i] * value
+                absolute_15 += OF_15[i] * abs(value)
+        size = max(size, half * absolute_15)
         # Infinity and NaN end here too.
-        if half * abs(gauss - kronrod) > AGREED * size and depth < MAX_HALVINGS and isfinite(absolute):
+        if half * abs(by_7 - by_15) > AGREED * size and depth < MAX_HALVINGS and isfinite(absolute_15):
             panels[3 * top + 3], panels[3 * top + 4], panels[3 * top + 5] = middle, b, depth + 1.0
             panels[3 * top + 6], panels[3 * top + 7], panels[3 * top + 8] = a, middle, depth + 1.0
             top += 2
         else:
-            total += half * kronrod
+            total += half * by_15
     return total
 
 

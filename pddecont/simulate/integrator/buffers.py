@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.native.integrator import N_COEFFICIENTS
+from pddecont.native.integrator import N_COEFFICIENTS, N_SUMS, SUM_WIDTH
 from pddecont.simulate.integrator.system import System
 
 Array = NDArray[np.float64]
@@ -113,8 +113,9 @@ class Workspace(NamedTuple):
     ``lag_least`` and ``lag_most`` the least and the greatest times that they read in a step; ``held`` an extension of
     the present step (N_COEFFICIENTS rows), ``fresh_slope`` the slopes where a piece begins (dimension,), ``inside`` and
     ``integrand`` the states at a time in the past and what an integrand is there (n + 2,), ``panels`` those that wait
-    to be integrated (64 rows of 3). Of the stiff method are ``full_jacobian`` (n_full, n_full), ``matrix`` (3 n_full,
-    3 n_full) with its ``pivots``, ``increments`` and ``change`` (3 n_full,); elsewhere they are empty.
+    to be integrated (64 rows of 3), ``sums`` the number of those over whole steps that are kept, and these (1 + N_SUMS
+    * SUM_WIDTH,). Of the stiff method are ``full_jacobian`` (n_full, n_full), ``matrix`` (3 n_full, 3 n_full) with its
+    ``pivots``, ``increments`` and ``change`` (3 n_full,); elsewhere they are empty.
     """
 
     stages: Array
@@ -143,6 +144,7 @@ class Workspace(NamedTuple):
     inside: Array
     integrand: Array
     panels: Array
+    sums: Array
     full_jacobian: Array
     matrix: Array
     pivots: Integers
@@ -182,6 +184,7 @@ def make_workspace(system: System) -> Workspace:
         np.zeros(n + 2),
         np.zeros(n + 2),
         np.zeros(192),
+        np.zeros(1 + N_SUMS * SUM_WIDTH),
         np.zeros(full * full),
         np.zeros(9 * full * full),
         np.zeros(3 * full, np.int64),
