@@ -212,7 +212,7 @@ class _Nodes:
 
 def _find_nodes(mesh: Mesh, window: Window, xi: Array, sigma: Array) -> _Nodes:
     cut = np.flatnonzero(window.cut_low | window.cut_high)
-    own = mesh.basis.lagrange(sigma[cut].ravel()).reshape(len(cut), len(xi), -1)
+    own = mesh.basis.lagrange(sigma[cut])
     columns = mesh.base_index[window.interval]
     return _Nodes(window.interval, columns, sigma, mesh.basis.lagrange(xi), cut, own)
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from pddecont.collocation import MeshRule
+from pddecont.orbit import integrals
 from pddecont.orbit.system import PeriodicOrbitSystem, measure_orbit
 from tests.delay_kinds import KINDS, exact, solve
 from tests.runs import run
@@ -52,6 +54,18 @@ def test_derivatives_are_those_of_the_residuals(kind):
             12 * step
         )
         assert jacobian[:, column] == pytest.approx(slope, abs=2e-9 * np.max(np.abs(jacobian)))
+
+
+def test_windows_may_cut_no_mesh_interval():
+    """Where all limits lie on edges every interval is read whole."""
+    orbit = solve("distributed", MeshRule(3, 8, None))
+    window, xi = orbit.equation_reads.integrals[0].window, np.linspace(0.0, 1.0, 5)
+    whole = np.zeros(len(window.interval), dtype=bool)
+    window = replace(window, cut_low=whole, cut_high=whole)
+    nodes = integrals._find_nodes(orbit.mesh, window, xi, np.tile(xi, (len(whole), 1)))
+    assert nodes.own.shape == (0, 5, 4) and not len(nodes.cut)
+    every = nodes.interpolate(orbit.mesh, np.ones((orbit.mesh.n_base, 1)))
+    assert np.allclose(every, 1.0, rtol=0, atol=1e-14)
 
 
 def test_impacts_with_a_rate_and_an_integral_of_the_past(tmp_path):

@@ -28,7 +28,8 @@ def try_within(try_model, model, folder, limit=LIMIT):
         raise _TookTooLongError
 
     before = signal.signal(signal.SIGPROF, give_up)
-    signal.setitimer(signal.ITIMER_PROF, limit)
+    # Where it is raised in a place that lets nothing out it is raised again.
+    signal.setitimer(signal.ITIMER_PROF, limit, 1.0)
     try:
         return try_model(model, folder)
     except _TookTooLongError:
