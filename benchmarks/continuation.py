@@ -15,6 +15,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
+import yaml
 
 from benchmarks.timing import growth, timed
 from models.oscillator_chain import chain
@@ -220,6 +221,26 @@ def long_branches(folder):
     print()
 
 
+def large_systems(folder):
+    """Print what a point with multipliers costs where states are many."""
+    print("Points of a chain of oscillators, with multipliers (degree 6, tolerance 1e-6)")
+    costs = {}
+    for n in (5, 10, 25, 50, 100):
+        steps = [
+            {"name": "t", "simulate": {"t_end": "60*2*pi/omega"}},
+            {"name": "o", "orbit": {"from": "t"}},
+            {"name": "b", "continue": {"from": "o", "free": ["K"], "range": {"K": [0.1, 0.12]}, "stability": True}},
+        ]
+        text = chain(n).split("\nrun:")[0] + "\n" + yaml.safe_dump({"run": {"mesh": {"tol": 1e-6}, "steps": steps}})
+        results, seconds = ran(text, folder, f"chain{n}")
+        recorded = results.step("b")
+        costs[2 * n] = seconds["b"] / len(recorded)
+        memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+        unknowns = int(recorded.points["n_unknowns"][0])
+        print(f"  {2 * n:4} states, {unknowns:6} unknowns: {costs[2 * n]:7.3f} s of CPU time, {memory:.0f} MiB so far")
+    print(f"  exponent {growth(list(costs), list(costs.values())):.2f}\n")
+
+
 def start_up():
     """Print how long commands take to start, against Python alone."""
     program = [sys.executable, "-m", "pddecont"]
@@ -252,6 +273,7 @@ def main():
         split()
         sizes()
         long_branches(folder)
+        large_systems(folder)
     start_up()
 
 

@@ -90,7 +90,8 @@ def solve_with_row(system: System[E], row: Array, level: float, guess: Array, se
     bordered = solve_newton(
         lambda x: BorderedEvaluation(system.at(x), row, level), guess, system.scaling.scale, settings
     )
-    return Solution(bordered.at.inner, bordered.history, bordered.solve, bordered.n_iterations)
+    inner, n = bordered.at.inner, bordered.n_iterations
+    return Solution(inner, bordered.history, bordered.solve, n, bordered.factor_anew)
 
 
 def _last_unit(n: int) -> Array:

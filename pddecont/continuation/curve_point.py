@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Generic
 
@@ -52,6 +52,14 @@ class CurvePoint(Generic[E]):
         last = np.zeros(len(self.x))
         last[-1] = 1.0
         return self.solution.solve(last)
+
+    def without_factors(self) -> CurvePoint[E]:
+        """Return the point with its tangent, and without the factors that told it, which are large."""
+        if self.solution is None:
+            return self
+        point = replace(self, solution=self.solution.without_factors())
+        vars(point)["tangent"] = self.tangent
+        return point
 
     @property
     def mesh_independent_unknowns(self) -> Array:

@@ -14,7 +14,7 @@ from scipy.interpolate import BarycentricInterpolator
 from pddecont.continuation.adaptive import solve_adaptively
 from pddecont.continuation.arclength import solve_with_row
 from pddecont.continuation.curve_point import CurvePoint
-from pddecont.continuation.newton import NewtonSettings, Solution
+from pddecont.continuation.newton import LARGE, NewtonSettings, Solution
 from pddecont.continuation.system import AdaptiveSystem, E
 from pddecont.errors import ConvergenceError
 
@@ -102,7 +102,9 @@ class BranchSegment(Generic[E]):
             return solve_with_row(on_mesh, row, level, start, self.settings)
 
         system, solution = solve_adaptively(system, guess, solve)
-        return CurvePoint(system, solution.at, solution)
+        point: CurvePoint[E] = CurvePoint(system, solution.at, solution)
+        # Dozens of points are kept here.
+        return point.without_factors() if len(point.x) >= LARGE else point
 
     def _interpolate_across(self, test: Value[E], low: float, high: float) -> float | None:
         """Return the zero of ``test`` by interpolation, over the whole way, then nearer; keep the point there."""

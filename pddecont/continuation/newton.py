@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cache
 from typing import Generic
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.continuation.linear import Matrix, ScaledFactors, equilibrate
-from pddecont.continuation.system import E
+from pddecont.continuation.system import E, Evaluation
 from pddecont.errors import ConvergenceError
 
 Array = NDArray[np.float64]
@@ -41,17 +42,24 @@ class Solution(Generic[E]):
 
     ``solve(b)`` solves with the Jacobian at the solution, to within what is left of the last step or ``CORRECTED``.
     ``n_iterations`` counts Newton steps; steps with an old Jacobian count as the Newton steps that they stand for.
+    ``factor_anew`` factors the Jacobian at the solution once more.
     """
 
     at: E
     history: tuple[float, ...]
     solve: Callable[[Array], Array]
     n_iterations: int
+    factor_anew: Callable[[], Callable[[Array], Array]]
 
     @property
     def x(self) -> Array:
         """The solution's unknowns."""
         return self.at.x
+
+    def without_factors(self) -> Solution[E]:
+        """Return the solution without the factors that it was found with: others are made when they are asked for."""
+        factor_anew = cache(self.factor_anew)
+        return replace(self, solve=lambda b: factor_anew()(b))
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,13 +95,14 @@ def solve_newton(
         here = step.at
         steps.append(step.length)
         if damping == 1.0 and step.length < settings.step_tol and step.residual < settings.residual_tol:
-            return Solution(here, tuple(history), step.factors.solve, n)
+            return Solution(here, tuple(history), step.factors.solve, n, _find_factors_at(here, scale))
         chord = _follow_chord(evaluate, step, settings) if damping == 1.0 and len(scale) >= LARGE else []
         if chord:
             last = chord[-1]
             history += [c.residual for c in chord]
             n_iterations = n + _count_newton_steps(step.length, chord[0].length, settings)
-            return Solution(last.at, tuple(history), _correct_solutions(last), n_iterations)
+            solve = _correct_solutions(last)
+            return Solution(last.at, tuple(history), solve, n_iterations, _find_factors_at(last.at, scale))
     raise ConvergenceError(
         f"Newton's method did not converge in {settings.max_iterations} iterations "
         f"({_explain_failure(history, steps, settings)})",
@@ -165,6 +174,11 @@ def _count_newton_steps(last: float, first: float, settings: NewtonSettings) -> 
     while length >= settings.step_tol:
         n, length = n + 1, last * (first / last) ** (2 ** (n + 1) - 1)
     return n
+
+
+def _find_factors_at(at: Evaluation, scale: Array) -> Callable[[], Callable[[Array], Array]]:
+    """Return what factors the Jacobian at a point and returns what solves with it."""
+    return lambda: equilibrate(at.jacobian(), scale).factor().solve
 
 
 def _correct_solutions(last: _Step[E]) -> Callable[[Array], Array]:

@@ -19,6 +19,16 @@ def test_a_corrected_point_knows_its_iterations_and_its_tangent():
     assert point.tangent == pytest.approx([-0.75, 1.0], abs=1e-7)
 
 
+def test_a_point_without_factors_has_its_tangent_and_factors_again_where_it_must():
+    solution = correct_component(SYSTEM, np.array([0.9, 0.5]), 1, 0.6, NewtonSettings())
+    point = CurvePoint(SYSTEM, solution.at, solution)
+    slim = point.without_factors()
+    assert slim.solution.solve is not solution.solve and slim.n_iterations == point.n_iterations
+    assert slim.tangent is point.tangent
+    # The equation 2 x dx + 2 y dy = 1 with dy = 0 has dx = 1 / 1.6.
+    assert slim.solve(np.array([1.0, 0.0])) == pytest.approx([0.625, 0.0], abs=1e-12)
+
+
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_the_tangent_points_to_the_side_to_which_the_row_grows(sign):
     row = sign * np.array([0.2, 1.0])
