@@ -1,12 +1,13 @@
 """One piece of work in a process of its own, or on a Dask cluster, while this one goes on.
 
 The other process is this Python's, started anew: it gets the work through a pipe and ends with this one, whose end it
-sees by the pipe.
+sees by the pipe. What comes through the pipe is this program's own.
 """
 
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 import pickle
 import subprocess
@@ -17,6 +18,8 @@ from typing import TypeVar
 
 from pddecont.simulate.workers import RETRIES, Workers, connect
 
+# The other process finds modules where this one does, and nowhere else: not in the folder that it is started in.
+START = f"import json, sys; sys.path[:] = json.loads(sys.argv[1]); from {__name__} import main; main()"
 Task = TypeVar("Task")
 Result = TypeVar("Result")
 
@@ -35,7 +38,7 @@ def begin_apart(workers: Workers, work: Callable[[Task], Result], task: Task) ->
             finally:
                 future.cancel()
         return
-    command = [sys.executable, "-m", __name__]
+    command = [sys.executable, "-P", "-c", START, json.dumps(sys.path)]
     # A signal from the keyboard is this process's to answer.
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, start_new_session=True) as process:
         assert process.stdin is not None and process.stdout is not None, "both are pipes"
@@ -74,7 +77,3 @@ def main() -> None:
     threading.Thread(target=_end_with_parent, daemon=True).start()
     pickle.dump(work(task), answers)
     answers.flush()
-
-
-if __name__ == "__main__":
-    main()

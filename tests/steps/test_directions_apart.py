@@ -1,6 +1,7 @@
 """Both directions of a branch at once: the same file as one after the other, whatever becomes of the other process."""
 
 import math
+import os
 import subprocess
 import sys
 import time
@@ -95,6 +96,21 @@ def make_error(path):
 def test_a_result_comes_from_another_process():
     with begin_apart(Workers(2), math.sqrt, 2.0) as wait:
         assert wait() == math.sqrt(2.0)
+    with begin_apart(Workers(2), find_process, None) as wait:
+        assert wait() != os.getpid()
+
+
+def find_process(_):
+    return os.getpid()
+
+
+def test_modules_of_the_folder_it_runs_in_are_none_of_its_own(monkeypatch, tmp_path):
+    """A file beside the model named like a module must not be run."""
+    (tmp_path / "pickle.py").write_text("raise SystemExit('run by mistake')")
+    (tmp_path / "numpy.py").write_text("raise SystemExit('run by mistake')")
+    monkeypatch.chdir(tmp_path)
+    with begin_apart(Workers(2), find_process, None) as wait:
+        assert wait() != os.getpid()
 
 
 KILLED = """
