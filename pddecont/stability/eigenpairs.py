@@ -39,7 +39,7 @@ def find_all_outside(monodromy: MonodromyOperator, n: int, radius: float) -> lis
 
     None where the orbit remembers more than a period, or where that none is missing cannot be told so.
     """
-    if len(monodromy.kept) > 1:
+    if len(monodromy.kept) > 1 or (monodromy.size <= SHORT and not np.all(np.isfinite(monodromy.scaled_matrix))):
         return None
     sizes = monodromy.history_sizes[:, None]
 

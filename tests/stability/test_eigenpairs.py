@@ -61,6 +61,12 @@ def test_what_remembers_more_than_a_period_is_left_to_others():
     assert find_all_outside(MapOnly(map_with([1.5], 20), kept=(None, None)), 8, 0.95) is None
 
 
+def test_a_map_that_is_not_finite_is_left_to_others():
+    matrix = map_with([1.5], 20)
+    matrix[3, 4] = np.inf
+    assert find_all_outside(MapOnly(matrix), 8, 0.95) is None
+
+
 @pytest.mark.parametrize("hidden", [1.2, 0.96, -3.0])
 def test_a_list_that_lacks_one_is_refused(monkeypatch, hidden):
     """As Arnoldi's method does of several that coincide, one is left out of what it finds."""
