@@ -134,7 +134,8 @@ def multipliers_of_map(monodromy: MonodromyOperator, orbit: Orbit, n: int | None
     values, residuals = values[order], residuals[order]
     essential = find_essential_radius(orbit)
     if essential > spurious:
-        own = np.abs(values) > essential
+        # Rates are read less exactly than values, and some meshes have multipliers of their own.
+        own = (np.abs(values) > essential) & _stay(values, orbit, wanted)
         values, residuals, spurious = values[own], residuals[own], essential
     if not orbit.signature.needs_phase_reference:
         return Multipliers(values, values, spurious=spurious, residuals=residuals, counted=counted)
@@ -173,10 +174,7 @@ def _find_of_lines(monodromy: MonodromyOperator, orbit: Orbit, wanted: int) -> t
     eigenvalues computed, so that there is nothing to count; of a larger one those outside a circle are counted.
     """
     values = find_candidates(monodromy, wanted)
-    finer = transfer_orbit(orbit.with_free(()), refine_evenly(orbit.mesh))
-    other = find_candidates(linearise_period(finer), 2 * wanted)
-    near = [np.min(np.abs(other - v), initial=np.inf) < STAYS * max(1.0, abs(v)) for v in values]
-    stays = np.array(near, dtype=bool)
+    stays = _stay(values, orbit, wanted)
     spurious = float(np.max(np.abs(values[~stays]), initial=0.0))
     values = values[stays & (np.abs(values) > spurious)][: wanted + 1]
     if spurious > UNRELIABLE:
@@ -187,6 +185,16 @@ def _find_of_lines(monodromy: MonodromyOperator, orbit: Orbit, wanted: int) -> t
         return found, spurious, True
     radius = min(NEAR_UNIT, max(SMALL, BELOW * float(np.min(np.abs(values), initial=np.inf))))
     return found, spurious, _count(Counter(monodromy.characteristic), found, radius) == 0
+
+
+def _stay(values: Complex, orbit: Orbit, wanted: int) -> NDArray[np.bool_]:
+    """Return which multipliers are where they are on a finer mesh too; all, where too long a history tells none."""
+    monodromy = linearise_period(transfer_orbit(orbit.with_free(()), refine_evenly(orbit.mesh)))
+    other = find_candidates(monodromy, 2 * wanted)
+    if not len(other) and is_deep(monodromy):
+        return np.ones(len(values), dtype=bool)
+    near = [np.min(np.abs(other - v), initial=np.inf) < STAYS * max(1.0, abs(v)) for v in values]
+    return np.array(near, dtype=bool)
 
 
 def complete(

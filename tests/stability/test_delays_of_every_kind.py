@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from pddecont.collocation import MeshRule
-from pddecont.stability import find_multipliers
+from pddecont.stability import find_multipliers, multipliers
+from pddecont.stability.monodromy import linearise_period
+from pddecont.stability.refinement import Refined
 from tests.delay_kinds import KINDS, exact, solve
 
 STEP = 1e-3
@@ -51,3 +53,19 @@ def test_multipliers_against_hill_s_method(kind):
         u, s, vh = np.linalg.svd(matrix)
         missed = s[-1] / abs(u[:, -1].conj() @ slope @ vh[-1].conj())
         assert missed * period * abs(mu) < 1e-8
+
+
+def test_a_multiplier_of_the_mesh_alone_is_left_out_of_an_orbit_with_rates(monkeypatch):
+    """On one mesh of a transmission line -1.37 was one, its residual rounding; on no other mesh is it there."""
+    orbit = solve("neutral", MeshRule(6, None, 1e-8))
+    own = find_multipliers(orbit)
+    spurious, find = Refined(-1.37 + 0j, 1e-15, np.zeros(0, dtype=complex), True), multipliers.find_all_outside
+
+    def find_more(*given):
+        found = find(*given)
+        return None if found is None else [spurious, *found]
+
+    monkeypatch.setattr(multipliers, "find_all_outside", find_more)
+    assert find_more(linearise_period(orbit), 16, 0.95) is not None
+    found = find_multipliers(orbit)
+    assert np.array_equal(found.values, own.values) and found.counted and found.stable == own.stable
