@@ -17,8 +17,8 @@ from .step_formats import SWEEP as SWEEP
 from .step_formats import find_format as find_format
 from .step_formats import forget_format as forget_format
 from .step_formats import register_format as register_format
+from .whole_file import compact_step as compact_step
+from .whole_file import create_results as create_results
+from .whole_file import drop_steps as drop_steps
+from .whole_file import upgrade_results as upgrade_results
 from .writer import StepWriter as StepWriter
-from .writer import compact_step as compact_step
-from .writer import create_results as create_results
-from .writer import drop_steps as drop_steps
-from .writer import upgrade_results as upgrade_results

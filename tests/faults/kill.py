@@ -20,7 +20,7 @@ import sys
 import time
 from pathlib import Path
 
-from pddecont.results import lock, read_results, writer
+from pddecont.results import file_structure, lock, read_results, writer
 from pddecont.steps.execution import execute
 from tests.faults.runs import contents, is_beginning, plan_of
 
@@ -156,7 +156,7 @@ def suicidal(number, moment):
 
             return call
 
-    for module in (writer, lock):
+    for module in (file_structure, writer, lock):
         module.os = Os()
 
 

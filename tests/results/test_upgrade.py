@@ -10,7 +10,7 @@ from pddecont.reasons import Reason, make_reason, reason_from_json
 from pddecont.results import read_results
 from pddecont.results.format import FORMAT_VERSION
 from pddecont.results.upgrade import upgrade_step
-from pddecont.results.writer import upgrade_results
+from pddecont.results.whole_file import upgrade_results
 from pddecont.simulate import FailureReason, MotionFailure, failure_from_reason
 from tests.runs import run
 from tests.simulate.test_failure import SENTENCES
