@@ -161,12 +161,9 @@ def follow_branch(
         specials, more = find_special_points(segment, functions, before, after, AT_START if state.is_start else 0.0)
         closing = find_return(segment, home) if home is not None and state.arclength != 0.0 else None
         n_unexplained += more
-        for special in specials:
-            if closing is None or special.fraction <= closing + AT_START:
-                point = _make_special(special, state, sign * length)
-                emit(replace(point, n_unexplained=more) if special.test.end else point)
-                if special.test.end:
-                    return _end_at(special, n_unexplained)
+        end = _emit_special_points(specials, closing, more, state, sign * length, emit)
+        if end is not None:
+            return replace(end, n_unexplained=n_unexplained)
         if closing is not None:
             emit(replace(_make_last(segment, closing, state, sign * length), n_unexplained=more))
             return Termination(End.CLOSED, NO_REASON, n_unexplained)
@@ -216,11 +213,28 @@ def _turn_forward(start: CurvePoint[E], reached: CurvePoint[E]) -> tuple[CurvePo
     return replace(reached, direction=direction), scaling.length(chord), cosine
 
 
-def _end_at(special: SpecialPoint[E], n_unexplained: int) -> Termination:
-    """Return how a branch ends at a special point that ends it: by its kind, or by what is wrong beyond."""
-    test = special.test
-    reason = special.reason if test.end == End.INVALID else make_reason("kind", kind=test.kind)
-    return Termination(test.end, reason, n_unexplained)
+def _emit_special_points(
+    specials: Sequence[SpecialPoint[E]],
+    closing: float | None,
+    n_unexplained: int,
+    before: BranchState[E],
+    length: float,
+    emit: Callable[[BranchPoint[E]], None],
+) -> Termination | None:
+    """Hand out the special points on the step of signed ``length`` after ``before``; return how one ends the branch.
+
+    Those beyond the part of the step at which the branch is ``closing`` it has had already. A point that ends a branch
+    does so by its kind, or by what is wrong beyond it; it takes the step's ``n_unexplained`` with it.
+    """
+    for special in specials:
+        if closing is not None and special.fraction > closing + AT_START:
+            continue
+        point, test = _make_special(special, before, length), special.test
+        emit(replace(point, n_unexplained=n_unexplained) if test.end else point)
+        if test.end:
+            reason = special.reason if test.end == End.INVALID else make_reason("kind", kind=test.kind)
+            return Termination(test.end, reason)
+    return None
 
 
 def _find_next(
