@@ -7,7 +7,7 @@ from pathlib import Path
 from setuptools import Extension, setup
 
 NATIVE = Path("pddecont") / "native"
-PARTS = ("integrator",)
+PARTS = ("integrator", "assembly")
 # Sums and products are rounded one by one, as Python does it, on every processor.
 FLAGS = ["-O2", "-ffp-contract=off"]
 

@@ -192,9 +192,9 @@ class ExtendedSystem:
         """Return what it means if no mesh is adequate for the orbit found on it."""
         return self.inner.explain_unsettled_mesh()
 
-    def update_reference(self, at: ExtendedEvaluation) -> ExtendedSystem:
+    def update_reference(self, at: ExtendedEvaluation, error: float | None = None) -> ExtendedSystem:
         """Return the system with an orbit as the reference of its phase, its mesh and its defining function."""
-        inner = self.inner.update_reference(at.inner)
+        inner = self.inner.update_reference(at.inner, error)
         return extend_system(inner, self.defining.update_at(inner.at(at.x)))
 
 

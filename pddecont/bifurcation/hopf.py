@@ -47,7 +47,7 @@ def end_at_equilibrium(
     termination: Termination,
     last: BranchState[Any],
     settings: BranchSettings,
-    emit: Callable[[BranchPoint[Any]], None],
+    emit: Callable[[BranchPoint[Any]], object],
     sign: int,
 ) -> Termination:
     """Emit the Hopf point to which a branch shrinks after its ``last`` point; return how the branch ended.

@@ -18,7 +18,7 @@ from pddecont.errors import ConvergenceError
 from pddecont.orbit import find_shortest, name_vanishing
 from pddecont.reasons import make_reason
 
-Emit = Callable[[BranchPoint[Any]], None]
+Emit = Callable[[BranchPoint[Any]], object]
 
 
 def switch_signature(

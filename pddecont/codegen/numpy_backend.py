@@ -181,8 +181,8 @@ class ArrayFunction:
 
 
 def _places(entries: Iterable[tuple[int, int]]) -> tuple[Ints, Ints]:
-    pairs = np.array(list(entries), dtype=np.intp).reshape(-1, 2)
-    return pairs[:, 0], pairs[:, 1]
+    outputs, variables = np.array(list(entries), dtype=np.intp).reshape(-1, 2).T.copy()
+    return outputs, variables
 
 
 def write_array_source(groups: Mapping[str, Sequence[sympy.Expr]], names: Names) -> str:

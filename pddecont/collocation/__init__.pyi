@@ -1,6 +1,7 @@
 from .basis import MAX_DEGREE as MAX_DEGREE
 from .basis import Basis as Basis
 from .basis import make_basis as make_basis
+from .basis import weigh as weigh
 from .interpolation import raise_degree as raise_degree
 from .interpolation import resample as resample
 from .interpolation import transfer as transfer
@@ -11,6 +12,7 @@ from .mesh import Piece as Piece
 from .mesh_selection import MAX_INTERVALS as MAX_INTERVALS
 from .mesh_selection import Density as Density
 from .mesh_selection import MeshRule as MeshRule
+from .mesh_selection import count_wanted as count_wanted
 from .mesh_selection import cut_pieces as cut_pieces
 from .mesh_selection import equal_cuts as equal_cuts
 from .mesh_selection import interval_density as interval_density

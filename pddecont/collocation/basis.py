@@ -8,11 +8,12 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from pddecont.native.compiled_assembly import evaluate_lagrange, weigh_values
+
 Array = NDArray[np.float64]
+Ints = NDArray[np.intp]
 # The highest degree that is offered: files from somebody else may claim any.
 MAX_DEGREE = 20
-# A point nearer than this to a base point is that point: one over its distance overflows.
-AT_POINT = np.finfo(float).tiny
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +38,7 @@ class Basis:
 
     def lagrange(self, sigma: Array) -> Array:
         """Return the basis polynomials at ``sigma`` (any shape), the polynomials on a new last axis of length m + 1."""
-        return _lagrange(np.asarray(sigma), self.base, self.barycentric)
+        return _lagrange(sigma, self.base, self.barycentric)
 
 
 @cache
@@ -57,10 +58,22 @@ def make_basis(degree: int) -> Basis:
     return Basis(degree, base, barycentric, nodes, weights, values, values @ differentiate, differentiate)
 
 
-def _lagrange(sigma: Array, base: Array, barycentric: Array) -> Array:
-    gap = sigma[..., None] - base
-    hit = np.abs(gap) < AT_POINT
-    exact = hit.any(axis=-1, keepdims=True)
-    terms = np.where(exact, hit, barycentric / np.where(hit, 1.0, gap))
-    result: Array = terms / terms.sum(axis=-1, keepdims=True)
+def weigh(weights: Array, columns: Ints, values: Array) -> Array:
+    """Return the sums of base ``values`` (n_base, n) in ``columns`` (n_points, degree + 1) times ``weights``.
+
+    The result has shape (n_points, n).
+    """
+    if values.dtype != np.float64:
+        return np.asarray(np.matmul(weights[:, None], values[columns])[:, 0])
+    n_points, m = columns.shape
+    result = np.empty((n_points, values.shape[1]))
+    w, c, v = np.ascontiguousarray(weights), np.ascontiguousarray(columns), np.ascontiguousarray(values)
+    weigh_values(w, c, n_points, m, v, v.shape[1], result)
     return result
+
+
+def _lagrange(sigma: Array, base: Array, barycentric: Array) -> Array:
+    places = np.asarray(sigma, dtype=np.float64, order="C")
+    weights = np.empty((*places.shape, len(base)))
+    evaluate_lagrange(places, places.size, base, barycentric, len(base), weights)
+    return weights

@@ -16,7 +16,8 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.collocation.basis import Basis, make_basis
+from pddecont.collocation.basis import Basis, make_basis, weigh
+from pddecont.native.compiled_assembly import locate_times
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
@@ -89,6 +90,14 @@ class Mesh:
     breaking: tuple[BreakingTime, ...] = ()
     reference_lags: Array | None = None
     _found: dict[Hashable, Any] = field(default_factory=dict, init=False, repr=False)
+    _always: dict[Hashable, Any] = field(default_factory=dict, init=False, repr=False)
+
+    def always(self, key: Hashable, find: Callable[[], Found]) -> Found:
+        """Return what ``find`` finds, found once for all meshes of these pieces, wherever they read the past."""
+        if key not in self._always:
+            self._always[key] = find()
+        found: Found = self._always[key]
+        return found
 
     def once(self, key: Hashable, find: Callable[[], Found]) -> Found:
         """Return what ``find`` finds, found once for this mesh."""
@@ -96,6 +105,21 @@ class Mesh:
             self._found[key] = find()
         found: Found = self._found[key]
         return found
+
+    def anchor(self, theta: Array, lags: Array | None = None) -> Mesh:
+        """Return the same mesh made for another ``theta``, where delays that vary have the values ``lags``.
+
+        Delayed values are read from where they lie there.
+        """
+        anchored = replace(self, reference_theta=theta.copy(), reference_lags=lags)
+        # Nothing that is worked out of the pieces alone has to be found again.
+        own = anchored.__dict__
+        own.update({name: value for name, value in self.__dict__.items() if name not in own}, _always=self._always)
+        return anchored
+
+    def has_base_points_of(self, other: Mesh) -> bool:
+        """Return whether base values mean the same on another mesh, wherever delayed values are read."""
+        return self.pieces is other.pieces and self.degree == other.degree
 
     @cached_property
     def basis(self) -> Basis:
@@ -164,6 +188,10 @@ class Mesh:
     def last_interval(self) -> Ints:
         """Last interval of each segment, shape (n_segments,)."""
         return np.searchsorted(self.segment, np.arange(self.n_segments), side="right") - 1
+
+    @cached_property
+    def _every_interval(self) -> Ints:
+        return np.arange(self.n_intervals)
 
     @property
     def n_breaking(self) -> int:
@@ -258,22 +286,17 @@ class Mesh:
         segment
             Choose among the intervals of this segment alone; its times are not wrapped by periods.
         """
-        chooser = times if choose_by is None else choose_by
         edges, lengths = self.evaluate_edges(theta)
-        if segment is None:
-            wraps = np.floor(chooser / self.period(theta)).astype(np.intp)
-            candidates = np.arange(self.n_intervals)
-        else:
-            wraps = np.zeros(len(times), dtype=np.intp)
-            inside = np.flatnonzero(self.segment == segment)
+        candidates, period = self._every_interval, self.period(theta)
+        if segment is not None:
+            inside, period = np.flatnonzero(self.segment == segment), 0.0
             # Where two breaking points meet exactly an interval has no length, and nothing to read.
             candidates = inside[lengths[inside] > 0.0] if np.any(lengths[inside] > 0.0) else inside[:1]
-        back = wraps * self.period(theta)
-        place = np.searchsorted(edges[candidates], chooser - back, side="right") - 1
-        interval = candidates[np.clip(place, 0, len(candidates) - 1)]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            sigma = (times - back - edges[interval]) / lengths[interval]
-        return MeshPoints(interval, np.where(lengths[interval] != 0.0, sigma, 0.0)), wraps
+        at = np.asarray(times, dtype=np.float64, order="C")
+        chooser = at if choose_by is None else np.asarray(choose_by, dtype=np.float64, order="C")
+        interval, sigma, wraps = np.empty(len(at), dtype=np.intp), np.empty(len(at)), np.empty(len(at), dtype=np.intp)
+        locate_times(at, chooser, len(at), edges, lengths, candidates, len(candidates), period, interval, sigma, wraps)
+        return MeshPoints(interval, sigma), wraps
 
     def local_weights(self, points: MeshPoints) -> Array:
         """Return the weights of the interval's base values in the value at each point, shape (n_points, degree + 1)."""
@@ -281,8 +304,7 @@ class Mesh:
 
     def interpolate(self, values: Array, points: MeshPoints) -> Array:
         """Return the polynomials through base ``values`` (n_base, n) at ``points``, shape (n_points, n)."""
-        result: Array = np.matmul(self.local_weights(points)[:, None], values[self.base_index[points.interval]])[:, 0]
-        return result
+        return weigh(self.local_weights(points), self.base_index[points.interval], values)
 
     def interpolate_at_nodes(self, values: Array) -> Array:
         """Return the polynomials through base ``values`` (n_base, ...) at the collocation points.

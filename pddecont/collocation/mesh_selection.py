@@ -66,6 +66,12 @@ class Density:
         return cuts
 
 
+def count_wanted(mesh: Mesh, theta: Array, density: Density) -> int:
+    """Return how many intervals a mesh of the same pieces would have by ``density``, to one a piece."""
+    wanted = np.bincount(mesh.piece, density.heights * (mesh.length @ theta))
+    return int(np.sum(np.maximum(np.ceil(wanted), 1.0)))
+
+
 def interval_density(mesh: Mesh, theta: Array, errors: Array, tol: float) -> Density:
     """Return the density of intervals that leaves the error ``tol``, from the ``errors`` (n_intervals,) on a mesh."""
     wanted = (np.maximum(errors, LEAST_ERROR) / (SAFETY * tol)) ** (1.0 / (mesh.degree + 1))

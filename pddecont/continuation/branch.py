@@ -71,7 +71,8 @@ class StepSettings:
 class BranchState(Generic[E]):
     """Where a branch stands: all that is needed to go on from here, or to resume. The point's direction is known.
 
-    ``is_start`` says whether the branch, or a new signature of it, begins here.
+    ``is_start`` says whether the branch, or a new signature of it, begins here; ``error`` is the point's estimated
+    error, where whoever was handed the point has estimated it.
     """
 
     point: CurvePoint[E]
@@ -79,6 +80,7 @@ class BranchState(Generic[E]):
     step: float
     n_points: int
     is_start: bool = True
+    error: float | None = None
 
     @property
     def x(self) -> Array:
@@ -113,12 +115,14 @@ def follow_branch(
     boundaries: Sequence[Boundary[E]],
     functions: TestFunctions[E],
     settings: StepSettings,
-    emit: Callable[[BranchPoint[E]], None],
+    emit: Callable[[BranchPoint[E]], float | None],
     sign: int,
     home: Home[E] | None = None,
     horizon: Horizon[E] | None = None,
 ) -> Termination:
     """Follow a branch from ``state`` along its tangent, handing each point to ``emit``; return how it ended.
+
+    ``emit`` returns the point's estimated error, or None where it estimates none.
 
     Parameters
     ----------
@@ -173,7 +177,8 @@ def follow_branch(
         if horizon is not None and not (limit or after.violation):
             grows = find_asymptote(horizon, start, reached, after, functions, boundaries, settings.newton)
             limit = (End.ASYMPTOTE, grows) if grows else None
-        emit(BranchPoint(state, END_POINT if limit else "", reached.n_iterations, n_unexplained=more))
+        error = emit(BranchPoint(state, END_POINT if limit else "", reached.n_iterations, n_unexplained=more))
+        state = replace(state, error=error)
         if after.violation and not before.violation:
             return Termination(End.INVALID, after.violation, n_unexplained)
         if limit:
@@ -184,7 +189,7 @@ def follow_branch(
 
 def _begin_step(state: BranchState[E]) -> CurvePoint[E]:
     """Return the last point as the one that a step starts from and takes as its reference."""
-    system = state.point.system.update_reference(state.point.at)
+    system = state.point.system.update_reference(state.point.at, state.error)
     return CurvePoint(system, system.at(state.x), None, state.tangent)
 
 
@@ -219,7 +224,7 @@ def _emit_special_points(
     n_unexplained: int,
     before: BranchState[E],
     length: float,
-    emit: Callable[[BranchPoint[E]], None],
+    emit: Callable[[BranchPoint[E]], float | None],
 ) -> Termination | None:
     """Hand out the special points on the step of signed ``length`` after ``before``; return how one ends the branch.
 

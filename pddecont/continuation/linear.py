@@ -14,6 +14,7 @@ import scipy.sparse.linalg
 from numpy.typing import NDArray
 
 from pddecont.errors import ConvergenceError
+from pddecont.native.compiled_assembly import append_row, scale_to_one
 
 Array = NDArray[np.float64]
 # An Array or a scipy.sparse matrix in CSC form; scipy has no types.
@@ -83,6 +84,11 @@ def equilibrate(matrix: Matrix, columns: Array | None = None) -> EquilibratedMat
     """Return a matrix scaled by the sizes ``columns`` of its unknowns (1 by default), then row by row."""
     n_rows, n_columns = matrix.shape
     sizes = np.ones(n_columns) if columns is None else columns
+    if sp.issparse(matrix) and matrix.data.dtype == np.float64:
+        data, rows, wide = np.empty(len(matrix.data)), np.empty(n_rows), np.ascontiguousarray(sizes, dtype=np.float64)
+        starts, indices = _find_structure(matrix)
+        scale_to_one(starts, indices, matrix.data, n_rows, n_columns, wide, rows, data)
+        return EquilibratedMatrix(_csc(data, indices, starts, matrix.shape), rows, sizes)
     scaled = matrix if columns is None else scale_matrix(matrix, np.ones(n_rows), sizes)
     rows = 1.0 / row_maxima(scaled)
     return EquilibratedMatrix(scale_matrix(scaled, rows, np.ones(n_columns)), rows, sizes)
@@ -138,17 +144,18 @@ def row_maxima(matrix: Matrix) -> Array:
 def add_row(matrix: Matrix, row: Array) -> Matrix:
     """Return ``matrix`` with one more row below; a sparse one keeps a place for each of its entries."""
     if sp.issparse(matrix):
-        n_rows, n_columns = matrix.shape
-        ends, added = matrix.indptr[1:], np.arange(n_columns + 1, dtype=matrix.indptr.dtype)
-        # The new entry of column j comes after all of that column's, moved on by those of the columns before.
-        last = ends + added[:-1]
-        old = np.ones(len(matrix.data) + n_columns, dtype=bool)
-        old[last] = False
-        data, indices = np.empty(len(old)), np.empty(len(old), dtype=matrix.indices.dtype)
-        data[old], data[last] = matrix.data, row
-        indices[old], indices[last] = matrix.indices, n_rows
-        return _csc(data, indices, matrix.indptr + added, (n_rows + 1, n_columns))
+        (n_rows, n_columns), (starts, indices) = matrix.shape, _find_structure(matrix)
+        n = len(indices) + n_columns
+        new_starts, new_indices, data = np.empty_like(starts), np.empty(n, dtype=np.intc), np.empty(n)
+        below = np.ascontiguousarray(row, dtype=np.float64)
+        append_row(starts, indices, matrix.data, n_rows, n_columns, below, new_starts, new_indices, data)
+        return _csc(data, new_indices, new_starts, (n_rows + 1, n_columns))
     return np.vstack([matrix, row])
+
+
+def _find_structure(matrix: Matrix) -> tuple[NDArray[np.intc], NDArray[np.intc]]:
+    """Return where columns of a sparse matrix start, and the rows of its entries."""
+    return np.ascontiguousarray(matrix.indptr, dtype=np.intc), np.ascontiguousarray(matrix.indices, dtype=np.intc)
 
 
 def _csc(data: Array, indices: Any, indptr: Any, shape: tuple[int, int]) -> Matrix:

@@ -102,8 +102,11 @@ class AdaptiveSystem(System[E], Protocol[E]):
         """Return what it means if no mesh is adequate for the solution found on it."""
         ...
 
-    def update_reference(self, at: E) -> Self:
-        """Return the system with what it keeps of a solution (its phase, where its mesh is fine) taken from another."""
+    def update_reference(self, at: E, error: float | None = None) -> Self:
+        """Return the system with what it keeps of a solution (its phase, where its mesh is fine) taken from another.
+
+        ``error`` is that solution's estimated error, where it is known.
+        """
         ...
 
 
@@ -152,6 +155,6 @@ class FixedUnknowns(Generic[E]):
         """Return nothing: there is no mesh."""
         return ""
 
-    def update_reference(self, at: E) -> Self:
+    def update_reference(self, at: E, error: float | None = None) -> Self:
         """Return the same system."""
         return self

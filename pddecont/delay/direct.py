@@ -25,7 +25,7 @@ NUDGE = 1e-11
 # Intervals beyond its own that a polynomial is read at most; farther it says nothing.
 FAR = 3.0
 # Intervals beyond its own that reads of a mesh in use may move before it is renewed.
-BEYOND = 0.5
+BEYOND = 0.1
 
 
 @dataclass(frozen=True)

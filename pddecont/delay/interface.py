@@ -14,7 +14,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.collocation import Mesh, MeshPoints
+from pddecont.collocation import Mesh, MeshPoints, weigh
 
 Array = NDArray[np.float64]
 
@@ -39,8 +39,7 @@ class LocalWeights:
 
     def apply(self, values: Array) -> Array:
         """Return the delayed values of base ``values`` (n_base, n_quantities), shape (n_points, n_quantities)."""
-        result: Array = np.matmul(self.weights[:, None], values[self.columns])[:, 0]
-        return result
+        return weigh(self.weights, self.columns, values)
 
     def reads_as(self, other: LocalWeights) -> bool:
         """Return whether every point reads the same base points, as many periods back, as with ``other``."""

@@ -216,7 +216,7 @@ class CriticalSystem(FixedUnknowns[CriticalEvaluation]):
         """Return the equations at the unknowns ``x``."""
         return CriticalEvaluation(self, x)
 
-    def update_reference(self, at: CriticalEvaluation) -> CriticalSystem:
+    def update_reference(self, at: CriticalEvaluation, error: float | None = None) -> CriticalSystem:
         """Return the system with the normal of the vector and the sizes of the states taken from a point."""
         inner = self.inner.measure(at.equilibrium.states)
         return CriticalSystem(inner, self.critical.update(at.own), self.start)

@@ -159,7 +159,7 @@ class EquilibriumCurve(FixedUnknowns[EquilibriumEvaluation]):
         self.inner = inner
         super().__init__(inner)
 
-    def update_reference(self, at: EquilibriumEvaluation) -> EquilibriumCurve:
+    def update_reference(self, at: EquilibriumEvaluation, error: float | None = None) -> EquilibriumCurve:
         """Return the branch with sizes taken from a point."""
         return EquilibriumCurve(self.inner.measure(at.equilibrium.states))
 

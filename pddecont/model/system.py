@@ -145,6 +145,11 @@ class Model:
             groups.setdefault((read.delay, read.derivative), []).append(number)
         return groups
 
+    @cached_property
+    def read_kinds(self) -> tuple[tuple[int, int], ...]:
+        """All that is read of the past by single delays: each delay and derivative once."""
+        return tuple(self.read_groups)
+
     def find_delay(self, read: DelayedValue) -> sympy.Expr:
         """Return how long ago a value is read."""
         return (*self.delays, *self.varying)[read.delay]

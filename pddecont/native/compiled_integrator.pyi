@@ -1,6 +1,7 @@
 """The integrator's entries as they are compiled: see the functions of the same names in its sources."""
 
-from pddecont.native.integrator.core import Core, Floats, Returns
+from pddecont.native.arrays import Floats
+from pddecont.native.integrator.core import Core, Returns
 
 DIGEST: str
 

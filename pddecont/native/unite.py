@@ -7,6 +7,7 @@ is evaluated now and becomes constants:
 ======================== =========================
 float, int, bool, None   double, long, bint, void
 Floats, Integers         double*, long*
+Indices                  int*
 tuple[float, int], ..    a struct of these
 a NamedTuple             a pointer to such a struct
 an IntEnum               the number
@@ -33,10 +34,12 @@ from typing import Any
 
 import numpy as np
 
-TYPES = {"float": "double", "int": "long", "bool": "bint", "None": "void", "Floats": "double*", "Integers": "long*"}
+TYPES = {"float": "double", "int": "long", "bool": "bint", "None": "void"}
+TYPES |= {"Floats": "double*", "Integers": "long*", "Indices": "int*"}
 MATH = {"inf": "infinity", "nan": "not_a_number"}
 HEADER = '''# cython: language_level=3, boundscheck=False, wraparound=False, cdivision=True, cpow=True, infer_types=True
 # Written by unite.py from the modules of the folder beside it.
+from cpython.buffer cimport PyBUF_C_CONTIGUOUS, PyBuffer_Release, PyObject_GetBuffer
 from libc.math cimport floor, isfinite, isnan, log, nextafter, sqrt
 
 cdef extern from *:
@@ -46,6 +49,14 @@ cdef extern from *:
     """
     const double infinity
     const double not_a_number
+
+# The array outlives the call.
+cdef void* find_address(object array) except? NULL:
+    cdef Py_buffer view
+    PyObject_GetBuffer(array, &view, PyBUF_C_CONTIGUOUS)
+    PyBuffer_Release(&view)
+    return view.buf
+
 '''
 
 
@@ -87,10 +98,10 @@ def find_digest(folder: Path) -> str:
 
 def _read(folder: Path, package: str) -> Iterator[Source]:
     """Yield the modules of a folder, imported without the packages that they are in."""
-    for name in (package.rpartition(".")[0], package):
+    for name, home in ((package.rpartition(".")[0], folder.parent), (package, folder)):
         if name not in sys.modules:
             parent = types.ModuleType(name)
-            parent.__path__ = [str(folder)]
+            parent.__path__ = [str(home)]
             sys.modules[name] = parent
     for path in sorted(folder.glob("*.py")):
         if path.stem == "__init__":
@@ -297,7 +308,7 @@ def _write_entry(
 ) -> str:
     """Return the function that Python calls."""
     records = [(arg, kind[:-1]) for arg, kind in kinds if kind and kind[:-1] in structs]
-    arrays = [(arg, kind) for arg, kind in kinds if kind in ("double*", "long*")]
+    arrays = [(arg, kind) for arg, kind in kinds if kind in ("double*", "long*", "int*")]
     plain = dict(kinds) | {arg: "object" for arg, _ in [*records, *arrays]}
     lines = [f"def {name}({', '.join(f'{plain[arg]} {arg}' for arg, _ in kinds)}):"]
     for arg, kind in records:

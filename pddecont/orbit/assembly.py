@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.continuation import Matrix
-from pddecont.delay import FullWeights
+from pddecont.delay import FullWeights, LocalWeights
 from pddecont.model import DelayedValue
+from pddecont.native.compiled_assembly import spread_over_reads, spread_slopes
 from pddecont.orbit.equations import (
     DelayedEventEquation,
     Equation,
@@ -34,11 +36,23 @@ Ints = NDArray[np.intp]
 
 @dataclass(frozen=True, eq=False)
 class Term:
-    """Entries of one kind: where they stand among all entries, their shape, and what gives their values."""
+    """Entries of one kind: where they stand among all entries, and what writes their values there, one by one."""
 
     place: slice
-    shape: tuple[int, ...]
-    values: Callable[[Linearisation], Array]
+    fill: Callable[[Linearisation, Array], None]
+
+
+@dataclass(frozen=True, eq=False)
+class ReadTerm:
+    """Entries of values that are read from single mesh intervals: where they stand, and who reads what.
+
+    ``points`` (n,) of the equations read each of ``reads``; entries are those of the reads one after the other, each of
+    shape (n, degree + 1).
+    """
+
+    place: slice
+    points: Ints
+    reads: tuple[DelayedValue, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,6 +73,7 @@ class Assembly:
         # Durations are unknowns themselves, delays move with free parameters.
         self.moving_taus = problem.numeric.delays.function.structure(problem.free_index).moving
         self.terms: list[Term] = []
+        self.read_terms: list[ReadTerm] = []
         self.dense_terms: list[DenseTerm] = []
         self.functions: list[FunctionEquations] = []
         self._rows: list[Ints] = []
@@ -81,11 +96,38 @@ class Assembly:
         integrals = zip(self.integrals, reads.integrals, strict=True)
         return all(a.reads_as(b) for a, b in delays) and all(a.reads_as(b) for a, b in integrals)
 
+    def has_equations_of(self, problem: OrbitProblem) -> bool:
+        """Return whether another problem has the same equations of the same unknowns, whatever they read."""
+        own = self.problem
+        same = own.mesh.has_base_points_of(problem.mesh) and own.signature is problem.signature
+        return same and (own.free, own.links) == (problem.free, problem.links)
+
     def serves(self, problem: OrbitProblem, reads: Reads) -> bool:
         """Return whether another problem's entries stand in the same places."""
-        own = self.problem
-        same = own.mesh is problem.mesh and own.signature is problem.signature
-        return same and (own.free, own.links) == (problem.free, problem.links) and self.reads_as(reads)
+        return self.has_equations_of(problem) and self.reads_as(reads)
+
+    def move_reads(self, reads: Reads) -> Assembly | None:
+        """Return the places of the same equations' entries where the past is read from elsewhere.
+
+        None where there are more or fewer of them then, as with integrals over the past.
+        """
+        if self.integrals or reads.integrals or self.has_full_reads:
+            return None
+        moved = copy(self)
+        moved.operators, moved.entry_columns = tuple(reads.operators), self.entry_columns.copy()
+        vars(moved).pop("pattern", None)
+        for term in self.read_terms:
+            moved.entry_columns[term.place] = moved._find_read_columns(term.points, term.reads).ravel()
+        return moved
+
+    def _find_read_columns(self, points: Ints, reads: Sequence[DelayedValue]) -> Ints:
+        """Return the columns that values are read from at ``points``, shape (n_reads, n_points, degree + 1)."""
+        columns = []
+        for read in reads:
+            weights = self.operators[read.delay].weights
+            assert isinstance(weights, LocalWeights)
+            columns.append(self.columns.read_columns(weights, points, read.state))
+        return np.stack(columns)
 
     @cached_property
     def pattern(self) -> SparsityPattern:
@@ -104,7 +146,7 @@ class Assembly:
         """Return the values of all entries but those of full delay operators."""
         result = self.constant.copy()
         for term in self.terms:
-            result[term.place].reshape(term.shape)[...] = term.values(at)
+            term.fill(at, result[term.place])
         return result
 
     def make_matrix(self, orbit: Orbit, reads: Reads) -> Matrix:
@@ -124,15 +166,26 @@ class Assembly:
             matrix[place] = matrix[place] + term.values(at)
 
     def _add(self, entries: Entries) -> None:
-        r, c = np.broadcast_arrays(np.asarray(entries.rows), np.asarray(entries.columns))
+        values = entries.values
+        if not callable(values):
+            place, shape = self._add_places(entries.rows, entries.columns)
+            self._constant[-1] = np.broadcast_to(values, shape).ravel()
+            return
+
+        def fill(at: Linearisation, out: Array) -> None:
+            out.reshape(shape)[...] = values(at)
+
+        place, shape = self._add_places(entries.rows, entries.columns)
+        self.terms.append(Term(place, fill))
+
+    def _add_places(self, rows: Ints | int, columns: Ints | int) -> tuple[slice, tuple[int, ...]]:
+        """Add entries that are zero; return where they stand among all, and the shape of ``rows`` and ``columns``."""
+        r, c = np.broadcast_arrays(np.asarray(rows), np.asarray(columns))
         place, self._size = slice(self._size, self._size + r.size), self._size + r.size
         self._rows.append(r.ravel())
         self._columns.append(c.ravel())
-        if callable(entries.values):
-            self.terms.append(Term(place, r.shape, entries.values))
-            self._constant.append(np.zeros(r.size))
-        else:
-            self._constant.append(np.broadcast_to(entries.values, r.shape).ravel())
+        self._constant.append(np.zeros(r.size))
+        return place, r.shape
 
     def _add_equation(self, equation: Equation) -> None:
         unknowns, mesh = self.problem.unknowns, self.problem.mesh
@@ -161,21 +214,13 @@ class Assembly:
         unknowns, structure = self.problem.unknowns, e.function.structure(self.problem.free_index)
         n_moving = len(self.columns.moving_columns)
         if len(structure.dx[0]):
-            out, state = structure.dx
-            columns = np.moveaxis(unknowns.value_index[e.base], 2, 0)[state]
-            self._add(
-                Entries(
-                    e.rows[out][:, :, None],
-                    columns,
-                    lambda at: (at.factor(e) * at.derivatives(e).dx)[:, :, None] * e.weights,
-                )
-            )
+            self._add_states(e)
         self._add_reads(e)
         # The length of its interval moves a collocation equation, whatever the function reads.
         moving = structure.moved if e.sign else np.arange(len(e.rows))
         if len(moving):
             rows = e.rows[moving][:, :, None]
-            self._add(Entries(rows, self.columns.moving_columns, lambda at: at.moves(e)[moving][:, :, :n_moving]))
+            self._add(Entries(rows, self.columns.moving_columns, lambda at: at.moves(e)[moving, :, :n_moving]))
         if unknowns.forced and len(structure.dt):
             self._add(
                 Entries(e.rows[structure.dt], unknowns.start.start, lambda at: at.factor(e) * at.derivatives(e).dt)
@@ -200,28 +245,61 @@ class Assembly:
                 )
             )
 
+    def _add_states(self, e: FunctionEquations) -> None:
+        """Add the derivatives of a function in the states at its points."""
+        out, state = e.function.structure(self.problem.free_index).dx
+        columns = np.moveaxis(self.problem.unknowns.value_index[e.base], 2, 0)[state]
+        place, (n_slopes, n, m) = self._add_places(e.rows[out][:, :, None], columns)
+        weights = np.ascontiguousarray(e.weights)
+
+        def fill(at: Linearisation, values: Array) -> None:
+            spread_slopes(at.derivatives(e).dx, n_slopes, at.factor(e), weights, n, m, values)
+
+        self.terms.append(Term(place, fill))
+
     def _add_reads(self, e: FunctionEquations) -> None:
         """Add the delayed reads of a function: its slopes times the weights at its points."""
-        for entry, (out, q) in enumerate(zip(*e.function.structure(self.problem.free_index).dxd, strict=True)):
-            delayed = self.problem.numeric.model.delayed
+        outputs, numbers = e.function.structure(self.problem.free_index).dxd
+        delayed = self.problem.numeric.model.delayed
+        local = []
+        for entry, (out, q) in enumerate(zip(outputs.tolist(), numbers.tolist(), strict=True)):
             if q >= len(delayed):
-                self._add_integral(e, entry, int(out), int(q) - len(delayed))
-                continue
-            read = delayed[q]
-            weights = self.operators[read.delay].weights
-
-            def values(at: Linearisation, entry: int = entry, read: DelayedValue = read) -> Array:
-                slope = at.factor(e) * at.derivatives(e).dxd[entry]
-                reading = at.reads.operators[read.delay].weights_of(read.derivative)
-                result: Array = slope[:, None] * reading.weights[e.points]
-                return result
-
-            if isinstance(weights, FullWeights):
-                columns = self.problem.unknowns.value_index[:, read.state]
-                self.dense_terms.append(DenseTerm(e.rows[out], columns, values))
+                self._add_integral(e, entry, out, q - len(delayed))
+            elif isinstance(self.operators[delayed[q].delay].weights, FullWeights):
+                self._add_full_read(e, entry, out, delayed[q])
             else:
-                columns = self.columns.read_columns(weights, e.points, read.state)
-                self._add(Entries(e.rows[out][:, None], columns, values))
+                local.append(entry)
+        if local:
+            self._add_local_reads(e, np.array(local), outputs, tuple(delayed[q] for q in numbers[local]))
+
+    def _add_local_reads(
+        self, e: FunctionEquations, entries: Ints, outputs: Ints, reads: tuple[DelayedValue, ...]
+    ) -> None:
+        """Add what is read from single mesh intervals: ``reads``, one for each of the slopes numbered ``entries``."""
+        columns = self._find_read_columns(e.points, reads)
+        place, (n_slopes, n, m) = self._add_places(e.rows[outputs[entries]][:, :, None], columns)
+        kinds = self.problem.numeric.model.read_kinds
+        which = np.array([kinds.index((read.delay, read.derivative)) for read in reads])
+        points = np.ascontiguousarray(e.points)
+        every = len(entries) == len(outputs)
+
+        def fill(at: Linearisation, values: Array) -> None:
+            slopes, weights = at.derivatives(e).dxd, at.read_weights
+            slopes = slopes if every else slopes[entries]
+            spread_over_reads(slopes, which, n_slopes, at.factor(e), points, n, weights, weights.shape[1], m, values)
+
+        self.terms.append(Term(place, fill))
+        self.read_terms.append(ReadTerm(place, points, reads))
+
+    def _add_full_read(self, e: FunctionEquations, entry: int, out: int, read: DelayedValue) -> None:
+        """Add what is read from all base values of a state."""
+
+        def values(at: Linearisation) -> Array:
+            slope = at.factor(e) * at.derivatives(e).dxd[entry]
+            weights = at.reads.operators[read.delay].weights_of(read.derivative).weights
+            return np.asarray(slope[:, None] * weights[e.points])
+
+        self.dense_terms.append(DenseTerm(e.rows[out], self.problem.unknowns.value_index[:, read.state], values))
 
     def _add_integral(self, e: FunctionEquations, entry: int, out: int, number: int) -> None:
         """Add what an integral over the past reads: the function's slope times the weights of the pairs."""

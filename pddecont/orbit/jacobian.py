@@ -55,8 +55,8 @@ class PeriodicColumns:
         self.theta_components = [*range(mesh.n_segments), *breaking, *(mesh.n_segments + moving_taus).tolist()]
         self.shape = (Rows(problem.unknowns).size, problem.unknowns.size)
         self.moving_columns: Ints = np.arange(self.unknowns.moving.start, self.unknowns.moving.stop)
-        self.equation_times: Array = mesh.equation_times[:, self.theta_components]
-        self.interval_lengths: Array = mesh.length[:, self.theta_components]
+        self.equation_times: Array = np.ascontiguousarray(mesh.equation_times[:, self.theta_components])
+        self.interval_lengths: Array = np.ascontiguousarray(mesh.length[:, self.theta_components])
 
     def delayed_derivatives(self, orbit: Orbit, reads: Reads) -> Array:
         """Return how what is read of the past moves with durations, breaking times and delays."""
@@ -135,8 +135,10 @@ class JacobianAssembler:
     def make_jacobian(self, orbit: Orbit) -> Matrix:
         """Return d residual / d x, shape (n_equations, n_unknowns)."""
         reads = orbit.equation_reads
-        if self.assembly is None or not self.assembly.reads_as(reads):
+        if self.assembly is None or not self.assembly.has_equations_of(orbit.problem):
             self.assembly = assemble_periodic(orbit.problem, reads)
+        elif not self.assembly.reads_as(reads):
+            self.assembly = self.assembly.move_reads(reads) or assemble_periodic(orbit.problem, reads)
         return self.assembly.make_matrix(orbit, reads)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 
 from pddecont.codegen import Derivatives
 from pddecont.delay import LocalWeights
+from pddecont.native.compiled_assembly import add_moves, stretch_moves
 from pddecont.orbit.equations import FunctionEquations
 from pddecont.orbit.orbit import Orbit, Reads
 from pddecont.orbit.signature import DelayedEventLink
@@ -89,8 +91,9 @@ class Linearisation:
     """An orbit at which derivatives are evaluated; what several terms need is computed once.
 
     ``free`` numbers the free parameters. ``h`` (n_equation_points,) are the lengths of the points' intervals.
-    ``delayed_derivatives`` (n_delayed, n_equation_points, n_moving + n_taus) says how the delayed values move with
-    durations and delays, ``tau_derivatives`` (n_taus, n_free) how those delays do with the free parameters.
+    ``tables`` (n_reads + 1, n_equation_points, n_moving + n_taus) says how what is read of the past moves with
+    durations and delays, and how times do, ``tau_derivatives`` (n_taus, n_free) how those delays do with the free
+    parameters.
     """
 
     def __init__(self, columns: ColumnMap, free: tuple[int, ...], orbit: Orbit, reads: Reads):
@@ -98,7 +101,8 @@ class Linearisation:
         self.h = reads.h[orbit.mesh.equation_points.interval]
         delays = orbit.numeric.delays
         self.tau_derivatives = delays.derivatives(orbit.parameters, free)[delays.function.structure(free).moving]
-        self.delayed_derivatives = columns.delayed_derivatives(orbit, reads)
+        self.tables = np.concatenate([columns.delayed_derivatives(orbit, reads), columns.equation_times[None]])
+        self._factors: dict[FunctionEquations, Array] = {}
         self._derivatives: dict[FunctionEquations, Derivatives] = {}
         self._moves: dict[FunctionEquations, Array] = {}
 
@@ -111,24 +115,40 @@ class Linearisation:
             )
         return self._derivatives[e]
 
-    def factor(self, e: FunctionEquations) -> Array | float:
-        """Return what the function of ``e`` is multiplied by."""
-        return e.sign or -self.h[e.points]
+    def factor(self, e: FunctionEquations) -> Array:
+        """Return what the function of ``e`` is multiplied by, shape (n_points,)."""
+        if e not in self._factors:
+            self._factors[e] = np.full(len(e.points), e.sign) if e.sign else -self.h[e.points]
+        return self._factors[e]
+
+    @cached_property
+    def read_weights(self) -> Array:
+        """Weights of all that is read from single mesh intervals, shape (n_kinds, n_equation_points, degree + 1).
+
+        The kinds are the model's (``read_kinds``); what is read from all base values has none.
+        """
+        mesh, kinds = self.orbit.mesh, self.orbit.numeric.model.read_kinds
+        result = np.zeros((len(kinds), mesh.n_equation_points, mesh.degree + 1))
+        for i, (delay, order) in enumerate(kinds):
+            weights = self.reads.operators[delay].weights_of(order)
+            if isinstance(weights, LocalWeights):
+                result[i] = weights.weights
+        return result
 
     def moves(self, e: FunctionEquations) -> Array:
         """Return how equations move with durations and delays, shape (n_out, n_points, n_moving + n_taus)."""
         if e not in self._moves:
-            d, columns, structure = self.derivatives(e), self.columns, e.function.structure(self.free)
-            result = np.zeros((*e.rows.shape, columns.equation_times.shape[1]))
-            if len(structure.dt):
-                result[structure.dt] = d.dt[:, :, None] * columns.equation_times[e.points]
-            for i, q, slope in zip(*structure.dxd, d.dxd, strict=True):
-                result[i] += slope[:, None] * self.delayed_derivatives[q, e.points]
+            d, structure, n = self.derivatives(e), e.function.structure(self.free), len(e.points)
+            n_tables, n_points, n_moving = self.tables.shape
+            result, points = np.zeros((*e.rows.shape, n_moving)), np.ascontiguousarray(e.points)
+            times = np.full(len(structure.dt), n_tables - 1)
+            for rates, out, which in ((d.dt, structure.dt, times), (d.dxd, *structure.dxd)):
+                add_moves(rates, out, which, len(out), points, n, self.tables, n_points, n_moving, result)
             if e.sign:
                 result *= e.sign
             else:
-                result *= -self.h[e.points, None]
                 interval = self.orbit.mesh.equation_points.interval[e.points]
-                result -= d.value[:, :, None] * columns.interval_lengths[interval]
+                lengths = self.columns.interval_lengths
+                stretch_moves(d.value, len(d.value), self.factor(e), interval, n, lengths, n_moving, result)
             self._moves[e] = result
         return self._moves[e]

@@ -136,22 +136,45 @@ def find_density(orbit: Orbit, tol: float) -> Density:
 
 def mesh_is_valid(orbit: Orbit) -> bool:
     """Return whether the mesh's breaking points are in their order at the orbit, and reads still in their intervals."""
-    mesh, theta = orbit.mesh, orbit.theta
+    return keeps_its_pieces(orbit) and _reads_in_place(orbit)
+
+
+def keeps_its_pieces(orbit: Orbit) -> bool:
+    """Return whether the mesh's breaking points are those of the orbit, in their order."""
+    return orbit.once("keeps its pieces", lambda: _keeps_its_pieces(orbit))
+
+
+def _keeps_its_pieces(orbit: Orbit) -> bool:
+    mesh = orbit.mesh
     # A first mesh of delays that vary knows nothing of what they read.
     if orbit.numeric.model.varying and mesh.reference_lags is None:
         return False
     try:
+        if _breaking_times_are_known(orbit) or _keeps_its_order(orbit):
+            return True
+        now = find_pieces(orbit.problem, orbit.theta, mesh.degree, orbit)
+    except ConvergenceError:
+        return False
+    if not _are_same(now.pieces, mesh.pieces):
+        return False
+    return all(np.array_equal(a.source, b.source) for a, b in zip(now.breaking, mesh.breaking, strict=True))
+
+
+def _reads_in_place(orbit: Orbit) -> bool:
+    """Return whether what equations read of the past is still in the intervals that they read."""
+    try:
         varying = orbit.equation_reads.lags if orbit.numeric.model.varying else np.zeros((0, 0))
     except ConvergenceError:
         return False
-    if _breaking_times_are_known(orbit) or _keeps_its_order(orbit):
-        return orbit.problem.delay.mesh_is_valid(mesh, theta, orbit.problem.lags, varying)
-    now = find_pieces(orbit.problem, theta, mesh.degree, orbit)
-    if not _are_same(now.pieces, mesh.pieces):
-        return False
-    if any(not np.array_equal(a.source, b.source) for a, b in zip(now.breaking, mesh.breaking, strict=True)):
-        return False
-    return orbit.problem.delay.mesh_is_valid(mesh, theta, orbit.problem.lags, varying)
+    return orbit.problem.delay.mesh_is_valid(orbit.mesh, orbit.theta, orbit.problem.lags, varying)
+
+
+def anchor_mesh(orbit: Orbit) -> Orbit:
+    """Return an orbit on its own mesh, whose breaking points it keeps, reading the past where it lies now."""
+    mesh = orbit.mesh.anchor(orbit.theta)
+    if _keeps_its_order(orbit):
+        mesh.once(DISTINCT, lambda: True)
+    return settle_reads(Orbit(replace(orbit.problem, mesh=mesh), orbit.x))
 
 
 def _are_same(pieces: Sequence[Piece], others: Sequence[Piece]) -> bool:
@@ -233,7 +256,8 @@ def settle_reads(orbit: Orbit) -> Orbit:
     mesh = orbit.mesh
     if not orbit.numeric.model.varying or mesh.reference_lags is not None:
         return orbit
-    settled = replace(mesh, reference_lags=orbit.read(mesh.equation_points, integrals=False).lags)
+    assert mesh.reference_theta is not None, "a mesh that reads the past is made for a theta"
+    settled = mesh.anchor(mesh.reference_theta, orbit.read(mesh.equation_points, integrals=False).lags)
     return Orbit(replace(orbit.problem, mesh=settled), orbit.x)
 
 

@@ -66,15 +66,23 @@ class Rows:
 def group_by_mode(problem: OrbitProblem) -> list[tuple[str, Ints]]:
     """Return each mode of the orbit with the collocation points that run in it."""
     mesh = problem.mesh
-    of_interval = np.array([problem.segments[s].mode for s in mesh.segment])
-    of_point = np.repeat(of_interval, mesh.degree)
-    return [(mode, np.flatnonzero(of_point == mode)) for mode in dict.fromkeys(of_interval.tolist())]
+
+    def find() -> list[tuple[str, Ints]]:
+        of_interval = np.array([problem.segments[s].mode for s in mesh.segment])
+        of_point = np.repeat(of_interval, mesh.degree)
+        return [(mode, np.flatnonzero(of_point == mode)) for mode in dict.fromkeys(of_interval.tolist())]
+
+    return mesh.always(("modes", problem.signature), find)
 
 
 def group_by_reset(problem: OrbitProblem) -> list[tuple[str, Ints]]:
     """Return each reset of the orbit with the segments at whose ends it happens."""
-    resets = np.array([segment.reset for segment in problem.segments])
-    return [(reset, np.flatnonzero(resets == reset)) for reset in dict.fromkeys(resets.tolist())]
+
+    def find() -> list[tuple[str, Ints]]:
+        resets = np.array([segment.reset for segment in problem.segments])
+        return [(reset, np.flatnonzero(resets == reset)) for reset in dict.fromkeys(resets.tolist())]
+
+    return problem.mesh.always(("resets", problem.signature), find)
 
 
 def compute_residual(orbit: Orbit) -> Array:

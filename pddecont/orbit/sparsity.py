@@ -10,6 +10,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from pddecont.continuation import Matrix
+from pddecont.native.compiled_assembly import add_up, sort_entries
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
@@ -25,15 +26,17 @@ class SparsityPattern:
 
     @cached_property
     def _order(self) -> tuple[NDArray[np.intc], NDArray[np.intc], Ints]:
-        key = self.columns * self.shape[0] + self.rows
-        unique, inverse = np.unique(key, return_inverse=True)
-        indptr = np.searchsorted(unique, np.arange(self.shape[1] + 1) * self.shape[0])
-        return (unique % self.shape[0]).astype(np.intc), indptr.astype(np.intc), inverse
+        (n_rows, n_columns), n = self.shape, len(self.rows)
+        counts, by_row, places = (np.empty(size, dtype=np.intp) for size in (n_rows + n_columns + 1, n, n))
+        starts, indices = np.empty(n_columns + 1, dtype=np.intc), np.empty(n, dtype=np.intc)
+        found = sort_entries(self.rows, self.columns, n, n_rows, n_columns, counts, by_row, starts, indices, places)
+        return indices[:found].copy(), starts, places
 
     def fill(self, values: Array) -> Matrix:
         """Return the sparse matrix (CSC) with these values (n_entries,)."""
-        indices, indptr, inverse = self._order
-        data = np.bincount(inverse, weights=values, minlength=len(indices))
+        indices, indptr, places = self._order
+        data = np.zeros(len(indices))
+        add_up(values, places, len(values), data)
         return sp.csc_matrix((data, indices, indptr), shape=self.shape)
 
     def fill_dense(self, values: Array) -> Array:

@@ -10,21 +10,32 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from pddecont.collocation import Density, MeshRule
+from pddecont.collocation import Density, MeshRule, count_wanted, equal_cuts, share_intervals
 from pddecont.continuation import Matrix, Scaling
 from pddecont.errors import ConvergenceError
-from pddecont.orbit.error import measure_states
+from pddecont.orbit.error import estimate_interval_errors, measure_states
 from pddecont.orbit.jacobian import JacobianAssembler
 from pddecont.orbit.nonfinite import explain_not_finite
 from pddecont.orbit.orbit import Orbit
 from pddecont.orbit.problem import OrbitProblem
-from pddecont.orbit.remesh import find_density, make_mesh, mesh_is_valid, mesh_meets_tolerance, transfer_orbit
+from pddecont.orbit.remesh import (
+    anchor_mesh,
+    find_density,
+    keeps_its_pieces,
+    make_mesh,
+    mesh_is_valid,
+    mesh_meets_tolerance,
+    transfer_orbit,
+)
 from pddecont.orbit.residual import compute_residual
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
 # Solutions in a row that a mesh may be too coarse for, and what each one more makes of the error that the next aims at.
 USUAL_MESHES, STRICTER = 3, 0.4
+# The part of the tolerance beyond which an error of the last solution asks for another mesh for the next, and the part
+# of a mesh's intervals that a solution must want at least for the mesh to be kept.
+NEAR_TOLERANCE, LEAST_WANTED = 0.6, 0.75
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +98,7 @@ class PeriodicOrbitSystem:
 
     ``rule`` says how its meshes are made (None: the mesh stays), ``density`` where the last solution wanted its
     intervals; ``assembler`` makes Jacobians, and is shared by systems on one mesh. ``n_coarse`` counts the meshes in a
-    row that were too coarse for the solutions found on them.
+    row that were too coarse for the solutions found on them. ``outlived`` says that the next orbit gets another mesh.
     """
 
     problem: OrbitProblem
@@ -96,6 +107,7 @@ class PeriodicOrbitSystem:
     density: Density | None = None
     assembler: JacobianAssembler = field(default_factory=JacobianAssembler, repr=False)
     n_coarse: int = 0
+    outlived: bool = False
 
     def at(self, x: Array) -> OrbitEvaluation:
         """Return the equations at the unknowns ``x``."""
@@ -127,8 +139,8 @@ class PeriodicOrbitSystem:
         return self.problem.unknowns.mesh_independent
 
     def mesh_is_valid(self, at: OrbitEvaluation) -> bool:
-        """Return whether the mesh's breaking points are in their order at an orbit."""
-        return self.rule is None or mesh_is_valid(at.orbit)
+        """Return whether the mesh's breaking points are in their order at an orbit, and it is not to be replaced."""
+        return self.rule is None or (not self.outlived and mesh_is_valid(at.orbit))
 
     def mesh_is_adequate(self, at: OrbitEvaluation) -> bool:
         """Return whether the mesh is valid at an orbit and keeps its tolerance."""
@@ -141,10 +153,15 @@ class PeriodicOrbitSystem:
 
         A solution (``solved``) tells where intervals are wanted; a guess gets them where the last solution wanted them.
         Where meshes made for solutions turn out too coarse again and again, as where steep parts are read by delays
-        that vary, they are made for less and less of an error.
+        that vary, they are made for less and less of an error. Where breaking points are in their order still and the
+        mesh is fine enough, it is kept, and only what is read of the past moves to other intervals.
         """
         assert self.rule is not None
         orbit, density, n_coarse = at.orbit, self.density, self.n_coarse + solved
+        if self._keeps_mesh(orbit, solved):
+            anchored = anchor_mesh(orbit)
+            problem = anchored.problem
+            return replace(self, problem=problem, n_coarse=n_coarse), anchored.x, list(others)
         if self.rule.tol is not None and (density is None or (solved and mesh_is_valid(orbit))):
             density = find_density(orbit, self.rule.tol * STRICTER ** max(0, n_coarse - USUAL_MESHES))
         mesh = make_mesh(self.problem, orbit.theta, self.rule, density, orbit)
@@ -155,19 +172,36 @@ class PeriodicOrbitSystem:
 
     def interpolate_from(self, other: PeriodicOrbitSystem, x: Array) -> Array:
         """Return the orbit ``x`` of another system with the same signature in this one's unknowns."""
-        if other.problem.mesh is self.problem.mesh:
+        if self.problem.mesh.has_base_points_of(other.problem.mesh):
             return x
         return transfer_orbit(Orbit(other.problem, x), self.problem.mesh).x
 
-    def update_reference(self, at: OrbitEvaluation) -> PeriodicOrbitSystem:
+    def update_reference(self, at: OrbitEvaluation, error: float | None = None) -> PeriodicOrbitSystem:
         """Return the system with an orbit as the reference of its phase and of where its mesh is fine."""
-        orbit, density = at.orbit, self.density
+        orbit, density, outlived = at.orbit, self.density, False
         if self.rule is not None and self.rule.tol is not None:
             density = find_density(orbit, self.rule.tol)
+            largest = max(float(np.max(estimate_interval_errors(orbit))), error or 0.0)
+            wanted = count_wanted(orbit.mesh, orbit.theta, density)
+            outlived = largest > NEAR_TOLERANCE * self.rule.tol or wanted < LEAST_WANTED * orbit.mesh.n_intervals
         problem = self.problem
         if problem.reference is not None:
             problem = replace(problem, reference=orbit.values)
-        return PeriodicOrbitSystem(problem, self.sizes, self.rule, density, self.assembler)
+        return PeriodicOrbitSystem(problem, self.sizes, self.rule, density, self.assembler, outlived=outlived)
+
+    def _keeps_mesh(self, orbit: Orbit, solved: bool) -> bool:
+        """Return whether an orbit needs no other mesh than the one that it is on."""
+        assert self.rule is not None
+        # A mesh that is not settled by moving what is read is made anew.
+        same = orbit.mesh.degree == self.rule.degree and not (self.outlived or self.n_coarse)
+        if not same or not keeps_its_pieces(orbit):
+            return False
+        if self.rule.intervals is None:
+            return not solved or mesh_meets_tolerance(orbit, self.rule)
+        lengths = orbit.mesh.piece_lengths @ orbit.theta
+        shares = share_intervals(lengths, max(self.rule.intervals, len(lengths)))
+        cuts = equal_cuts(shares)
+        return all(np.array_equal(piece.cuts, c) for piece, c in zip(orbit.mesh.pieces, cuts, strict=True))
 
     def explain_unsettled_mesh(self) -> str:
         """Return what it means if no mesh is adequate for the orbit found on it."""

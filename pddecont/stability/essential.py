@@ -22,6 +22,8 @@ LEAST, MOST, ACCURACY = 1e-12, 1e12, 1e-6
 
 def find_essential_radius(orbit: Orbit) -> float:
     """Return a bound of the moduli of the essential spectrum of an orbit's linearised map; 0 without delayed rates."""
+    if not any(read.derivative for read in orbit.numeric.model.delayed):
+        return 0.0
     coefficients, lags = _list_rates(orbit)
     if not len(lags):
         return 0.0

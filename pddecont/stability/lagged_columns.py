@@ -21,6 +21,13 @@ Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
 
 
+def count_lags(problem: OrbitProblem, reads: Reads, still: Collection[Edge]) -> int:
+    """Return of how many periods the equations of one hold unknowns."""
+    wraps = [int(np.max(weights.wraps)) for weights in reads.list_local_weights()]
+    linked = [link.wraps for link in problem.links]
+    return 2 + max([*wraps, *linked], default=0) + find_deepest_lag(problem.mesh, still)
+
+
 class LaggedColumns:
     """Columns of ``n_lags`` periods; every read goes to the period that it reaches back to.
 
@@ -32,9 +39,7 @@ class LaggedColumns:
         self, problem: OrbitProblem, reads: Reads, lines: Mapping[int, PeriodLine], still: Collection[Edge] = ()
     ):
         mesh, unknowns = problem.mesh, problem.unknowns
-        wraps = [int(np.max(weights.wraps)) for weights in reads.list_local_weights()]
-        linked = [link.wraps for link in problem.links]
-        self.n_lags = 2 + max([*wraps, *linked], default=0) + find_deepest_lag(mesh, still)
+        self.n_lags = count_lags(problem, reads, still)
         self.problem, self.unknowns, self.lines = problem, unknowns, lines
         self.lags = LaggedMesh(mesh, self.n_lags, still)
         self.n_columns = unknowns.size + unknowns.n_states

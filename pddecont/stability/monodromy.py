@@ -22,9 +22,9 @@ from numpy.typing import NDArray
 from pddecont.continuation import Matrix, ScaledFactors, equilibrate
 from pddecont.delay import FullWeights
 from pddecont.errors import ConvergenceError
-from pddecont.orbit import Assembly, Linearisation, Orbit, OrbitProblem, measure_orbit
+from pddecont.orbit import Assembly, Linearisation, Orbit, OrbitProblem, Reads, measure_orbit
 from pddecont.stability.characteristic import Characteristic, MapCharacteristic, PeriodCharacteristic
-from pddecont.stability.lagged_columns import LaggedColumns
+from pddecont.stability.lagged_columns import LaggedColumns, count_lags
 from pddecont.stability.moving_edges import Edge, find_still_edges
 from pddecont.stability.period_line import PeriodLine, make_period_line
 
@@ -51,7 +51,7 @@ class MonodromyOperator:
 
     ``present`` holds the factors of A_0, ``past`` the columns of A_1, A_2, ... that are not zero, ``kept[w - 1]`` which
     unknowns of period k - w the history keeps, ``assembly`` where all entries stand. ``sizes`` (n_columns,) are typical
-    sizes of a period's unknowns; ``entries`` holds A_0 + z A_1 + ... in unknowns so scaled (without delay lines).
+    sizes of a period's unknowns; ``wide`` holds A_0, A_1, ... side by side (without delay lines).
     """
 
     problem: OrbitProblem
@@ -61,7 +61,7 @@ class MonodromyOperator:
     couplings: tuple[Coupling, ...]
     assembly: Assembly
     sizes: Array
-    entries: PeriodCharacteristic
+    wide: Matrix
 
     @cached_property
     def size(self) -> int:
@@ -116,7 +116,9 @@ class MonodromyOperator:
     @cached_property
     def characteristic(self) -> Characteristic:
         """The matrix whose determinant is zero at the inverse multipliers."""
-        return MapCharacteristic(self.scaled_matrix) if self.couplings else self.entries
+        if self.couplings:
+            return MapCharacteristic(self.scaled_matrix)
+        return _characteristic_of(self.wide, self.sizes)
 
     def apply(self, history: Array) -> Array:
         """Return one history (size,) a period later."""
@@ -149,17 +151,18 @@ def linearise_period(orbit: Orbit, assembly: Assembly | None = None) -> Monodrom
     ]
     reads = replace(reads, operators=operators)
     still = find_still_edges(orbit)
-    if assembly is None or lines or not (assembly.serves(orbit.problem, reads) and _lets_stand(assembly, still)):
+    assembly = None if lines else _move_assembly(assembly, orbit.problem, reads, still)
+    if assembly is None:
         assembly = Assembly(orbit.problem, reads, LaggedColumns(orbit.problem, reads, lines, still))
     columns = assembly.columns
     assert isinstance(columns, LaggedColumns)
     at, n = assembly.linearise(orbit, reads), columns.n_columns
-    places = (assembly.entry_rows, assembly.entry_columns)
-    wide = sp.coo_matrix((assembly.evaluate(at), places), shape=columns.shape).tocsc()
+    wide = assembly.pattern.fill(assembly.evaluate(at)).copy()
     # A delayed value that nothing depends on just now makes no history.
     wide.eliminate_zeros()
     sizes = _measure_columns(orbit)
-    present = wide[:, :n]
+    end = wide.indptr[n]
+    present = sp.csc_matrix((wide.data[:end], wide.indices[:end], wide.indptr[: n + 1]), shape=(n, n))
     if lines:
         present = present.toarray()
         assembly.add_full_reads(present, at)
@@ -172,14 +175,21 @@ def linearise_period(orbit: Orbit, assembly: Assembly | None = None) -> Monodrom
         Coupling(line, tuple(_read_by(assembly, at, n, q) for q in line.numbers)) for line in lines.values()
     )
     factors = equilibrate(present, sizes).factor()
-    return MonodromyOperator(
-        orbit.problem, factors, past, kept, couplings, assembly, sizes, _characteristic_of(wide, sizes)
-    )
+    return MonodromyOperator(orbit.problem, factors, past, kept, couplings, assembly, sizes, wide)
 
 
-def _lets_stand(assembly: Assembly, still: frozenset[Edge]) -> bool:
-    """Return whether the edges that stand still in an assembly are just these."""
-    return isinstance(assembly.columns, LaggedColumns) and assembly.columns.lags.still == still
+def _move_assembly(
+    assembly: Assembly | None, problem: OrbitProblem, reads: Reads, still: frozenset[Edge]
+) -> Assembly | None:
+    """Return the assembly of an earlier map where its entries stand for these equations and ``reads``, or None."""
+    if assembly is None or not assembly.has_equations_of(problem) or not isinstance(assembly.columns, LaggedColumns):
+        return None
+    if assembly.columns.lags.still != still:
+        return None
+    if assembly.reads_as(reads):
+        return assembly
+    alike = assembly.columns.n_lags == count_lags(problem, reads, still)
+    return assembly.move_reads(reads) if alike else None
 
 
 def _measure_columns(orbit: Orbit) -> Array:

@@ -26,10 +26,15 @@ JUMP = 1e-11
 def find_still_edges(orbit: Orbit) -> frozenset[Edge]:
     """Return the coefficients of the breaking points at which an orbit's slope does not jump."""
     mesh, S = orbit.mesh, orbit.mesh.n_segments
-    returned = [i for i, piece in enumerate(mesh.pieces) if np.any(piece.start[S:])]
-    if not returned:
+
+    def find_returned() -> list[tuple[int, int]]:
+        returned = [i for i, piece in enumerate(mesh.pieces) if np.any(piece.start[S:])]
+        return [(i, _find_level(orbit, mesh.pieces[i].start)) for i in returned]
+
+    levels = mesh.always(("levels of edges", orbit.signature), find_returned)
+    if not levels:
         return frozenset()
-    doubtful = [i for i in returned if _find_level(orbit, mesh.pieces[i].start) == 1]
+    returned, doubtful = [i for i, _ in levels], [i for i, level in levels if level == 1]
     jumps = (
         set(doubtful) if not doubtful else {i for i, j in zip(doubtful, _find_jumps(orbit, doubtful), strict=True) if j}
     )

@@ -64,11 +64,11 @@ def test_delayed_values_move_with_durations_and_delays(found):
     orbit, at = found
     free = orbit.problem.unknowns.free
     places = [orbit.problem.unknowns.duration(s) for s in range(orbit.mesh.n_segments)] + [free.start]
-    assert at.delayed_derivatives.shape[2] == len(places)
+    assert at.tables.shape[2] == len(places)
     for k, place in enumerate(places):
         step = 1e-5 * np.eye(len(orbit.x))[place]
         ahead, behind = (Orbit(orbit.problem, orbit.x + d).equation_reads.xd for d in (step, -step))
-        assert at.delayed_derivatives[:, :, k] == pytest.approx((ahead - behind) / 2e-5, abs=1e-6)
+        assert at.tables[:-1, :, k] == pytest.approx((ahead - behind) / 2e-5, abs=1e-6)
 
 
 def test_what_is_needed_twice_is_found_once(found):
@@ -76,4 +76,4 @@ def test_what_is_needed_twice_is_found_once(found):
     e = next(e for e in list_equations(orbit.problem) if isinstance(e, FunctionEquations))
     assert at.derivatives(e) is at.derivatives(e)
     assert at.factor(e) == pytest.approx(-at.h[e.points])
-    assert at.factor(replace(e, sign=-1.0)) == -1.0
+    assert np.all(at.factor(replace(e, sign=-1.0)) == -1.0)

@@ -1,5 +1,4 @@
 # What calls.py says, for the compiler: see there.
-from cpython.buffer cimport PyBUF_C_CONTIGUOUS, PyBuffer_Release, PyObject_GetBuffer
 from scipy.linalg.cython_lapack cimport dgetrf, dgetrs
 
 ctypedef void (*Function)(long, double, double*, double*, double*, double*) noexcept nogil
@@ -23,11 +22,3 @@ cdef bint factorise(double* matrix, long* pivots, long n) noexcept nogil:
 cdef void solve_factorised(double* matrix, long* pivots, long n, double* right) noexcept nogil:
     cdef int size = <int> n, one = 1, info = 0
     dgetrs("T", &size, &one, matrix, &size, <int*> pivots, right, &size, &info)
-
-
-# The array outlives the call.
-cdef void* find_address(object array) except? NULL:
-    cdef Py_buffer view
-    PyObject_GetBuffer(array, &view, PyBUF_C_CONTIGUOUS)
-    PyBuffer_Release(&view)
-    return view.buf

@@ -8,19 +8,11 @@ the same, so that every function of the integrator runs as plain Python too. A m
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable
-from typing import Any, TypeVar
 
-from pddecont.native.integrator.core import Floats, Integers
+from pddecont.native.arrays import Floats, Integers
 
-Function = TypeVar("Function", bound=Callable[..., Any])
 _POINTER = ctypes.POINTER(ctypes.c_double)
 _SIGNATURE = ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_double, *[_POINTER] * 4)
-
-
-def entry(function: Function) -> Function:
-    """Mark a function that Python calls; compiled, it takes a Core as Python has it and lets other threads run."""
-    return function
 
 
 def call(address: int, which: int, t: float, x: Floats, xd: Floats, p: Floats, out: Floats) -> None:

@@ -8,12 +8,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
-# Numbers one after the other; arrays of several dimensions lie row by row.
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
+from pddecont.native.arrays import Floats, Integers
 
 
 class Core(NamedTuple):

@@ -15,8 +15,9 @@ from math import inf, isfinite, sqrt
 import numpy as np
 import scipy.integrate
 
+from pddecont.native.arrays import Floats
 from pddecont.native.integrator.calls import offset
-from pddecont.native.integrator.core import Core, Floats
+from pddecont.native.integrator.core import Core
 from pddecont.native.integrator.history import interpolate_state
 from pddecont.native.integrator.places import MODE
 from pddecont.native.integrator.rhs import evaluate_rhs

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from pddecont.native.arrays import Floats
 from pddecont.native.integrator.calls import call
-from pddecont.native.integrator.core import Core, Floats
+from pddecont.native.integrator.core import Core
 from pddecont.native.integrator.history import read_delayed, read_delayed_slopes
 from pddecont.native.integrator.past_reads import read_for_derivatives
 from pddecont.native.integrator.places import ZERO

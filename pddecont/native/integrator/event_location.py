@@ -18,8 +18,9 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
+from pddecont.native.arrays import Floats
 from pddecont.native.integrator.calls import offset
-from pddecont.native.integrator.core import Core, Floats
+from pddecont.native.integrator.core import Core
 from pddecont.native.integrator.event_functions import evaluate_event, evaluate_event_slope, slope_rounding
 from pddecont.native.integrator.history import interpolate_state
 from pddecont.native.integrator.places import MODE, UNRESOLVED

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from math import floor, inf, isnan, nan, nextafter
 
+from pddecont.native.arrays import Floats, entry
 from pddecont.native.integrator.advance import run
-from pddecont.native.integrator.calls import entry
-from pddecont.native.integrator.core import Core, Floats, Returns
+from pddecont.native.integrator.core import Core, Returns
 from pddecont.native.integrator.places import LONGEST, MODE, T
 from pddecont.native.integrator.rhs import evaluate_rhs
 from pddecont.native.integrator.ring import time_tolerance

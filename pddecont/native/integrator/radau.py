@@ -13,8 +13,9 @@ from math import inf, isfinite, sqrt
 
 import numpy as np
 
+from pddecont.native.arrays import Floats
 from pddecont.native.integrator.calls import call, factorise, offset, solve_factorised
-from pddecont.native.integrator.core import Core, Floats
+from pddecont.native.integrator.core import Core
 from pddecont.native.integrator.history import read_delayed
 from pddecont.native.integrator.past_reads import find_lag, read_for_derivatives
 from pddecont.native.integrator.places import MODE, N_COEFFICIENTS

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from math import inf
 
+from pddecont.native.arrays import entry
 from pddecont.native.integrator.breaking import (
     LEVELS,
     add_breaking_points,
@@ -12,7 +13,6 @@ from pddecont.native.integrator.breaking import (
     pass_breaking_points,
     queues_have_capacity,
 )
-from pddecont.native.integrator.calls import entry
 from pddecont.native.integrator.core import Core
 from pddecont.native.integrator.event_sides import note_sides
 from pddecont.native.integrator.history import choose_arcs

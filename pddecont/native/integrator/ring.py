@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from pddecont.native.arrays import Floats
 from pddecont.native.integrator.calls import call
-from pddecont.native.integrator.core import Core, Floats
+from pddecont.native.integrator.core import Core
 from pddecont.native.integrator.places import CONSTANT, FIRST, N_COEFFICIENTS, USED
 
 # Two times closer than so many units in the last place are one: enough for the rounding of sums of delays.

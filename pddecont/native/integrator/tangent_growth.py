@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from math import inf, isfinite, isnan, log, nan
 
+from pddecont.native.arrays import Floats, entry
 from pddecont.native.integrator.advance import run
-from pddecont.native.integrator.calls import entry
-from pddecont.native.integrator.core import Core, Floats
+from pddecont.native.integrator.core import Core
 from pddecont.native.integrator.places import FIRST, LONGEST, N_COEFFICIENTS, N_PENDING, SHIFT, USED, T
 from pddecont.native.integrator.poincare import STEPS
 from pddecont.native.integrator.status import Status

@@ -86,8 +86,8 @@ class _Branch:
     last: BranchPoint[Any] | None = field(default=None)
     ordinary: BranchState[Any] | None = field(default=None)
 
-    def record(self, point: BranchPoint[Any]) -> None:
-        """Write a point to the file."""
+    def record(self, point: BranchPoint[Any]) -> float:
+        """Write a point to the file; return its estimated error."""
         state, at = point.state, point.state.point.at
         side, kind = None, find_kind(point.kind)
         if isinstance(at, ExtendedEvaluation):
@@ -122,6 +122,7 @@ class _Branch:
         values = zip(self.settings.free, at.orbit.free, strict=True)
         shown = ", ".join(f"{name} = {value:.8g}" for name, value in values)
         self.context.reporter.progress(f"{self.writer.n} points, {shown}{f' {point.kind}' if point.kind else ''}")
+        return float(points["error_estimate"])
 
     def follow(self, state: BranchState[Any], way: int, n_unexplained: int) -> Reason:
         """Follow one direction through all its signatures; return how it ended.
@@ -336,4 +337,5 @@ def _restore(
     arclength, way = float(points["arclength"][row]), np.sign(points["arclength"][row])
     before = (points["arclength"][: row + 1] * way > 0) & (points["kind"][: row + 1] == b"")
     point = CurvePoint(system, system.at(orbit.x), None, rows["tangent"])
-    return BranchState(point, arclength, float(points["step"][row]), int(np.sum(before)) + 1, is_start=False)
+    step_length, error = float(points["step"][row]), float(points["error_estimate"][row])
+    return BranchState(point, arclength, step_length, int(np.sum(before)) + 1, is_start=False, error=error)

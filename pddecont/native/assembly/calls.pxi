@@ -1,0 +1,1 @@
+# Nothing is called that is not in the modules of this folder.

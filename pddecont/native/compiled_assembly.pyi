@@ -1,0 +1,94 @@
+"""The entries of the assembly as they are compiled: see the functions of the same names in its sources."""
+
+from pddecont.native.arrays import Floats, Indices, Integers
+
+DIGEST: str
+
+def evaluate_lagrange(sigma: Floats, n: int, base: Floats, barycentric: Floats, m: int, weights: Floats) -> None: ...
+def locate_times(
+    times: Floats,
+    chooser: Floats,
+    n: int,
+    edges: Floats,
+    lengths: Floats,
+    candidates: Integers,
+    n_candidates: int,
+    period: float,
+    interval: Integers,
+    sigma: Floats,
+    wraps: Integers,
+) -> None: ...
+def weigh_values(
+    weights: Floats, columns: Integers, n: int, m: int, values: Floats, n_values: int, result: Floats
+) -> None: ...
+def spread_slopes(
+    slopes: Floats, n_slopes: int, factor: Floats, weights: Floats, n: int, m: int, out: Floats
+) -> None: ...
+def spread_over_reads(
+    slopes: Floats,
+    which: Integers,
+    n_slopes: int,
+    factor: Floats,
+    points: Integers,
+    n: int,
+    weights: Floats,
+    n_points: int,
+    m: int,
+    out: Floats,
+) -> None: ...
+def add_moves(
+    rates: Floats,
+    out: Integers,
+    which: Integers,
+    n_rates: int,
+    points: Integers,
+    n: int,
+    tables: Floats,
+    n_points: int,
+    n_moving: int,
+    result: Floats,
+) -> None: ...
+def stretch_moves(
+    values: Floats,
+    n_out: int,
+    factor: Floats,
+    interval: Integers,
+    n: int,
+    lengths: Floats,
+    n_moving: int,
+    result: Floats,
+) -> None: ...
+def sort_entries(
+    rows: Integers,
+    columns: Integers,
+    n: int,
+    n_rows: int,
+    n_columns: int,
+    counts: Integers,
+    by_row: Integers,
+    starts: Indices,
+    indices: Indices,
+    places: Integers,
+) -> int: ...
+def add_up(values: Floats, places: Integers, n: int, data: Floats) -> None: ...
+def scale_to_one(
+    starts: Indices,
+    indices: Indices,
+    data: Floats,
+    n_rows: int,
+    n_columns: int,
+    columns: Floats,
+    rows: Floats,
+    scaled: Floats,
+) -> None: ...
+def append_row(
+    starts: Indices,
+    indices: Indices,
+    data: Floats,
+    n_rows: int,
+    n_columns: int,
+    row: Floats,
+    new_starts: Indices,
+    new_indices: Indices,
+    new_data: Floats,
+) -> None: ...
