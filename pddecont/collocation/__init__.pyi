@@ -12,9 +12,9 @@ from .mesh import Piece as Piece
 from .mesh_selection import MAX_INTERVALS as MAX_INTERVALS
 from .mesh_selection import Density as Density
 from .mesh_selection import MeshRule as MeshRule
-from .mesh_selection import count_wanted as count_wanted
 from .mesh_selection import cut_pieces as cut_pieces
 from .mesh_selection import equal_cuts as equal_cuts
+from .mesh_selection import has_wanted_intervals as has_wanted_intervals
 from .mesh_selection import interval_density as interval_density
 from .mesh_selection import refine_evenly as refine_evenly
 from .mesh_selection import share_intervals as share_intervals

@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.native.compiled_assembly import evaluate_lagrange, weigh_values
+from pddecont.native import compiled_assembly
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
@@ -68,12 +68,12 @@ def weigh(weights: Array, columns: Ints, values: Array) -> Array:
     n_points, m = columns.shape
     result = np.empty((n_points, values.shape[1]))
     w, c, v = np.ascontiguousarray(weights), np.ascontiguousarray(columns), np.ascontiguousarray(values)
-    weigh_values(w, c, n_points, m, v, v.shape[1], result)
+    compiled_assembly.weigh_values(w, c, n_points, m, v, v.shape[1], result)
     return result
 
 
 def _lagrange(sigma: Array, base: Array, barycentric: Array) -> Array:
     places = np.asarray(sigma, dtype=np.float64, order="C")
     weights = np.empty((*places.shape, len(base)))
-    evaluate_lagrange(places, places.size, base, barycentric, len(base), weights)
+    compiled_assembly.evaluate_lagrange(places, places.size, base, barycentric, len(base), weights)
     return weights

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.collocation.basis import Basis, make_basis, weigh
-from pddecont.native.compiled_assembly import locate_times
+from pddecont.native import compiled_assembly
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
@@ -295,7 +295,9 @@ class Mesh:
         at = np.asarray(times, dtype=np.float64, order="C")
         chooser = at if choose_by is None else np.asarray(choose_by, dtype=np.float64, order="C")
         interval, sigma, wraps = np.empty(len(at), dtype=np.intp), np.empty(len(at)), np.empty(len(at), dtype=np.intp)
-        locate_times(at, chooser, len(at), edges, lengths, candidates, len(candidates), period, interval, sigma, wraps)
+        compiled_assembly.locate_times(
+            at, chooser, len(at), edges, lengths, candidates, len(candidates), period, interval, sigma, wraps
+        )
         return MeshPoints(interval, sigma), wraps
 
     def local_weights(self, points: MeshPoints) -> Array:

@@ -66,10 +66,10 @@ class Density:
         return cuts
 
 
-def count_wanted(mesh: Mesh, theta: Array, density: Density) -> int:
-    """Return how many intervals a mesh of the same pieces would have by ``density``, to one a piece."""
-    wanted = np.bincount(mesh.piece, density.heights * (mesh.length @ theta))
-    return int(np.sum(np.maximum(np.ceil(wanted), 1.0)))
+def has_wanted_intervals(mesh: Mesh, theta: Array, density: Density) -> bool:
+    """Return whether each piece of a mesh has as many intervals as the ``density`` that was found on it asks for."""
+    wanted = np.ceil(np.bincount(mesh.piece, density.heights * (mesh.length @ theta)))
+    return np.array_equal(np.clip(wanted, 1, MAX_INTERVALS), np.bincount(mesh.piece))
 
 
 def interval_density(mesh: Mesh, theta: Array, errors: Array, tol: float) -> Density:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -14,9 +15,10 @@ import scipy.sparse.linalg
 from numpy.typing import NDArray
 
 from pddecont.errors import ConvergenceError
-from pddecont.native.compiled_assembly import append_row, scale_to_one
+from pddecont.native import compiled_assembly
 
 Array = NDArray[np.float64]
+Ints = NDArray[np.intp]
 # An Array or a scipy.sparse matrix in CSC form; scipy has no types.
 Matrix: TypeAlias = Any
 
@@ -87,7 +89,7 @@ def equilibrate(matrix: Matrix, columns: Array | None = None) -> EquilibratedMat
     if sp.issparse(matrix) and matrix.data.dtype == np.float64:
         data, rows, wide = np.empty(len(matrix.data)), np.empty(n_rows), np.ascontiguousarray(sizes, dtype=np.float64)
         starts, indices = _find_structure(matrix)
-        scale_to_one(starts, indices, matrix.data, n_rows, n_columns, wide, rows, data)
+        compiled_assembly.scale_to_one(starts, indices, matrix.data, n_rows, n_columns, wide, rows, data)
         return EquilibratedMatrix(_csc(data, indices, starts, matrix.shape), rows, sizes)
     scaled = matrix if columns is None else scale_matrix(matrix, np.ones(n_rows), sizes)
     rows = 1.0 / row_maxima(scaled)
@@ -106,10 +108,9 @@ def factor(matrix: Matrix) -> Callable[[Array], Array]:
         if not np.all(np.isfinite(matrix.data)):
             raise ConvergenceError("the Jacobian holds values that are not finite")
         try:
-            solve: Callable[[Array], Array] = scipy.sparse.linalg.splu(matrix).solve
+            return _factor_sparse(matrix)
         except RuntimeError as exc:
             raise ConvergenceError("the Jacobian is singular") from exc
-        return solve
     if not np.all(np.isfinite(matrix)):
         raise ConvergenceError("the Jacobian holds values that are not finite")
     with warnings.catch_warnings():
@@ -119,6 +120,48 @@ def factor(matrix: Matrix) -> Callable[[Array], Array]:
         except (scipy.linalg.LinAlgWarning, scipy.linalg.LinAlgError) as exc:
             raise ConvergenceError("the Jacobian is singular") from exc
     return lambda b: np.asarray(scipy.linalg.lu_solve(dense, b, check_finite=False))
+
+
+@dataclass(frozen=True, eq=False)
+class _OrderedColumns:
+    """A matrix's columns in the ``order`` in which they fill in least: structure, and which entries stand there."""
+
+    order: Ints
+    starts: NDArray[np.intc]
+    indices: NDArray[np.intc]
+    entries: Ints
+
+
+def _factor_sparse(matrix: Matrix) -> Callable[[Array], Array]:
+    """Return what solves with a sparse square matrix; the order of columns is found once for each structure.
+
+    The factors are the same to the last bit whether it was found before or not.
+    """
+    starts, indices = _find_structure(matrix)
+    known = _recall_order(len(starts), starts.tobytes(), indices.tobytes())
+    if not known:
+        factors = scipy.sparse.linalg.splu(matrix)
+        order = np.argsort(factors.perm_c)
+        ordered = _csc(np.arange(len(indices)), indices, starts, matrix.shape)[:, order]
+        known.append(_OrderedColumns(order, ordered.indptr, ordered.indices, ordered.data))
+        solve: Callable[[Array], Array] = factors.solve
+        return solve
+    columns = known[0]
+    permuted = _csc(matrix.data[columns.entries], columns.indices, columns.starts, matrix.shape)
+    solve_permuted = scipy.sparse.linalg.splu(permuted, permc_spec="NATURAL").solve
+
+    def solve_in_order(b: Array) -> Array:
+        x = np.empty_like(b)
+        x[columns.order] = solve_permuted(b)
+        return x
+
+    return solve_in_order
+
+
+@lru_cache(maxsize=8)
+def _recall_order(_size: int, _starts: bytes, _indices: bytes) -> list[_OrderedColumns]:
+    """Return the list that holds the order of the columns of a matrix of this structure once it is known."""
+    return []
 
 
 def scale_matrix(matrix: Matrix, rows: Array, columns: Array) -> Matrix:
@@ -148,7 +191,9 @@ def add_row(matrix: Matrix, row: Array) -> Matrix:
         n = len(indices) + n_columns
         new_starts, new_indices, data = np.empty_like(starts), np.empty(n, dtype=np.intc), np.empty(n)
         below = np.ascontiguousarray(row, dtype=np.float64)
-        append_row(starts, indices, matrix.data, n_rows, n_columns, below, new_starts, new_indices, data)
+        compiled_assembly.append_row(
+            starts, indices, matrix.data, n_rows, n_columns, below, new_starts, new_indices, data
+        )
         return _csc(data, new_indices, new_starts, (n_rows + 1, n_columns))
     return np.vstack([matrix, row])
 
@@ -158,7 +203,7 @@ def _find_structure(matrix: Matrix) -> tuple[NDArray[np.intc], NDArray[np.intc]]
     return np.ascontiguousarray(matrix.indptr, dtype=np.intc), np.ascontiguousarray(matrix.indices, dtype=np.intc)
 
 
-def _csc(data: Array, indices: Any, indptr: Any, shape: tuple[int, int]) -> Matrix:
+def _csc(data: NDArray[Any], indices: Any, indptr: Any, shape: tuple[int, int]) -> Matrix:
     return sp.csc_matrix((data, indices, indptr), shape=shape)
 
 

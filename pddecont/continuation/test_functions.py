@@ -161,6 +161,7 @@ def find_special_points(
     for test, f0, f1 in zip(functions.tests, before.values, after.values, strict=True):
         if (f0 * f1 < 0.0 or (f1 == 0.0 and f0 != 0.0)) and not _only_at_start(segment, test, f0, f1, from_):
             found += _locate(segment, test, 0.0, 1.0, f0, f1)
+    found += _find_before_end(segment, functions, before, found)
     found, n_unexplained = [f for f in found if f.fraction >= from_], 0
     if functions.counts is not None and not any(f.test.find_meeting for f in found):
         # What lies beyond a point that ends the branch counts for nothing, and on it a count may be of either side.
@@ -182,6 +183,34 @@ def find_special_points(
         found = [*(f for f in found if round(f.fraction - last_valid.fraction, TOGETHER_DECIMALS) <= 0.0), *ends]
     kept = (f for f in found if f.fraction >= from_ or f.test.end == End.INVALID)
     return sorted(kept, key=_find_place), n_unexplained
+
+
+def _find_before_end(
+    segment: BranchSegment[E], functions: TestFunctions[E], before: TestValues, found: Sequence[SpecialPoint[E]]
+) -> list[SpecialPoint[E]]:
+    """Return the special points before the first of those ``found`` that ends the branch which the step's end hides.
+
+    Beyond that one a test function may have changed its sign again, or have no value any more.
+    """
+    more: list[SpecialPoint[E]] = []
+    while True:
+        end = min((f.fraction for f in (*found, *more) if f.test.end), default=0.0) * (1.0 - SHORT)
+        if end <= 0.0:
+            return more
+        try:
+            near = segment.at(end)
+            values = [(test, f, test.value(near)) for test, f in zip(functions.tests, before.values, strict=True)]
+            hidden = [
+                special
+                for test, f0, f1 in values
+                if f0 * f1 < 0.0 and test.find_meeting is None and all(f.test is not test for f in (*found, *more))
+                for special in _locate(segment, test, 0.0, end, f0, f1)
+            ]
+        except ConvergenceError:
+            return more
+        if not hidden:
+            return more
+        more += hidden
 
 
 def _find_place(special: SpecialPoint[E]) -> tuple[float, int, float]:

@@ -24,8 +24,8 @@ Array = NDArray[np.float64]
 NUDGE = 1e-11
 # Intervals beyond its own that a polynomial is read at most; farther it says nothing.
 FAR = 3.0
-# Intervals beyond its own that reads of a mesh in use may move before it is renewed.
-BEYOND = 0.1
+# Intervals beyond its own that a read may move before it is taken from where it lies: polynomials grow fast there.
+BEYOND = 0.05
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from pddecont.continuation import Matrix
 from pddecont.delay import FullWeights, LocalWeights
 from pddecont.model import DelayedValue
-from pddecont.native.compiled_assembly import spread_over_reads, spread_slopes
+from pddecont.native import compiled_assembly
 from pddecont.orbit.equations import (
     DelayedEventEquation,
     Equation,
@@ -253,7 +253,7 @@ class Assembly:
         weights = np.ascontiguousarray(e.weights)
 
         def fill(at: Linearisation, values: Array) -> None:
-            spread_slopes(at.derivatives(e).dx, n_slopes, at.factor(e), weights, n, m, values)
+            compiled_assembly.spread_slopes(at.derivatives(e).dx, n_slopes, at.factor(e), weights, n, m, values)
 
         self.terms.append(Term(place, fill))
 
@@ -286,7 +286,9 @@ class Assembly:
         def fill(at: Linearisation, values: Array) -> None:
             slopes, weights = at.derivatives(e).dxd, at.read_weights
             slopes = slopes if every else slopes[entries]
-            spread_over_reads(slopes, which, n_slopes, at.factor(e), points, n, weights, weights.shape[1], m, values)
+            compiled_assembly.spread_over_reads(
+                slopes, which, n_slopes, at.factor(e), points, n, weights, weights.shape[1], m, values
+            )
 
         self.terms.append(Term(place, fill))
         self.read_terms.append(ReadTerm(place, points, reads))

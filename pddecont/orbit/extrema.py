@@ -29,6 +29,8 @@ REAL = 1e-7
 ROUNDING = 1e-15
 # By how much the first coefficient of a slope must outweigh the rest for it to have no zero, against rounding.
 OUTWEIGH = 1.0 + 1e-6
+# Parts of an interval in which a slope's zeros are first looked for so.
+PARTS = 8
 
 
 @dataclass(frozen=True)
@@ -135,7 +137,8 @@ def _find_candidates(profile: Profile) -> Iterator[Extremum]:
     """Yield roots of the slope on each interval, a little beyond its ends too, and edges where it changes sign."""
     slopes = profile.values @ make_basis(profile.degree).differentiate.T
     series = slopes @ _to_chebyshev(profile.degree).T
-    may_turn = np.abs(series[:, 0]) <= OUTWEIGH * np.sum(np.abs(series[:, 1:]), axis=1)
+    parts = (series @ _to_parts(profile.degree).T).reshape(len(series), PARTS, -1)
+    may_turn = np.any(np.abs(parts[:, :, 0]) <= OUTWEIGH * np.sum(np.abs(parts[:, :, 1:]), axis=2), axis=1)
     n = len(profile.values)
     for j, values in enumerate(profile.values):
         if may_turn[j]:
@@ -172,11 +175,21 @@ def _find_inside(profile: Profile, j: int, values: Array, slope: Array) -> Itera
 
 @cache
 def _to_chebyshev(degree: int) -> Array:
-    """Return the matrix from values at the base points to Chebyshev coefficients.
-
-    A polynomial whose first coefficient outweighs the rest has no zero.
-    """
+    """Return the matrix from values at the base points to Chebyshev coefficients."""
     return np.asarray(np.linalg.inv(chebyshev.chebvander(2.0 * make_basis(degree).base - 1.0, degree)))
+
+
+@cache
+def _to_parts(degree: int) -> Array:
+    """Return the matrix from Chebyshev coefficients on an interval to those on its parts, one part after the other.
+
+    A polynomial whose first coefficient outweighs the rest has no zero; the shorter the part, the fewer others have
+    such a one. The parts reach a little beyond the interval's ends, as far as extrema are looked for.
+    """
+    ends = np.linspace(-2.0 * TOGETHER, 1.0 + 2.0 * TOGETHER, PARTS + 1)
+    places = ends[:-1, None] + make_basis(degree).base * np.diff(ends)[:, None]
+    values = chebyshev.chebvander(2.0 * places - 1.0, degree)
+    return np.concatenate([_to_chebyshev(degree) @ part for part in values])
 
 
 def _merge(found: list[Extremum], profile: Profile) -> list[Extremum]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from pddecont.codegen import Derivatives
 from pddecont.delay import LocalWeights
-from pddecont.native.compiled_assembly import add_moves, stretch_moves
+from pddecont.native import compiled_assembly
 from pddecont.orbit.equations import FunctionEquations
 from pddecont.orbit.orbit import Orbit, Reads
 from pddecont.orbit.signature import DelayedEventLink
@@ -143,12 +143,16 @@ class Linearisation:
             result, points = np.zeros((*e.rows.shape, n_moving)), np.ascontiguousarray(e.points)
             times = np.full(len(structure.dt), n_tables - 1)
             for rates, out, which in ((d.dt, structure.dt, times), (d.dxd, *structure.dxd)):
-                add_moves(rates, out, which, len(out), points, n, self.tables, n_points, n_moving, result)
+                compiled_assembly.add_moves(
+                    rates, out, which, len(out), points, n, self.tables, n_points, n_moving, result
+                )
             if e.sign:
                 result *= e.sign
             else:
                 interval = self.orbit.mesh.equation_points.interval[e.points]
                 lengths = self.columns.interval_lengths
-                stretch_moves(d.value, len(d.value), self.factor(e), interval, n, lengths, n_moving, result)
+                compiled_assembly.stretch_moves(
+                    d.value, len(d.value), self.factor(e), interval, n, lengths, n_moving, result
+                )
             self._moves[e] = result
         return self._moves[e]

@@ -10,7 +10,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from pddecont.continuation import Matrix
-from pddecont.native.compiled_assembly import add_up, sort_entries
+from pddecont.native import compiled_assembly
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
@@ -29,14 +29,16 @@ class SparsityPattern:
         (n_rows, n_columns), n = self.shape, len(self.rows)
         counts, by_row, places = (np.empty(size, dtype=np.intp) for size in (n_rows + n_columns + 1, n, n))
         starts, indices = np.empty(n_columns + 1, dtype=np.intc), np.empty(n, dtype=np.intc)
-        found = sort_entries(self.rows, self.columns, n, n_rows, n_columns, counts, by_row, starts, indices, places)
+        found = compiled_assembly.sort_entries(
+            self.rows, self.columns, n, n_rows, n_columns, counts, by_row, starts, indices, places
+        )
         return indices[:found].copy(), starts, places
 
     def fill(self, values: Array) -> Matrix:
         """Return the sparse matrix (CSC) with these values (n_entries,)."""
         indices, indptr, places = self._order
         data = np.zeros(len(indices))
-        add_up(values, places, len(values), data)
+        compiled_assembly.add_up(values, places, len(values), data)
         return sp.csc_matrix((data, indices, indptr), shape=self.shape)
 
     def fill_dense(self, values: Array) -> Array:

@@ -10,10 +10,10 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from pddecont.collocation import Density, MeshRule, count_wanted, equal_cuts, share_intervals
+from pddecont.collocation import Density, MeshRule, equal_cuts, has_wanted_intervals, share_intervals
 from pddecont.continuation import Matrix, Scaling
 from pddecont.errors import ConvergenceError
-from pddecont.orbit.error import estimate_interval_errors, measure_states
+from pddecont.orbit.error import measure_states
 from pddecont.orbit.jacobian import JacobianAssembler
 from pddecont.orbit.nonfinite import explain_not_finite
 from pddecont.orbit.orbit import Orbit
@@ -33,9 +33,8 @@ Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
 # Solutions in a row that a mesh may be too coarse for, and what each one more makes of the error that the next aims at.
 USUAL_MESHES, STRICTER = 3, 0.4
-# The part of the tolerance beyond which an error of the last solution asks for another mesh for the next, and the part
-# of a mesh's intervals that a solution must want at least for the mesh to be kept.
-NEAR_TOLERANCE, LEAST_WANTED = 0.6, 0.75
+# The part of the tolerance beyond which the estimated error of a solution asks for another mesh for the next one.
+NEAR_TOLERANCE = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,9 +180,8 @@ class PeriodicOrbitSystem:
         orbit, density, outlived = at.orbit, self.density, False
         if self.rule is not None and self.rule.tol is not None:
             density = find_density(orbit, self.rule.tol)
-            largest = max(float(np.max(estimate_interval_errors(orbit))), error or 0.0)
-            wanted = count_wanted(orbit.mesh, orbit.theta, density)
-            outlived = largest > NEAR_TOLERANCE * self.rule.tol or wanted < LEAST_WANTED * orbit.mesh.n_intervals
+            near = error is not None and error > NEAR_TOLERANCE * self.rule.tol
+            outlived = near or not has_wanted_intervals(orbit.mesh, orbit.theta, density)
         problem = self.problem
         if problem.reference is not None:
             problem = replace(problem, reference=orbit.values)

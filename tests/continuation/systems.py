@@ -154,7 +154,7 @@ class Growth:
     def explain_unsettled_mesh(self):
         return "the grid does not settle"
 
-    def update_reference(self, at):
+    def update_reference(self, at, error=None):
         return replace(self, references=self.references + 1)
 
 

@@ -101,7 +101,7 @@ def test_a_mesh_is_valid_until_reads_leave_their_pieces(track):
     assert method.mesh_is_valid(mesh, THETA, lags, NOTHING)
     assert method.mesh_is_valid(mesh, THETA - 0.02 * LAG, lags, NOTHING)
     # A little more, and it reads the start: allowed where breaking points are not tracked, and the interval near.
-    assert method.mesh_is_valid(mesh, THETA - 0.1 * LAG, lags, NOTHING) == (not track)
+    assert method.mesh_is_valid(mesh, THETA - 0.06 * LAG, lags, NOTHING) == (not track)
     assert not method.mesh_is_valid(mesh, THETA - 2.0 * LAG, lags, NOTHING)
 
 

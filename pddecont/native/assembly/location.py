@@ -28,10 +28,8 @@ def locate_times(
     """
     for i in range(n):
         turns = 0.0
-        if period != 0.0:
+        if period != 0.0 and isfinite(chooser[i] / period):
             turns = floor(chooser[i] / period)
-            if not isfinite(turns):
-                turns = 0.0
         at = chooser[i] - turns * period
         low = 0
         high = n_candidates

@@ -1,0 +1,154 @@
+"""What equations are put together with: compiled and as plain Python, against array code."""
+
+import importlib
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+from pddecont.native import compiled_assembly, unite
+
+PARTS = ("lagrange", "location", "reading", "entries", "sparse")
+RNG = np.random.default_rng(7)
+
+
+class Plain:
+    """The functions as plain Python, of arrays whose entries are numbered through."""
+
+    def __getattr__(self, name):
+        modules = (importlib.import_module(f"pddecont.native.assembly.{part}") for part in PARTS)
+        function = next(getattr(m, name) for m in modules if hasattr(m, name))
+        return lambda *args: function(*(a.reshape(-1) if isinstance(a, np.ndarray) else a for a in args))
+
+
+@pytest.fixture(params=[compiled_assembly, Plain()], ids=["compiled", "plain"])
+def native(request):
+    return request.param
+
+
+def test_what_is_compiled_are_these_sources():
+    assert unite.find_digest(Path(unite.__file__).parent / "assembly") == compiled_assembly.DIGEST
+
+
+def test_lagrange_polynomials(native):
+    """Products over base points, to rounding; at a base point one of them is one and the others zero."""
+    base = 0.5 - 0.5 * np.cos(np.pi * np.arange(6) / 5)
+    barycentric = np.array([0.5, -1.0, 1.0, -1.0, 1.0, -0.5])
+    sigma = np.concatenate([RNG.uniform(-0.3, 1.3, 20), base, [np.nan]])
+    weights = np.empty((len(sigma), 6))
+    native.evaluate_lagrange(sigma, len(sigma), base, barycentric, 6, weights)
+    for k in range(6):
+        others = np.delete(base, k)
+        exact = np.prod((sigma[:-1, None] - others) / (base[k] - others), axis=1)
+        assert weights[:-1, k] == pytest.approx(exact, rel=1e-13, abs=1e-15)
+    assert np.array_equal(weights[20:26], np.eye(6))
+    assert np.all(np.isnan(weights[26]))
+
+
+def test_times_are_found_on_a_mesh(native):
+    """An interval holds its left edge; one without length holds nothing."""
+    edges, lengths = np.array([0.0, 0.5, 0.5, 2.0]), np.array([0.5, 0.0, 1.5, 1.0])
+    times = np.array([0.0, 0.25, 0.5, 2.0, 2.999, 3.25, -0.5, -3.0])
+    n = len(times)
+    interval, sigma, wraps = np.empty(n, dtype=np.intp), np.empty(n), np.empty(n, dtype=np.intp)
+    every = np.arange(4)
+    native.locate_times(times, times, n, edges, lengths, every, 4, 3.0, interval, sigma, wraps)
+    assert interval.tolist() == [0, 0, 2, 3, 3, 0, 3, 0]
+    assert wraps.tolist() == [0, 0, 0, 0, 0, 1, -1, -1]
+    assert edges[interval] + sigma * lengths[interval] + 3.0 * wraps == pytest.approx(times, abs=1e-15)
+    some = np.array([2, 3])
+    native.locate_times(times, times, n, edges, lengths, some, 2, 0.0, interval, sigma, wraps)
+    assert interval.tolist() == [2, 2, 2, 3, 3, 3, 2, 2]
+    assert not wraps.any()
+    assert edges[interval] + sigma * lengths[interval] == pytest.approx(times, abs=1e-15)
+    inside = times + 1e-3
+    native.locate_times(times, inside - 2e-3, n, edges, lengths, every, 4, 3.0, interval, sigma, wraps)
+    assert (interval[0], wraps[0], sigma[0]) == (3, -1, 1.0)
+
+
+def test_a_time_that_is_no_number_lies_somewhere(native):
+    times, interval = np.array([np.nan, np.inf]), np.empty(2, dtype=np.intp)
+    sigma, wraps, lengths = np.empty(2), np.empty(2, dtype=np.intp), np.array([1.0, 1.0])
+    native.locate_times(times, times, 2, np.array([0.0, 1.0]), lengths, np.arange(2), 2, 2.0, interval, sigma, wraps)
+    assert set(interval.tolist()) <= {0, 1}
+    assert not np.any(np.isfinite(sigma))
+
+
+def test_values_are_weighed(native):
+    weights, columns = RNG.standard_normal((7, 3)), RNG.integers(0, 11, (7, 3))
+    values, result = RNG.standard_normal((11, 4)), np.empty((7, 4))
+    native.weigh_values(weights, columns, 7, 3, values, 4, result)
+    assert result == pytest.approx(np.einsum("ib,ibn->in", weights, values[columns]), abs=1e-14)
+
+
+def test_slopes_are_spread(native):
+    slopes, factor = RNG.standard_normal((2, 5)), RNG.standard_normal(5)
+    weights, out = RNG.standard_normal((5, 3)), np.empty((2, 5, 3))
+    native.spread_slopes(slopes, 2, factor, weights, 5, 3, out)
+    assert out == pytest.approx((slopes * factor)[:, :, None] * weights, abs=1e-15)
+    points, which, tables = np.array([8, 0, 3, 3, 6]), np.array([2, 0]), RNG.standard_normal((3, 9, 3))
+    native.spread_over_reads(slopes, which, 2, factor, points, 5, tables, 9, 3, out)
+    assert out == pytest.approx((slopes * factor)[:, :, None] * tables[which][:, points], abs=1e-15)
+
+
+def test_moves_add_up_and_are_stretched(native):
+    rates, out, which = RNG.standard_normal((3, 4)), np.array([1, 0, 1]), np.array([0, 2, 1])
+    points, tables = np.array([5, 1, 1, 0]), RNG.standard_normal((3, 6, 2))
+    result = np.zeros((2, 4, 2))
+    native.add_moves(rates, out, which, 3, points, 4, tables, 6, 2, result)
+    exact = np.zeros((2, 4, 2))
+    for k in range(3):
+        exact[out[k]] += rates[k][:, None] * tables[which[k]][points]
+    assert result == pytest.approx(exact, abs=1e-14)
+    values, factor = RNG.standard_normal((2, 4)), RNG.standard_normal(4)
+    interval, lengths = np.array([1, 0, 2, 2]), RNG.standard_normal((3, 2))
+    native.stretch_moves(values, 2, factor, interval, 4, lengths, 2, result)
+    exact = exact * factor[:, None] - values[:, :, None] * lengths[interval]
+    assert result == pytest.approx(exact, abs=1e-14)
+
+
+def make_entries(n, shape):
+    return RNG.integers(0, shape[0], n), RNG.integers(0, shape[1], n), RNG.standard_normal(n)
+
+
+@pytest.mark.parametrize(("n", "shape"), [(60, (9, 7)), (5, (30, 40)), (0, (3, 2)), (8, (1, 1))])
+def test_entries_are_sorted_and_added_up(native, n, shape):
+    rows, columns, values = make_entries(n, shape)
+    counts, by_row, places = (np.empty(k, dtype=np.intp) for k in (sum(shape) + 1, n, n))
+    starts, indices = np.empty(shape[1] + 1, dtype=np.intc), np.empty(n, dtype=np.intc)
+    found = native.sort_entries(rows, columns, n, *shape, counts, by_row, starts, indices, places)
+    data = np.zeros(found)
+    native.add_up(values, places, n, data)
+    exact = sp.coo_matrix((values, (rows, columns)), shape=shape).tocsc()
+    exact.sum_duplicates()
+    assert starts.tolist() == exact.indptr.tolist()
+    assert indices[:found].tolist() == exact.indices.tolist()
+    assert data == pytest.approx(exact.data, abs=1e-14)
+
+
+def test_rows_are_scaled_to_one(native):
+    """A row of zeros stays one."""
+    rows, columns, values = make_entries(40, (8, 6))
+    matrix = sp.coo_matrix((values * (rows != 3), (rows, columns)), shape=(8, 6)).tocsc()
+    sizes, scale, scaled = RNG.uniform(0.5, 2.0, 6), np.empty(8), np.empty(matrix.nnz)
+    native.scale_to_one(matrix.indptr, matrix.indices, matrix.data, 8, 6, sizes, scale, scaled)
+    largest = np.max(np.abs(matrix.toarray() * sizes), axis=1)
+    assert scale == pytest.approx(1.0 / np.where(largest > 0.0, largest, 1.0), rel=1e-15)
+    whole = sp.csc_matrix((scaled, matrix.indices, matrix.indptr), shape=(8, 6)).toarray()
+    assert whole == pytest.approx(scale[:, None] * matrix.toarray() * sizes, abs=1e-15)
+    assert scale[3] == 1.0
+
+
+def test_a_row_is_appended_with_a_place_for_each_entry(native):
+    rows, columns, values = make_entries(20, (5, 6))
+    matrix, row = (
+        sp.coo_matrix((values, (rows, columns)), shape=(5, 6)).tocsc(),
+        np.array([1.0, 0.0, 2.0, 0.0, 0.0, 3.0]),
+    )
+    n = matrix.nnz + 6
+    starts, indices, data = np.empty(7, dtype=np.intc), np.empty(n, dtype=np.intc), np.empty(n)
+    native.append_row(matrix.indptr, matrix.indices, matrix.data, 5, 6, row, starts, indices, data)
+    whole = sp.csc_matrix((data, indices, starts), shape=(6, 6))
+    assert np.array_equal(whole.toarray(), np.vstack([matrix.toarray(), row]))
+    assert whole.nnz == n
