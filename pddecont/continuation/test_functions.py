@@ -23,6 +23,8 @@ PARTS, LOCATED = (0.5, 0.3, 0.7, 0.1, 0.9), 1e-6
 # How far short of a point that ends the branch its counts are taken and the problem has to be solved, as a fraction of
 # the way there.
 SHORT = 1e-6
+# Where else short of such a point others are looked for that the step's end hides.
+FARTHER = (0.02, 0.2)
 # So near to the last point that solves the problem, as a fraction of the step, a test function is looked for that says
 # which one it is.
 NEAR_END = 1e-3
@@ -190,27 +192,20 @@ def _find_before_end(
 ) -> list[SpecialPoint[E]]:
     """Return the special points before the first of those ``found`` that ends the branch which the step's end hides.
 
-    Beyond that one a test function may have changed its sign again, or have no value any more.
+    Beyond that one a test function may have changed its sign again, or have no value any more; very near to it too.
     """
     more: list[SpecialPoint[E]] = []
-    while True:
-        end = min((f.fraction for f in (*found, *more) if f.test.end), default=0.0) * (1.0 - SHORT)
+    for short in (SHORT, *FARTHER):
+        end = min((f.fraction for f in (*found, *more) if f.test.end), default=0.0) * (1.0 - short)
         if end <= 0.0:
             return more
-        try:
+        with contextlib.suppress(ConvergenceError):
             near = segment.at(end)
-            values = [(test, f, test.value(near)) for test, f in zip(functions.tests, before.values, strict=True)]
-            hidden = [
-                special
-                for test, f0, f1 in values
-                if f0 * f1 < 0.0 and test.find_meeting is None and all(f.test is not test for f in (*found, *more))
-                for special in _locate(segment, test, 0.0, end, f0, f1)
-            ]
-        except ConvergenceError:
-            return more
-        if not hidden:
-            return more
-        more += hidden
+            for test, f0 in zip(functions.tests, before.values, strict=True):
+                if test.find_meeting is None and all(f.test is not test for f in (*found, *more)):
+                    f1 = test.value(near)
+                    more += _locate(segment, test, 0.0, end, f0, f1) if f0 * f1 < 0.0 else []
+    return more
 
 
 def _find_place(special: SpecialPoint[E]) -> tuple[float, int, float]:
