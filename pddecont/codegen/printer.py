@@ -72,10 +72,21 @@ def print_assignments(targets: Iterable[tuple[str, sympy.Expr]], printer: Printe
         If an expression is something that there is no code for.
     """
     written = [(target, expr) for target, expr in targets if expr != 0]
-    check_codable(part for _, expr in written for part in _list_smooth_parts(expr))
-    shared, exprs = sympy.cse([expr for _, expr in written], symbols=sympy.numbered_symbols("c"), order="canonical")
-    lines = [f"{s.name} = {printer.doprint(e)}" for s, e in shared]
-    return lines + [f"{target} = {printer.doprint(e)}" for (target, _), e in zip(written, exprs, strict=True)]
+    lines, texts = print_values([expr for _, expr in written], printer)
+    return lines + [f"{target} = {text}" for (target, _), text in zip(written, texts, strict=True)]
+
+
+def print_values(exprs: Sequence[sympy.Expr], printer: Printer) -> tuple[list[str], list[str]]:
+    """Return the lines that assign the common parts of expressions, and the expressions by means of these.
+
+    Raises
+    ------
+    PddecontError
+        If an expression is something that there is no code for.
+    """
+    check_codable(part for expr in exprs for part in _list_smooth_parts(expr))
+    shared, reduced = sympy.cse(exprs, symbols=sympy.numbered_symbols("c"), order="canonical")
+    return [f"{s.name} = {printer.doprint(e)}" for s, e in shared], [printer.doprint(e) for e in reduced]
 
 
 def _list_smooth_parts(expr: sympy.Expr) -> list[sympy.Expr]:
