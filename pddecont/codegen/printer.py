@@ -108,7 +108,7 @@ def check_codable(exprs: Iterable[sympy.Expr]) -> None:
     """Raise PddecontError if an expression, or a derivative, is something that there is no code for."""
     seen: set[sympy.Basic] = set()
     for expr in exprs:
-        if strange := _find_strange(expr, seen):
+        if not expr.is_Symbol and (strange := _find_strange(expr, seen)):
             raise PddecontError(
                 f"the model, or its derivative, holds {strange}, which is not a smooth function: write one mode for "
                 "each side of the corner"
