@@ -130,13 +130,13 @@ class ModelFunctions:
     def _differentiate(self, exprs: Exprs, blocks: Sequence[Sequence[sympy.Symbol]]) -> Outputs:
         symbols = [symbol for block in blocks for symbol in block]
         # Where the derivatives in each symbol begin, and how far apart those of the rows are.
-        first, step, begin = [], [], 0
+        ways: list[tuple[int, int]] = []
+        begin = 0
         for block in blocks:
-            first += range(begin, begin + len(block))
-            step += [len(block)] * len(block)
+            ways += [(begin + k, len(block)) for k in range(len(block))]
             begin += len(exprs) * len(block)
         slopes = find_slopes(exprs, symbols, self.model.chain)
-        places = {first[k] + i * step[k]: slope for (i, k), slope in slopes.items()}
+        places = {ways[k][0] + i * ways[k][1]: slope for (i, k), slope in slopes.items()}
         return {place: places[place] for place in sorted(places)}
 
     def _address(self, cases: Sequence[Outputs], digits: Sequence[sympy.Symbol] = ()) -> int:

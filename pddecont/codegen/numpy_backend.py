@@ -136,7 +136,7 @@ class ArrayFunction:
         return self._structures[free]
 
     def _list_slopes(self, free: tuple[int, ...]) -> dict[str, Slopes]:
-        """Return the derivatives that are not zero by (output, symbol), in order, as :class:`Derivatives` names them."""
+        """Return the derivatives that are not zero, as :class:`Derivatives` names them."""
         dp = find_slopes(self.exprs, [self.parameters[i] for i in free], self.chain)
         return {"dx": self._slopes["dx"], "dxd": self._slopes["dxd"], "dp": dp, "dt": self._slopes["dt"]}
 
@@ -145,7 +145,8 @@ class ArrayFunction:
         """The derivatives that are not zero in what is no parameter."""
         groups = {"dx": self.states, "dxd": self.delayed, "dt": (TIME,)}
         found = find_slopes(self.exprs, [s for group in groups.values() for s in group], self.chain)
-        first, slopes = 0, {}
+        first = 0
+        slopes: dict[str, Slopes] = {}
         for name, group in groups.items():
             last = first + len(group)
             slopes[name] = {(i, k - first): e for (i, k), e in found.items() if first <= k < last}
