@@ -6,6 +6,7 @@ import os
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
+import gc
 import resource
 import subprocess
 import sys
@@ -16,6 +17,7 @@ from pathlib import Path
 
 import numpy as np
 import yaml
+from sympy.core.cache import clear_cache
 
 from benchmarks.timing import growth, timed
 from models.oscillator_chain import chain
@@ -35,7 +37,7 @@ from pddecont.orbit import (
     solve_orbit,
 )
 from pddecont.results import read_results
-from pddecont.simulate import detect_period, simulate
+from pddecont.simulate import Simulator, detect_period, simulate
 from pddecont.steps import load_run_plan
 from pddecont.steps.execution import execute
 
@@ -241,6 +243,36 @@ def large_systems(folder):
     print(f"  exponent {growth(list(costs), list(costs.values())):.2f}\n")
 
 
+def model_code(repeats=3):
+    """Print what the code of large models costs, from their text to compiled functions."""
+    print("Code of a chain of oscillators, seconds of CPU time, the least of several turns")
+    print(f"{'states':>10} {'parsing':>9} {'derivatives':>12} {'NumPy code':>11} {'machine code':>13} {'all':>7}")
+    for n in (10, 50, 100):
+        costs = np.min([time_code(chain(n).split("\nrun:")[0] + "\n") for _ in range(repeats)], axis=0)
+        parsing, slopes, arrays, machine = costs
+        print(f"{2 * n:10} {parsing:9.2f} {slopes:12.2f} {arrays:11.2f} {machine:13.2f} {costs.sum():7.2f}")
+    print()
+
+
+def time_code(text):
+    """Return the seconds of parsing, of derivatives, and of code over arrays and for machines that a model takes."""
+    # What sympy remembers of the turn before, and its machine code.
+    clear_cache()
+    gc.collect()
+    times = [time.process_time()]
+    numeric = NumericModel(parse_model(parse_document(text, "m.yaml"))[0])
+    times.append(time.process_time())
+    function, free = numeric.mode("free"), (numeric.parameter_index("K"),)
+    function.structure(free)
+    times.append(time.process_time())
+    x, xd = np.zeros((numeric.n_states, 1)), np.zeros((len(numeric.model.read_symbols), 1))
+    function.value(np.zeros(1), x, xd, numeric.parameter_values)
+    function.derivatives(np.zeros(1), x, xd, numeric.parameter_values, free)
+    times.append(time.process_time())
+    _ = Simulator(numeric, Direct()).system
+    return np.diff([*times, time.process_time()])
+
+
 def start_up():
     """Print how long commands take to start, against Python alone."""
     program = [sys.executable, "-m", "pddecont"]
@@ -274,6 +306,7 @@ def main():
         sizes()
         long_branches(folder)
         large_systems(folder)
+    model_code()
     start_up()
 
 

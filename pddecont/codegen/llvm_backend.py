@@ -1,8 +1,8 @@
 """Generated source to machine code by LLVM: assignments of arithmetic to places in arrays, case by case.
 
-The source is the Python that :mod:`machine_code` writes and nothing else: assignments, one chain of cases, arithmetic,
-comparisons, conditional expressions and the functions of ``math``. Both sides of a conditional expression are worked
-out and one is taken; what cannot be evaluated is infinite or no number.
+The source is the Python that :mod:`machine_code` writes and nothing else: assignments, loops of one assignment, one
+chain of cases, arithmetic, comparisons, conditional expressions and the functions of ``math``. Both sides of a
+conditional expression are worked out and one is taken; what cannot be evaluated is infinite or no number.
 """
 
 from __future__ import annotations
@@ -136,15 +136,49 @@ class _Writer:
                 self.names[name] = self._evaluate(value)
             case ast.Assign(targets=[ast.Subscript() as place], value=value):
                 self.builder.store(self._evaluate(value), self._find_place(place))
+            case ast.For(
+                target=ast.Name(id=name),
+                iter=ast.Call(
+                    func=ast.Name(id="range"),
+                    args=[ast.Constant(value=int(first)), ast.Constant(value=int(end)), ast.Constant(value=int(step))],
+                ),
+                body=[ast.Assign() as turn],
+            ):
+                self._write_loop(name, range(first, end, step), turn)
             case ast.AugAssign(target=ast.Name(id="which"), op=ast.RShift(), value=ast.Constant(value=bits)):
                 self.names["which"] = self.builder.ashr(self.names["which"], ir.Constant(LONG, bits))
             case _:
                 raise _make_error(statement)
 
+    def _write_loop(self, name: str, turns: range, turn: ast.Assign) -> None:
+        """Write a loop of one assignment, which is made once at least."""
+        before, inside, after = self.builder.block, *(self.function.append_basic_block() for _ in range(2))
+        self.builder.branch(inside)
+        self.builder.position_at_end(inside)
+        number = self.names[name] = self.builder.phi(LONG)
+        number.add_incoming(ir.Constant(LONG, turns.start), before)
+        self._write_statement(turn)
+        following = self.builder.add(number, ir.Constant(LONG, turns.step))
+        number.add_incoming(following, inside)
+        self.builder.cbranch(self.builder.icmp_signed("<", following, ir.Constant(LONG, turns.stop)), inside, after)
+        self.builder.position_at_end(after)
+
     def _find_place(self, place: ast.Subscript) -> ir.Value:
         assert isinstance(place.value, ast.Name)
-        assert isinstance(place.slice, ast.Constant)
-        return self.builder.gep(self.names[place.value.id], [ir.Constant(LONG, place.slice.value)])
+        return self.builder.gep(self.names[place.value.id], [self._find_number(place.slice)])
+
+    def _find_number(self, number: ast.expr) -> ir.Value:
+        """Return the number of a place: one that is written, or that of a loop's turn, moved or not."""
+        match number:
+            case ast.Constant(value=int(value)):
+                return ir.Constant(LONG, value)
+            case ast.Name(id=name):
+                return self.names[name]
+            case ast.BinOp(left=ast.Name(id=name), op=ast.Add(), right=ast.Constant(value=int(moved))):
+                return self.builder.add(self.names[name], ir.Constant(LONG, moved))
+            case ast.BinOp(left=ast.Name(id=name), op=ast.Sub(), right=ast.Constant(value=int(moved))):
+                return self.builder.sub(self.names[name], ir.Constant(LONG, moved))
+        raise _make_error(number)
 
     def _evaluate(self, expr: ast.expr) -> ir.Value:
         """Return the value of an expression: a number, or the truth of a comparison."""

@@ -13,8 +13,9 @@ import sympy
 from sympy.logic.boolalg import Boolean
 
 from pddecont.codegen.llvm_backend import compile_source
-from pddecont.codegen.printer import Names, ScalarPrinter, name_symbols, print_assignments
-from pddecont.model import TIME, Model, differentiate, find_reading_symbols
+from pddecont.codegen.printer import Names, ScalarPrinter, name_symbols, print_values
+from pddecont.codegen.runs import write_outputs
+from pddecont.model import TIME, Model, find_slopes
 
 HEADER = """from math import acos, asin, atan, atan2, cos, cosh, e, exp, log, pi, sin, sinh, sqrt, tan, tanh
 
@@ -25,7 +26,9 @@ def generated(which, t, x, xd, p, out):
 HISTORY_ORDERS = 4
 
 Exprs: TypeAlias = tuple[sympy.Expr, ...]
-Derive: TypeAlias = Callable[[Exprs], list[sympy.Expr]]
+# What a function writes, by place; zeros may be left out.
+Outputs: TypeAlias = Mapping[int, sympy.Expr]
+Derive: TypeAlias = Callable[[Exprs], Outputs]
 
 
 class MachineCode(Protocol):
@@ -43,7 +46,7 @@ class Pages:
     the number of its page and by ``which`` there.
     """
 
-    def __init__(self, load: Callable[[list[list[sympy.Expr]]], int], kinds: Mapping[str, Derive]) -> None:
+    def __init__(self, load: Callable[[list[Outputs]], int], kinds: Mapping[str, Derive]) -> None:
         self._load, self._kinds = load, kinds
         self._pages: list[list[Exprs]] = []
         self._places: dict[Exprs, tuple[int, int]] = {}
@@ -90,47 +93,53 @@ class ModelFunctions:
     @cached_property
     def fields(self) -> Pages:
         """The vector fields f, "value", and df/dx, row by row, then df/dxd, "jacobian"."""
-        symbols = self.model.state_symbols, self.model.read_symbols
-        return self._pages(lambda f: [slope for s in symbols for slope in self._matrix(f, s)])
+        return self._pages(self.model.state_symbols, self.model.read_symbols)
 
     @cached_property
     def events(self) -> Pages:
         """The event functions h, "value", and dh/dx, dh/dxd and dh/dt, "jacobian"."""
-        symbols = (*self.model.state_symbols, *self.model.read_symbols, TIME)
-        return self._pages(lambda h: self._matrix(h, symbols))
+        return self._pages((*self.model.state_symbols, *self.model.read_symbols, TIME))
 
     @cached_property
     def resets(self) -> Pages:
         """The resets g, "value", and dg/dx, dg/dxd and dg/dt, each row by row, "jacobian"."""
-        symbols = self.model.state_symbols, self.model.read_symbols, (TIME,)
-        return self._pages(lambda g: [slope for s in symbols for slope in self._matrix(g, s)])
+        return self._pages(self.model.state_symbols, self.model.read_symbols, (TIME,))
 
     @cached_property
     def rules(self) -> Pages:
         """The conditions, "value": 1 where they hold, 0 elsewhere."""
-        return Pages(lambda page: self._address(page, self.digits), {"value": list})
+        return Pages(lambda page: self._address(page, self.digits), {"value": number_outputs})
 
     @cached_property
     def history(self) -> int:
         """The address of the history; ``which`` is the order of its derivative."""
         exprs = self.history_exprs or self.model.history
-        return self._address([[e.diff(TIME, k) if k else e for e in exprs] for k in range(HISTORY_ORDERS)])
+        moving = {i: e for i, e in enumerate(exprs) if TIME in e.free_symbols}
+        slopes = ({i: e.diff(TIME, k) for i, e in moving.items()} for k in range(1, HISTORY_ORDERS))
+        return self._address([number_outputs(exprs), *slopes])
 
     def compile_cases(self, cases: Sequence[Sequence[sympy.Expr]]) -> int:
         """Return the address of a function of expressions over the model; ``which`` is the number of the case."""
-        return self._address(cases)
+        return self._address([number_outputs(exprs) for exprs in cases])
 
-    def _pages(self, differentiate: Derive) -> Pages:
-        return Pages(lambda page: self._address(page, self.digits), {"value": list, "jacobian": differentiate})
+    def _pages(self, *blocks: Sequence[sympy.Symbol]) -> Pages:
+        """Return functions with their derivatives in blocks of symbols, each a matrix row by row."""
+        kinds: dict[str, Derive] = {"value": number_outputs, "jacobian": lambda f: self._differentiate(f, blocks)}
+        return Pages(lambda page: self._address(page, self.digits), kinds)
 
-    def _matrix(self, exprs: Sequence[sympy.Expr], symbols: Sequence[sympy.Symbol]) -> list[sympy.Expr]:
-        slopes: list[sympy.Expr] = []
-        for expr in exprs:
-            read = find_reading_symbols(expr, self.model.chain)
-            slopes += [differentiate(expr, s, self.model.chain) if s in read else sympy.S.Zero for s in symbols]
-        return slopes
+    def _differentiate(self, exprs: Exprs, blocks: Sequence[Sequence[sympy.Symbol]]) -> Outputs:
+        symbols = [symbol for block in blocks for symbol in block]
+        # Where the derivatives in each symbol begin, and how far apart those of the rows are.
+        ways: list[tuple[int, int]] = []
+        begin = 0
+        for block in blocks:
+            ways += [(begin + k, len(block)) for k in range(len(block))]
+            begin += len(exprs) * len(block)
+        slopes = find_slopes(exprs, symbols, self.model.chain)
+        places = {ways[k][0] + i * ways[k][1]: slope for (i, k), slope in slopes.items()}
+        return {place: places[place] for place in sorted(places)}
 
-    def _address(self, cases: Sequence[Sequence[sympy.Expr]], digits: Sequence[sympy.Symbol] = ()) -> int:
+    def _address(self, cases: Sequence[Outputs], digits: Sequence[sympy.Symbol] = ()) -> int:
         model = self.model
         names = name_symbols(model.state_symbols, model.read_symbols, model.parameter_symbols)
         code = load_machine_code(write_machine_source(cases, names, digits))
@@ -144,9 +153,12 @@ def write_rule(rule: Boolean) -> Exprs:
     return (sympy.Piecewise((1, rule), (0, True)),)
 
 
-def write_machine_source(
-    cases: Sequence[Sequence[sympy.Expr]], names: Names, digits: Sequence[sympy.Symbol] = ()
-) -> str:
+def number_outputs(exprs: Sequence[sympy.Expr]) -> Outputs:
+    """Return expressions by the places where they are written, one after another."""
+    return dict(enumerate(exprs))
+
+
+def write_machine_source(cases: Sequence[Outputs], names: Names, digits: Sequence[sympy.Symbol] = ()) -> str:
     """Return the source of a function that writes the expressions of case ``which`` to ``out``, but for zeros.
 
     ``digits`` are symbols that are 0 or 1: the lowest bits of ``which``, with the case above them.
@@ -155,11 +167,12 @@ def write_machine_source(
     printer, lines = ScalarPrinter({**names, **own}), []
     lines += [f"    {name} = float((which >> {k}) & 1)" for k, name in enumerate(own.values())]
     lines += [f"    which >>= {len(digits)}"] if digits else []
-    for which, exprs in enumerate(cases):
+    for which, outputs in enumerate(cases):
         lines.append(f"    {'if' if which == 0 else 'elif'} which == {which}:")
-        targets = [(f"out[{i}]", sympy.sympify(e)) for i, e in enumerate(exprs)]
-        body = [f"        {line}" for line in print_assignments(targets, printer)]
-        lines += body or ["        pass"]
+        written = {place: expr for place, expr in outputs.items() if expr != 0}
+        shared, values = print_values(list(written.values()), printer)
+        body = [*shared, *write_outputs(zip(written, values, strict=True))]
+        lines += [f"        {line}" for line in body or ["pass"]]
     return HEADER + "\n".join([*lines, "    return", ""])
 
 

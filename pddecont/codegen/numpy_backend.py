@@ -12,17 +12,19 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import sympy
 from numpy.typing import NDArray
 
-from pddecont.codegen.printer import ArrayPrinter, Names, Symbols, name_symbols, print_assignments
-from pddecont.model import TIME, ChainRule, differentiate, find_reading_symbols
+from pddecont.codegen.printer import ArrayPrinter, Names, name_symbols, print_assignments
+from pddecont.model import TIME, ChainRule, find_slopes
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
+# Derivatives by the numbers of the output and the symbol.
+Slopes: TypeAlias = Mapping[tuple[int, int], sympy.Expr]
 
 ARGUMENTS = "t, x, xd, p"
 # What generated source may call: the names that numpy has for arrays, and the same names for floats.
@@ -129,21 +131,27 @@ class ArrayFunction:
     def structure(self, free: tuple[int, ...] = ()) -> Structure:
         """Return which derivatives are not zero; those in parameters only for the numbers in ``free``."""
         if free not in self._structures:
-            symbols = (self.states, self.delayed, [self.parameters[i] for i in free], [TIME])
-            dx, dxd, dp, dt = (_places(self._slopes(group)) for group in symbols)
+            dx, dxd, dp, dt = (_places(slopes) for slopes in self._list_slopes(free).values())
             self._structures[free] = Structure(dx, dxd, dp, dt[0])
         return self._structures[free]
 
-    def _slopes(self, symbols: Symbols) -> dict[tuple[int, int], sympy.Expr]:
-        """Return the derivatives that are not zero by (output, symbol), in order."""
-        number = {s: k for k, s in enumerate(symbols)}
-        places = [
-            (i, number[s])
-            for i, e in enumerate(self.exprs)
-            for s in sorted(find_reading_symbols(e, self.chain) & set(number), key=number.__getitem__)
-        ]
-        slopes = {(i, k): differentiate(self.exprs[i], symbols[k], self.chain) for i, k in places}
-        return {place: slope for place, slope in slopes.items() if slope != 0}
+    def _list_slopes(self, free: tuple[int, ...]) -> dict[str, Slopes]:
+        """Return the derivatives that are not zero, as :class:`Derivatives` names them."""
+        dp = find_slopes(self.exprs, [self.parameters[i] for i in free], self.chain)
+        return {"dx": self._slopes["dx"], "dxd": self._slopes["dxd"], "dp": dp, "dt": self._slopes["dt"]}
+
+    @cached_property
+    def _slopes(self) -> dict[str, Slopes]:
+        """The derivatives that are not zero in what is no parameter."""
+        groups = {"dx": self.states, "dxd": self.delayed, "dt": (TIME,)}
+        found = find_slopes(self.exprs, [s for group in groups.values() for s in group], self.chain)
+        first = 0
+        slopes: dict[str, Slopes] = {}
+        for name, group in groups.items():
+            last = first + len(group)
+            slopes[name] = {(i, k - first): e for (i, k), e in found.items() if first <= k < last}
+            first = last
+        return slopes
 
     @cached_property
     def scalar(self) -> Callable[..., None]:
@@ -159,10 +167,8 @@ class ArrayFunction:
     def linear(self) -> tuple[bool, ...]:
         """Whether each expression is linear in the states with coefficients that are parameters."""
         known = {*self.states, *self.parameters}
-        return tuple(
-            e.free_symbols <= known and all(e.diff(s).free_symbols <= set(self.parameters) for s in self.states)
-            for e in self.exprs
-        )
+        bent = {i for (i, _), slope in self._slopes["dx"].items() if not slope.free_symbols <= set(self.parameters)}
+        return tuple(i not in bent and e.free_symbols <= known for i, e in enumerate(self.exprs))
 
     def _function(self, free: tuple[int, ...] | None) -> Callable[..., None]:
         if free not in self._compiled:
@@ -174,9 +180,7 @@ class ArrayFunction:
         names = name_symbols(self.states, self.delayed, self.parameters)
         groups: dict[str, Sequence[sympy.Expr]] = {"value": self.exprs}
         if free is not None:
-            p = [self.parameters[i] for i in free]
-            for name, symbols in (("dx", self.states), ("dxd", self.delayed), ("dp", p), ("dt", [TIME])):
-                groups[name] = list(self._slopes(symbols).values())
+            groups |= {name: list(slopes.values()) for name, slopes in self._list_slopes(free).items()}
         return write_array_source(groups, names)
 
 

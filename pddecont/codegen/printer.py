@@ -8,7 +8,6 @@ written.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
 
 import sympy
 from sympy.core.relational import Relational
@@ -21,6 +20,7 @@ from pddecont.model import FUNCTIONS, TIME
 
 Symbols = Sequence[sympy.Symbol]
 Names = Mapping[sympy.Symbol, str]
+NOT_FINITE = (type(sympy.nan), type(sympy.zoo), type(sympy.oo))
 
 
 class Printer(CodePrinter):
@@ -29,6 +29,10 @@ class Printer(CodePrinter):
     def __init__(self, names: Names) -> None:
         super().__init__({"fully_qualified_modules": False})
         self._names = names
+
+    def write(self, expr: sympy.Expr) -> str:
+        """Return an expression as source, as ``doprint`` does, which looks for what no expression of a model holds."""
+        return self._names.get(expr) or str(self._print(expr))
 
     def _print_Symbol(self, expr: sympy.Symbol) -> str:
         return self._names.get(expr) or str(super()._print_Symbol(expr))
@@ -72,10 +76,25 @@ def print_assignments(targets: Iterable[tuple[str, sympy.Expr]], printer: Printe
         If an expression is something that there is no code for.
     """
     written = [(target, expr) for target, expr in targets if expr != 0]
-    check_codable(part for _, expr in written for part in _list_smooth_parts(expr))
-    shared, exprs = sympy.cse([expr for _, expr in written], symbols=sympy.numbered_symbols("c"), order="canonical")
-    lines = [f"{s.name} = {printer.doprint(e)}" for s, e in shared]
-    return lines + [f"{target} = {printer.doprint(e)}" for (target, _), e in zip(written, exprs, strict=True)]
+    lines, texts = print_values([expr for _, expr in written], printer)
+    return lines + [f"{target} = {text}" for (target, _), text in zip(written, texts, strict=True)]
+
+
+def print_values(exprs: Sequence[sympy.Expr], printer: Printer) -> tuple[list[str], list[str]]:
+    """Return the lines that assign the common parts of expressions, and the expressions by means of these.
+
+    Raises
+    ------
+    PddecontError
+        If an expression is something that there is no code for.
+    """
+    check_codable(part for expr in exprs for part in _list_smooth_parts(expr))
+    # What has no parts shares none.
+    made = [expr for expr in exprs if expr.args]
+    shared, reduced = sympy.cse(made, symbols=sympy.numbered_symbols("c"), order="canonical") if made else ([], [])
+    left = iter(reduced)
+    lines = [f"{symbol.name} = {printer.write(part)}" for symbol, part in shared]
+    return lines, [printer.write(next(left) if expr.args else expr) for expr in exprs]
 
 
 def _list_smooth_parts(expr: sympy.Expr) -> list[sympy.Expr]:
@@ -87,12 +106,27 @@ def _list_smooth_parts(expr: sympy.Expr) -> list[sympy.Expr]:
 
 def check_codable(exprs: Iterable[sympy.Expr]) -> None:
     """Raise PddecontError if an expression, or a derivative, is something that there is no code for."""
-    for e in exprs:
-        strange: set[Any] = e.atoms(sympy.nan.func, sympy.zoo.func, sympy.oo.func) or {
-            f for f in e.atoms(sympy.Function) if f.func not in FUNCTIONS
-        }
-        if strange:
+    seen: set[sympy.Basic] = set()
+    for expr in exprs:
+        if not expr.is_Symbol and (strange := _find_strange(expr, seen)):
             raise PddecontError(
-                f"the model, or its derivative, holds {min(map(str, strange))}, which is not a smooth function: write "
-                "one mode for each side of the corner"
+                f"the model, or its derivative, holds {strange}, which is not a smooth function: write one mode for "
+                "each side of the corner"
             )
+
+
+def _find_strange(expr: sympy.Basic, seen: set[sympy.Basic]) -> str:
+    """Return what there is no code for in an expression, what is not finite first; parts in ``seen`` are left out."""
+    infinite, functions = [], []
+    left = [expr]
+    while left:
+        part = left.pop()
+        if part in seen:
+            continue
+        seen.add(part)
+        left += part.args
+        if isinstance(part, NOT_FINITE):
+            infinite.append(str(part))
+        elif isinstance(part, sympy.Function) and part.func not in FUNCTIONS:
+            functions.append(str(part))
+    return min(infinite or functions, default="")

@@ -3,6 +3,8 @@ from .builder import parse_model as parse_model
 from .chain_states import add_chain_states as add_chain_states
 from .conditions import combine_differences as combine_differences
 from .conditions import list_differences as list_differences
+from .derivatives import differentiate as differentiate
+from .derivatives import find_slopes as find_slopes
 from .derived_modes import DerivedModes as DerivedModes
 from .document import MAX_BYTES as MAX_BYTES
 from .document import Document as Document
@@ -32,7 +34,6 @@ from .initial_digits import find_start_mode as find_start_mode
 from .lagged import ChainRule as ChainRule
 from .lagged import DelayedValue as DelayedValue
 from .lagged import Integral as Integral
-from .lagged import differentiate as differentiate
 from .lagged import find_reading_symbols as find_reading_symbols
 from .left_out import LeftOut as LeftOut
 from .mode_surfaces import find_surface as find_surface

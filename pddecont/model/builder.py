@@ -101,7 +101,8 @@ class _Builder(Findings):
         period = None
         if file.forcing:
             period = self.positive(("forcing", "period"), file.forcing.period, "the forcing period")
-        base = {name: make_symbol(name) for name in (*file.states, *self.added.delays)} | parameters
+        self.state_symbols = {name: make_symbol(name) for name in file.states}
+        base = self.state_symbols | {name: make_symbol(name) for name in self.added.delays} | parameters
         self.variables.update({make_symbol(name): name for name in (*file.states, *self.added.delays)})
         self.base = base | {name: make_symbol(name) for name in self.formulas}
         declare_switches(file, self.scope_with, self.collector, self)
@@ -121,7 +122,8 @@ class _Builder(Findings):
             else collect_from_equations(derived.equations.leave_out_contacts(), period)
         )
         chain = self.past.make_chain_rule()
-        used = {path: set().union(*(find_reading_symbols(s, chain) for s in read)) for path, read in used.items()}
+        moving = {s: find_reading_symbols(s, chain) for s in chain}
+        used = {path: read.union(*(moving[s] for s in read & moving.keys())) for path, read in used.items()}
         self.check_time(period, used)
         for path, message in find_unused_parameters(file, set().union(*used.values(), self.past.list_symbols())):
             self.add_warning(path, message)
@@ -192,7 +194,7 @@ class _Builder(Findings):
         modes = {name: self.mode(name, body) for name, body in file.modes.items()}
         events = {name: self.event(name, body) for name, body in file.events.items()}
         resets = {name: self.reset(name, body) for name, body in file.resets.items()}
-        resets.setdefault(IDENTITY, tuple(map(make_symbol, file.states)))
+        resets.setdefault(IDENTITY, tuple(self.state_symbols.values()))
         segments = make_segments(file, self.scope, self)
         modes = {name: (*body, *self.added.make_equations(body, resets.values())) for name, body in modes.items()}
         resets = {name: (*body, *self.added.symbols) for name, body in resets.items()}
@@ -297,9 +299,8 @@ class _Builder(Findings):
         """Return a reset, one expression a state."""
         path = ("resets", name)
         self.check_reset(path, body, self.file.states, f"reset '{name}'")
-        return tuple(
-            self.expression((*path, s), body[s], self.scope) if s in body else make_symbol(s) for s in self.file.states
-        )
+        changed = {s: self.expression((*path, s), body[s], self.scope) for s in self.file.states if s in body}
+        return tuple(changed.get(s, symbol) for s, symbol in self.state_symbols.items())
 
     def effect(self, name: str, values: Mapping[str, str | float], drop: Sequence[str]) -> Effect:
         """Return what leaving an effect out changes."""

@@ -20,9 +20,10 @@ import numpy as np
 import scipy.optimize
 import sympy
 
+from pddecont.model.derivatives import differentiate
 from pddecont.model.evaluation import evaluate
 from pddecont.model.expression import TIME
-from pddecont.model.lagged import Integral, differentiate, make_integral_symbol, make_symbol, read_integrand
+from pddecont.model.lagged import Integral, make_integral_symbol, make_symbol, read_integrand
 from pddecont.model.past_reads import PastReads
 from pddecont.model.syntax import ExpressionError
 

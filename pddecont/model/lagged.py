@@ -70,17 +70,6 @@ def make_integral_symbol(integral: Integral, states: Sequence[str]) -> sympy.Sym
     return sympy.Symbol(f"integral({written}, s, {integral.low}, {integral.high})", real=True)
 
 
-def differentiate(expr: sympy.Expr, symbol: sympy.Symbol, chain: ChainRule) -> sympy.Expr:
-    """Return the derivative of an expression over a model, through delays that vary too."""
-    result = expr.diff(symbol)
-    for read in sorted(expr.free_symbols & chain.keys(), key=str):
-        for inner, slope in chain[read]:
-            moved = differentiate(inner, symbol, chain)
-            if moved != 0:
-                result += expr.diff(read) * slope * moved
-    return result
-
-
 def find_reading_symbols(expr: sympy.Expr, chain: ChainRule) -> set[sympy.Symbol]:
     """Return the symbols that an expression depends on, those in delays and limits too."""
     found: set[sympy.Symbol] = set(expr.free_symbols)

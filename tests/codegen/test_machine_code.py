@@ -9,7 +9,7 @@ import pytest
 import sympy
 
 from pddecont.codegen import ModelFunctions, NumericModel, machine_code
-from pddecont.codegen.machine_code import load_machine_code, write_machine_source
+from pddecont.codegen.machine_code import load_machine_code, number_outputs, write_machine_source
 from pddecont.delay import Direct
 from pddecont.model import list_rates, load_model
 from pddecont.simulate import Method, Simulator
@@ -86,20 +86,20 @@ def test_every_function_that_models_may_use_is_compiled():
         x ** sympy.Rational(3, 2),
         x**t,
     ]
-    code = load_machine_code(write_machine_source([exprs], {t: "t", x: "x[0]"}))
+    code = load_machine_code(write_machine_source([number_outputs(exprs)], {t: "t", x: "x[0]"}))
     expected = [float(e.subs({x: 0.6, t: 1.7})) for e in exprs]
     assert called(code.address, 0, 1.7, [0.6], [0], [0], len(exprs)) == pytest.approx(expected, rel=1e-15)
 
 
 def test_what_cannot_be_evaluated_is_no_number_and_no_exception():
     x = sympy.Symbol("x", real=True)
-    code = load_machine_code(write_machine_source([[1 / x, sympy.log(x), sympy.sqrt(x - 1)]], {x: "x[0]"}))
+    code = load_machine_code(write_machine_source([{0: 1 / x, 1: sympy.log(x), 2: sympy.sqrt(x - 1)}], {x: "x[0]"}))
     assert not np.any(np.isfinite(called(code.address, 0, 0.0, [0.0], [0], [0], 3)))
 
 
 def test_a_case_of_zeros_writes_nothing():
     x = sympy.Symbol("x", real=True)
-    text = write_machine_source([[sympy.Integer(0)], [x, sympy.Integer(0)]], {x: "x[0]"})
+    text = write_machine_source([{0: sympy.Integer(0)}, {0: x, 1: sympy.Integer(0)}], {x: "x[0]"})
     assert "    if which == 0:\n        pass\n    elif which == 1:\n        out[0] = x[0]\n    return\n" in text
     code = load_machine_code(text)
     assert list(called(code.address, 0, 0.0, [5.0], [0], [0], 1)) == [0.0]
@@ -108,7 +108,7 @@ def test_a_case_of_zeros_writes_nothing():
 
 def test_code_is_shared_while_it_is_in_use_and_let_go_after():
     x = sympy.Symbol("x", real=True)
-    text = write_machine_source([[x * sympy.Float(0.1234567)]], {x: "x[0]"})
+    text = write_machine_source([{0: x * sympy.Float(0.1234567)}], {x: "x[0]"})
     code = load_machine_code(text)
     assert load_machine_code(text) is code
     assert text in machine_code._in_use
@@ -131,7 +131,7 @@ def test_a_model_lets_its_functions_go_with_it():
 
 def test_threads_get_one_code():
     x = sympy.Symbol("x", real=True)
-    text = write_machine_source([[sympy.sin(x) * sympy.Float(0.7654321)]], {x: "x[0]"})
+    text = write_machine_source([{0: sympy.sin(x) * sympy.Float(0.7654321)}], {x: "x[0]"})
     found, meeting = [], threading.Barrier(4, timeout=20)
 
     def load():

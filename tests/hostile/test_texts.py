@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 
 from pddecont.codegen import NumericModel
 from pddecont.codegen import numpy_backend as codegen
-from pddecont.codegen.machine_code import write_machine_source
+from pddecont.codegen.machine_code import number_outputs, write_machine_source
 from pddecont.codegen.printer import name_symbols
 from pddecont.errors import InputError, PddecontError
 from pddecont.model import parse_document, parse_model
@@ -190,7 +190,7 @@ def test_generated_code_names_nothing_but_its_arguments_and_functions(seed, monk
                     function._function((0,))
         texts += [
             write_machine_source(
-                [list(f) for f in model.modes.values()],
+                [number_outputs(f) for f in model.modes.values()],
                 name_symbols(model.state_symbols, model.delayed_symbols, model.parameter_symbols),
             )
         ]
