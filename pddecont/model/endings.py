@@ -19,7 +19,7 @@ from pddecont.model.expression import TIME
 from pddecont.model.parts import IDENTITY, Event, Form, Segment
 from pddecont.model.rest import find_resting, make_resting
 from pddecont.model.sliding import FIXED, Surfaces, put_in
-from pddecont.model.switches import ABOVE, BELOW, ON, Digits, Jump, find_bits, name_digits
+from pddecont.model.switches import ABOVE, BELOW, ON, OPEN, Digits, Jump, find_bits, name_digits
 from pddecont.model.vanishing import vanishes, vanishes_where
 from pddecont.model.ways import Decision, Undecided, WayFinder, list_options
 
@@ -204,6 +204,7 @@ class EndingFinder:
             elif u.free_symbols & set(changed):
                 zero = not switch.remembers and self._is_zero(u.xreplace(changed))
                 undecided[k] = list_options(self.surfaces, k, on_surface=zero)
+        undecided |= self._find_hanging(digits, undecided)
         tied, after = self._find_tied(jump, digits), digits
         if tied is not None:
             after = (*digits[:tied], ABOVE if digits[tied] == BELOW else BELOW, *digits[tied + 1 :])
@@ -211,6 +212,26 @@ class EndingFinder:
         written = self._name_segment(jump.name, -1, digits)
         self._end(found, Segment(written, "", event.name, jump.direction, reset, ""), digits, after, undecided)
         self._rest(jump, digits, form, found)
+
+    def _find_hanging(self, digits: Digits, undecided: Mapping[int, Undecided]) -> dict[int, Undecided]:
+        """Return the other switches whose functions hold digits that are read anew, or hang on such ones.
+
+        What these digits were says nothing of such a function where others have jumped.
+        """
+        switches, found = self.equations.switches, dict(undecided)
+        while True:
+            values = self.surfaces.find_values(tuple(OPEN if k in found else d for k, d in enumerate(digits)))
+            anew = {switches[k].digit for k in found}
+            hanging = [
+                k
+                for k, switch in enumerate(switches)
+                if k not in found
+                and (switch.contact is None or digits[k] == ON)
+                and put_in(switch.argument, values).free_symbols & anew
+            ]
+            if not hanging:
+                return {k: u for k, u in found.items() if k not in undecided}
+            found |= {k: list_options(self.surfaces, k, on_surface=False) for k in hanging}
 
     def _rest(self, jump: Jump, digits: Digits, reset: Form, found: ModeEndings) -> None:
         """Add what a jump is where it is the last of those that accumulate: the motion rests."""
@@ -228,6 +249,7 @@ class EndingFinder:
     def _find_disturbed(self, number: int, digits: Digits) -> dict[int, Undecided]:
         """Return the other switches whose digits have to be read anew when one has changed."""
         found = {k: list_options(self.surfaces, k, on_surface=False) for k in self._shifted[number]}
+        found |= self._find_hanging(digits, found)
         pushed = (k for k in self._pushed[number] if digits[k] == ON and k not in found)
         return found | {k: list_options(self.surfaces, k, on_surface=True) for k in pushed}
 

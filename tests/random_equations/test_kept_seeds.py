@@ -7,8 +7,9 @@ import pytest
 from tests.random_equations.generator import draw_equations
 from tests.random_equations.trial import try_equations
 
-# All kinds of functions, long and short sliding, impacts with kicks, delayed values; guards that compile in a second.
-SEEDS = [9, 21, 26, 41, 44, 50, 55, 57, 85, 106, 125, 146, 163, 169, 175]
+# All kinds of functions, long and short sliding, impacts with kicks, delayed values; guards that compile in a second. A
+# jump in 132 moves the value that is compared in a function within another, whose own digit it changes.
+SEEDS = [9, 21, 26, 41, 44, 50, 55, 57, 85, 106, 125, 132, 146, 163, 169, 175]
 # Of each batch of two hundred models at least a third is compared; the others are large, unsure, or refused.
 N_SEEDS, BATCH = 200, 20
 
