@@ -96,10 +96,10 @@ def main() -> None:
     threading.Thread(target=_read_all, args=(received,), daemon=True).start()
     shared, answer = received.get(), pickle.dumps(READY)
     while True:
-        answers.write(answer)
-        answers.flush()
-        work, task = received.get()
         try:
+            answers.write(answer)
+            answers.flush()
+            work, task = received.get()
             answer = pickle.dumps(work(shared, task))
         except Exception:
             # What goes wrong here goes wrong where the work is done instead, and is told there.
