@@ -241,6 +241,37 @@ def large_systems(folder):
     print(f"  exponent {growth(list(costs), list(costs.values())):.2f}\n")
 
 
+TWO_BRANCHES = """
+model: ../models/impact_oscillator.yaml
+set: {tau_d: 3.8}
+mesh: {degree: 8, tol: 1e-9}
+steps:
+  - {name: transient, simulate: {t_end: 200*2*pi/omega}}
+  - {name: orbit, orbit: {from: transient}}
+  - {name: delays, continue: {from: orbit, free: [tau_d], range: {tau_d: [3.2, 4.6]}, stability: true, step: STEP}}
+  - {name: forcings, continue: {from: orbit, free: [omega], range: {omega: [0.7, 1.0]}, stability: true, step: STEP}}
+"""
+
+
+def workers(folder):
+    """Print wall times of a run of two branches, and of one branch of two directions, on one and two workers."""
+    print(f"Wall time on one and two workers ({os.cpu_count()} cores, whatever else runs on them)")
+    text = TWO_BRANCHES.replace("STEP", "{initial: 0.01, max: 0.01}")
+    for what, until in (("two branches that start from one orbit", "forcings"), ("two directions", "delays")):
+        plan = load_run_plan(parse_document(text, str(ROOT / "configs" / "bench.yaml")))
+        best = {1: np.inf, 2: np.inf}
+        for number in (1, 2, 1, 2, 1, 2):
+            start = time.perf_counter()
+            execute(plan, Path(folder) / f"workers{number}.h5", overwrite=True, until=until, workers=number)
+            best[number] = min(best[number], time.perf_counter() - start)
+        same = (Path(folder) / "workers1.h5").read_bytes() == (Path(folder) / "workers2.h5").read_bytes()
+        print(
+            f"  {what:38} {best[1]:6.2f} s, {best[2]:6.2f} s: ratio {best[1] / best[2]:.2f}; "
+            f"{'the same' if same else 'NOT the same'} file"
+        )
+    print()
+
+
 def start_up():
     """Print how long commands take to start, against Python alone."""
     program = [sys.executable, "-m", "pddecont"]
@@ -274,6 +305,7 @@ def main():
         sizes()
         long_branches(folder)
         large_systems(folder)
+        workers(folder)
     start_up()
 
 
