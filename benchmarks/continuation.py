@@ -271,8 +271,9 @@ def workers(folder):
             best[number] = min(best.get(number, took), took)
         same = (Path(folder) / "workers1.h5").read_bytes() == (Path(folder) / "workers2.h5").read_bytes()
         print(
-            f"  {what:30} {best[1][0]:5.2f}, {best[2][0]:5.2f}: ratio {best[1][0] / best[2][0]:.2f}; CPU {best[1][1]:.2f}, "
-            f"{best[2][1]:.2f} here and {best[2][2]:.2f} elsewhere; {'the same' if same else 'NOT the same'} file"
+            f"  {what:30} {best[1][0]:5.2f}, {best[2][0]:5.2f}: ratio {best[1][0] / best[2][0]:.2f}; CPU "
+            f"{best[1][1]:.2f}, {best[2][1]:.2f} here and {best[2][2]:.2f} elsewhere; "
+            f"{'the same' if same else 'NOT the same'} file"
         )
     print()
 

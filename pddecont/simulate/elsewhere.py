@@ -50,6 +50,14 @@ class Elsewhere:
     pool: ThreadPoolExecutor
     on_cluster: bool
 
+    def prepare(self, work: Callable[[Any, None], None]) -> None:
+        """Let other processes start, and do ``work(shared, None)`` there, before anything is begun; a cluster is there.
+
+        One fewer than there are places: this process is one of those that compute.
+        """
+        for _ in range(0 if self.on_cluster else self.slots.number - 1):
+            self.pool.submit(self.place.ask, work, None)
+
     def begin(self, work: Callable[[Any, Task], Result], task: Task) -> Future[Result] | None:
         """Begin ``work(shared, task)``; None if nobody is free."""
         if not self.slots.take_early():

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from pddecont.bifurcation import has_registered_kinds
-from pddecont.runfile import PlannedStep
+from pddecont.runfile import Plan, PlannedStep
 from pddecont.simulate import open_elsewhere
 from pddecont.steps.context import Context
 from pddecont.steps.execution.early import compute_early, write_computed
@@ -26,6 +26,8 @@ def do_steps(context: Context, steps: Sequence[PlannedStep[Any]]) -> None:
     with open_elsewhere(context.workers, context.plan) as elsewhere:
         slots = elsewhere.slots
         here = replace(context, elsewhere=elsewhere, workers=replace(context.workers, slots=slots))
+        if any(list_step_kinds()[step.kind].sharing == Sharing.EARLY for step in steps):
+            elsewhere.prepare(load_kinds)
         with compute_early(here, steps, elsewhere) as early:
             for step in steps:
                 computed = early.take(step)
@@ -47,6 +49,12 @@ def has_many_workers(context: Context) -> bool:
     if has_registered_kinds() or has_registered_step_kinds():
         return False
     return context.workers.number > 1 or context.workers.scheduler is not None
+
+
+def load_kinds(plan: Plan, _: None) -> None:
+    """Import what does the steps of a run."""
+    for step in plan.steps:
+        list_step_kinds()[step.kind].load()
 
 
 def is_alone(step: PlannedStep[Any]) -> bool:
