@@ -10,6 +10,7 @@ from pddecont.results import read_results, writer
 from pddecont.simulate import Elsewhere, other_process
 from pddecont.steps import Sharing, list_step_kinds
 from pddecont.steps.execution import all_steps, early, execute, one_step
+from pddecont.steps.execution.log import step_from_log
 from tests.cli.test_resume import SMOOTH
 from tests.runs import add_step, change, plan
 from tests.steps.test_directions_apart import EQUILIBRIA
@@ -97,6 +98,26 @@ def test_the_file_and_the_words_are_the_same(whole, early_steps, tmp_path, worke
     assert leave_out_points(messages) == leave_out_points(whole[1])
     assert {"other", "rest"} <= set(early_steps) and "sweep" not in early_steps
     assert early_steps == [step["name"] for step in STEPS if step["name"] in early_steps]
+
+
+def test_a_step_is_the_same_before_it_is_written_and_as_it_is_read(monkeypatch, early_steps, tmp_path):
+    """Steps that start from one that is not written yet start from what they would read."""
+    write, compared = all_steps.write_computed, []
+
+    def watched(context, step, computed):
+        write(context, step, computed)
+        made, read = step_from_log(step.name, computed.log), read_results(tmp_path / "b.h5").step(step.name)
+        assert (made.kind, made.meta, made.endings, made.done) == (read.kind, read.meta, read.endings, read.done)
+        for here, there in ((made.points, read.points), (made.orbits, read.orbits)):
+            assert set(here) == set(there)
+            assert all(here[key].dtype == there[key].dtype for key in here)
+            assert all(here[key].shape == there[key].shape for key in here)
+            assert all(here[key].tobytes() == there[key].tobytes() for key in here)
+        compared.append(read.kind)
+
+    monkeypatch.setattr(all_steps, "write_computed", watched)
+    do(change(RUN, "run.steps", STEPS[:9]), tmp_path / "b.h5", 3)
+    assert {"simulate", "equilibrium"} <= set(compared)
 
 
 def leave_out_points(messages):
