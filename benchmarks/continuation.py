@@ -273,6 +273,43 @@ def time_code(text):
     return np.diff([*times, time.process_time()])
 
 
+TWO_BRANCHES = """
+model: ../models/impact_oscillator.yaml
+set: {tau_d: 3.8}
+mesh: {degree: 8, tol: 1e-9}
+steps:
+  - {name: transient, simulate: {t_end: 200*2*pi/omega}}
+  - {name: orbit, orbit: {from: transient}}
+  - {name: delays, continue: {from: orbit, free: [tau_d], range: {tau_d: [3.2, 4.6]}, stability: true, step: STEP}}
+  - {name: forcings, continue: {from: orbit, free: [omega], range: {omega: [0.8, 0.9]}, stability: true, step: STEP}}
+"""
+
+
+def workers(folder):
+    """Print what a run of two branches, and of one branch in two directions, takes on one and two workers."""
+    print(
+        f"On one and two workers ({os.cpu_count()} cores, whatever else runs on them): s by the clock, and of CPU time"
+    )
+    text = TWO_BRANCHES.replace("STEP", "{initial: 0.01, max: 0.01}")
+    plan = load_run_plan(parse_document(text, str(ROOT / "configs" / "bench.yaml")))
+    for what, until in (("two branches from one orbit", "forcings"), ("one branch in two directions", "delays")):
+        best = {}
+        for number in (1, 2, 1, 2, 1, 2):
+            start, cpu, others = time.perf_counter(), time.process_time(), resource.getrusage(resource.RUSAGE_CHILDREN)
+            execute(plan, Path(folder) / f"workers{number}.h5", overwrite=True, until=until, workers=number)
+            took = time.perf_counter() - start, time.process_time() - cpu
+            ended = resource.getrusage(resource.RUSAGE_CHILDREN)
+            took += (ended.ru_utime + ended.ru_stime - others.ru_utime - others.ru_stime,)
+            best[number] = min(best.get(number, took), took)
+        same = (Path(folder) / "workers1.h5").read_bytes() == (Path(folder) / "workers2.h5").read_bytes()
+        print(
+            f"  {what:30} {best[1][0]:5.2f}, {best[2][0]:5.2f}: ratio {best[1][0] / best[2][0]:.2f}; CPU "
+            f"{best[1][1]:.2f}, {best[2][1]:.2f} here and {best[2][2]:.2f} elsewhere; "
+            f"{'the same' if same else 'NOT the same'} file"
+        )
+    print()
+
+
 def start_up():
     """Print how long commands take to start, against Python alone."""
     program = [sys.executable, "-m", "pddecont"]
@@ -306,6 +343,7 @@ def main():
         sizes()
         long_branches(folder)
         large_systems(folder)
+        workers(folder)
     model_code()
     start_up()
 

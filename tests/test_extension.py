@@ -211,6 +211,13 @@ def test_both_resume_after_a_kill(tmp_path, name, kept):
             assert np.array_equal(step.points[key], values, equal_nan=values.dtype.kind == "f"), key
 
 
+def test_both_are_known_where_the_run_is_computed(tmp_path):
+    """Other processes do not know them."""
+    for workers in (1, 3):
+        execute(plan(DRIVEN), tmp_path / f"{workers}.h5", workers=workers)
+    assert (tmp_path / "1.h5").read_bytes() == (tmp_path / "3.h5").read_bytes()
+
+
 def test_both_are_exported(done):
     rows = json.loads(call("export", done[0], "--step", "lines", "--format", "json")[1])
     assert list(rows[0]) == ["index", "label", "harmonic", "frequency", "amplitude_x", "amplitude_v", "note"]

@@ -14,6 +14,7 @@ from .hopf_start import start_curve_at_hopf as start_curve_at_hopf
 from .kinds import SpecialPointKind as SpecialPointKind
 from .registry import find_kind as find_kind
 from .registry import forget_kind as forget_kind
+from .registry import has_registered_kinds as has_registered_kinds
 from .registry import list_kinds as list_kinds
 from .registry import register_kind as register_kind
 from .settings import BranchSettings as BranchSettings

@@ -26,6 +26,11 @@ def forget_kind(label: str) -> None:
     del _REGISTERED[label]
 
 
+def has_registered_kinds() -> bool:
+    """Return whether others made kinds known in this process."""
+    return bool(_REGISTERED)
+
+
 def list_kinds() -> list[SpecialPointKind]:
     """Return all kinds: the program's own, then those that were registered."""
     return [*BUILTIN, *_REGISTERED.values()]

@@ -39,13 +39,10 @@ from pddecont.cli.console import Progress, print_json, say
     default=1,
     show_default=True,
     metavar="N",
-    help="Cores for sweeps and basins; with 2 or more both directions of a branch of orbits at once.",
+    help="How many compute at once: points of sweeps and basins, directions of a branch, steps that do not depend on "
+    "each other. The file is the same for any N.",
 )
-@click.option(
-    "--scheduler",
-    metavar="ADDRESS",
-    help="Dask scheduler whose workers do sweeps, basins and second directions of branches, such as tcp://host:8786.",
-)
+@click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler whose workers do so, such as tcp://host:8786.")
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors and warnings.")
 @click.option(
     "--json", "as_json", is_flag=True, help="Write one JSON document on what was computed to standard output."

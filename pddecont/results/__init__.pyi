@@ -6,6 +6,7 @@ from .lock import hold_lock as hold_lock
 from .reader import Results as Results
 from .reader import Step as Step
 from .reader import read_results as read_results
+from .row_writer import RowWriter as RowWriter
 from .step_formats import BASIN as BASIN
 from .step_formats import CONTINUE as CONTINUE
 from .step_formats import EQUILIBRIA as EQUILIBRIA
@@ -17,6 +18,8 @@ from .step_formats import SWEEP as SWEEP
 from .step_formats import find_format as find_format
 from .step_formats import forget_format as forget_format
 from .step_formats import register_format as register_format
+from .step_from_rows import Row as Row
+from .step_from_rows import make_step as make_step
 from .whole_file import compact_step as compact_step
 from .whole_file import create_results as create_results
 from .whole_file import drop_steps as drop_steps

@@ -9,6 +9,8 @@ from .basin import ClassifiedRow as ClassifiedRow
 from .basin import classify_row as classify_row
 from .basin import survey_attractors as survey_attractors
 from .driven import DrivenSimulator as DrivenSimulator
+from .elsewhere import Elsewhere as Elsewhere
+from .elsewhere import open_elsewhere as open_elsewhere
 from .failure import FailureReason as FailureReason
 from .failure import MotionFailure as MotionFailure
 from .failure import describe_failure as describe_failure
@@ -27,7 +29,6 @@ from .motion_row import pack_motion as pack_motion
 from .motion_row import unpack_motion as unpack_motion
 from .motion_task import MotionTask as MotionTask
 from .nearby_cycle import find_nearby_cycle as find_nearby_cycle
-from .other_process import begin_apart as begin_apart
 from .past import Past as Past
 from .past import make_extension_basis as make_extension_basis
 from .past_plan import find_longest_lag as find_longest_lag
@@ -40,6 +41,7 @@ from .restart import restart_motion as restart_motion
 from .returns import ReturnSection as ReturnSection
 from .returns import ReturnSettings as ReturnSettings
 from .simulator import Simulator as Simulator
+from .slots import Slots as Slots
 from .snapshot import find_restart_time as find_restart_time
 from .snapshot import pack as pack
 from .snapshot import read_time as read_time

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from pddecont.errors import RunError
+from pddecont.simulate.slots import Slots
 
 Chunk = TypeVar("Chunk")
 Result = TypeVar("Result")
@@ -26,11 +27,12 @@ RETRIES = 5
 class Workers:
     """Who computes: threads of this process, or the workers of a Dask scheduler.
 
-    The integrator runs outside Python's lock.
+    The integrator runs outside Python's lock. Threads take ``slots``, where other things are computed meanwhile.
     """
 
     number: int = 1
     scheduler: str | None = None
+    slots: Slots | None = None
 
 
 def map_in_order(workers: Workers, work: Callable[[Chunk], Result], chunks: Sequence[Chunk]) -> Iterator[Result]:
@@ -42,6 +44,8 @@ def map_in_order(workers: Workers, work: Callable[[Chunk], Result], chunks: Sequ
         yield from map(work, chunks)
         return
     with contextlib.ExitStack() as stack:
+        if workers.slots is not None:
+            stack.enter_context(workers.slots.share())
         submit, n = _make_submit(workers, work, stack)
         waiting: deque[Future[Result]] = deque()
         stack.callback(lambda: [future.cancel() for future in waiting])
@@ -60,7 +64,7 @@ def _make_submit(
     """Return a function that hands out a chunk, and how many are computed at once; ``stack`` closes what it needs."""
     if workers.scheduler is None:
         pool = stack.enter_context(ThreadPoolExecutor(workers.number))
-        return lambda chunk: pool.submit(work, chunk), workers.number
+        return lambda chunk: pool.submit(_apply_in_slot, workers.slots, work, chunk), workers.number
     client = stack.enter_context(connect(workers.scheduler))
     n = max(1, sum(client.nthreads().values()))
     executor = stack.enter_context(client.get_executor(retries=RETRIES, pure=False))
@@ -75,6 +79,11 @@ def _identity(work: Callable[[Chunk], Result]) -> Callable[[Chunk], Result]:
 
 def _apply(work: Callable[[Chunk], Result], chunk: Chunk) -> Result:
     return work(chunk)
+
+
+def _apply_in_slot(slots: Slots | None, work: Callable[[Chunk], Result], chunk: Chunk) -> Result:
+    with contextlib.nullcontext() if slots is None else slots.hold():
+        return work(chunk)
 
 
 def connect(address: str) -> Any:

@@ -1,4 +1,5 @@
 from .context import Context as Context
+from .kind import Sharing as Sharing
 from .kind import StepKind as StepKind
 from .planning import load_run_plan as load_run_plan
 from .registry import forget_step_kind as forget_step_kind

@@ -18,7 +18,7 @@ from pddecont.results import BASIN
 from pddecont.runfile import Holding, StepInput
 from pddecont.simulate import InitialState
 from pddecont.steps.fields import Grid
-from pddecont.steps.kind import StepKind
+from pddecont.steps.kind import Sharing, StepKind
 from pddecont.steps.motion import Initial, evaluate_start, resolve_start
 from pddecont.steps.settling import Settling, SettlingSettings, list_section_names, resolve_grid, resolve_settling
 
@@ -94,6 +94,7 @@ BASIN_STEP = StepKind(
     resolve=resolve_basin,
     format=BASIN,
     run="pddecont.steps.execution.basin:run_basin",
+    sharing=Sharing.POOL,
     resumes=True,
     holds=Holding.ATTRACTORS,
     list_names=list_basin_names,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.results import Results, Step, StepWriter, drop_steps, read_results
+from pddecont.results import Results, RowWriter, Step, StepWriter, drop_steps, read_results
 from pddecont.runfile import Plan, PlannedStep, Source
 from pddecont.steps.reporter import Reporter
 
 if TYPE_CHECKING:
     from pddecont.results import StepFormat
-    from pddecont.simulate import Trajectory, Workers
+    from pddecont.simulate import Elsewhere, Trajectory, Workers
 
 Array = NDArray[np.float64]
 
@@ -25,7 +25,8 @@ Array = NDArray[np.float64]
 class Context:
     """State of a run in progress.
 
-    ``file`` is what the results file holds, to which nobody else writes meanwhile (None: no file yet).
+    ``file`` is what the results file holds, to which nobody else writes meanwhile (None: no file yet). ``make_writer``
+    makes what takes a step's rows; ``elsewhere`` is where parts of a step are begun early (None: nowhere).
     """
 
     plan: Plan
@@ -34,6 +35,8 @@ class Context:
     workers: Workers
     trajectories: dict[str, Trajectory] = field(default_factory=dict)
     file: Results | None = None
+    make_writer: Callable[..., RowWriter] = StepWriter
+    elsewhere: Elsewhere | None = None
 
     def read_source(self, source: Source) -> tuple[Results, Step]:
         """Return the recorded step that ``source`` names, in this run's file or another, and that file."""
@@ -66,7 +69,7 @@ class Context:
         recorded: Step | None = None,
         kept: int = 0,
         capacity: int | None = None,
-    ) -> StepWriter:
+    ) -> RowWriter:
         """Return the writer of a step's rows, with what every step says of itself added to ``meta``.
 
         The first ``kept`` rows of ``recorded`` stay.
@@ -78,17 +81,12 @@ class Context:
             "settings": self.plan.describe_settings(step),
         }
         options: dict[str, Any] = {} if capacity is None else {"capacity": capacity}
-        self._forget(step.name)
-        return StepWriter(
-            self.path,
-            step.name,
-            step_format,
-            {**common, **meta},
-            recorded=recorded,
-            kept=kept,
-            closed=self.keep_step,
-            **options,
-        )
+        return self.open_as(step.name, step_format, {**common, **meta}, recorded=recorded, kept=kept, **options)
+
+    def open_as(self, name: str, step_format: StepFormat, meta: Mapping[str, Any], **options: Any) -> RowWriter:
+        """Return the writer of a step's rows, ``meta`` being all that it says of itself."""
+        self._forget(name)
+        return self.make_writer(self.path, name, step_format, meta, closed=self.keep_step, **options)
 
 
 def _hold(file: Results, steps: Mapping[str, Step]) -> Results:

@@ -14,7 +14,7 @@ from pddecont.orbit import Monitor
 from pddecont.results import CONTINUE
 from pddecont.runfile import From, Holding, StepInput, check_new_names, resolve_monitors
 from pddecont.steps.fields import Range, StabilityChoice, Verify
-from pddecont.steps.kind import StepKind
+from pddecont.steps.kind import Sharing, StepKind
 from pddecont.steps.orbit import MultiplierSettings, resolve_multipliers, resolve_signature
 
 # By how much of its range a start may lie outside it: rounding.
@@ -217,6 +217,7 @@ CONTINUE_STEP = StepKind(
     resolve=resolve_continue,
     format=CONTINUE,
     run="pddecont.steps.execution.continuation:run_continue",
+    sharing=Sharing.EARLY,
     resumes=True,
     holds=Holding.BRANCH,
     takes_accuracy=True,

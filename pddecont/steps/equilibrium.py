@@ -14,7 +14,7 @@ from pddecont.model import Identifier, Strict
 from pddecont.results import EQUILIBRIUM
 from pddecont.runfile import Holding, ParameterFormula, Source, StepInput
 from pddecont.steps.fields import Range
-from pddecont.steps.kind import StepKind
+from pddecont.steps.kind import Sharing, StepKind
 
 # Keys that say that ``from`` names a step.
 SOURCE_KEYS = {"step", "file", "point", "index"}
@@ -158,6 +158,7 @@ EQUILIBRIUM_STEP = StepKind(
     resolve=resolve_equilibrium,
     format=EQUILIBRIUM,
     run="pddecont.steps.execution.equilibrium:run_equilibrium",
+    sharing=Sharing.EARLY,
     holds=Holding.EQUILIBRIA,
     list_modes=list_equilibrium_modes,
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pkgutil
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from enum import StrEnum
 from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar
 
 from pddecont.model import Strict
@@ -19,6 +20,18 @@ F = TypeVar("F", bound=Strict)
 S = TypeVar("S")
 # Does a step; the last argument is what the results file holds of it already.
 Runner: TypeAlias = "Callable[[Context, PlannedStep[Any], Step | None], None]"
+
+
+class Sharing(StrEnum):
+    """How a step of a kind shares the run's workers with other steps.
+
+    ``EARLY``: it takes one, and may be computed in another process before its turn. ``POOL``: it is computed in this
+    process when its turn comes, on all workers as they get free. ``ALONE``: so is it, while nothing else is computed.
+    """
+
+    EARLY = "early"
+    POOL = "pool"
+    ALONE = "alone"
 
 
 def _list_nothing(body: Any) -> Iterable[Any]:
@@ -48,6 +61,9 @@ class StepKind(Generic[F, S]):
         What a step leaves that others can start from.
     takes_accuracy
         Whether the run's accuracy decides its delay and mesh.
+    sharing
+        How it shares the run's workers with other steps. A step that is computed early starts from ``source`` alone
+        and does all that others see through its context.
     list_names, list_modes
         Texts whose names the model must have, and modes that motions are put into, whichever effects are left out.
     list_sticks
@@ -64,6 +80,7 @@ class StepKind(Generic[F, S]):
     resumes: bool = False
     holds: Holding = Holding.NOTHING
     takes_accuracy: bool = False
+    sharing: Sharing = Sharing.ALONE
     list_names: Callable[[F], Iterable[Any]] = _list_nothing
     list_modes: Callable[[F], Iterable[str]] = _list_nothing
     list_sticks: Callable[[F], Iterable[tuple[str, str]]] = _list_nothing

@@ -14,7 +14,7 @@ from pddecont.orbit import SampledCycle, find_cycle, read_motion_table
 from pddecont.results import ORBIT
 from pddecont.runfile import FromOrTrajectory, Holding, Path, Source, StepInput, TrajectoryFile
 from pddecont.steps.fields import Stability, StabilityChoice, Verify
-from pddecont.steps.kind import StepKind
+from pddecont.steps.kind import Sharing, StepKind
 
 
 class Orbit(Strict):
@@ -110,6 +110,7 @@ ORBIT_STEP = StepKind(
     resolve=resolve_orbit,
     format=ORBIT,
     run="pddecont.steps.execution.orbit:run_orbit",
+    sharing=Sharing.EARLY,
     holds=Holding.ORBIT,
     takes_accuracy=True,
 )

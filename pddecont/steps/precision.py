@@ -27,7 +27,7 @@ from pddecont.runfile import (
     resolve_monitors,
 )
 from pddecont.steps.fields import Several
-from pddecont.steps.kind import StepKind
+from pddecont.steps.kind import Sharing, StepKind
 
 OF_ORBITS, OF_RUNS = ("methods", "degrees", "intervals"), ("integrators",)
 INTERVALS = (8, 16, 32)
@@ -226,6 +226,7 @@ PRECISION_STEP = StepKind(
     resolve=resolve_precision,
     format=PRECISION,
     run="pddecont.steps.execution.precision:run_precision",
+    sharing=Sharing.ALONE,
     resumes=True,
     list_names=list_precision_names,
 )

@@ -31,6 +31,11 @@ def list_step_kinds() -> dict[str, StepKind[Any, Any]]:
     return {kind.name: kind for kind in BUILTIN} | _REGISTERED
 
 
+def has_registered_step_kinds() -> bool:
+    """Return whether others made kinds known in this process."""
+    return bool(_REGISTERED)
+
+
 def register_step_kind(kind: StepKind[Any, Any]) -> None:
     """Make a kind of step known, and what it keeps in results files.
 

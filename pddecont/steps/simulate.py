@@ -15,7 +15,7 @@ from pddecont.model import Formula, Identifier, Strict
 from pddecont.results import SIMULATE
 from pddecont.runfile import Holding, StepInput, as_number
 from pddecont.simulate import InitialState, Method
-from pddecont.steps.kind import StepKind
+from pddecont.steps.kind import Sharing, StepKind
 from pddecont.steps.motion import (
     Initial,
     Integration,
@@ -173,6 +173,7 @@ SIMULATE_STEP = StepKind(
     resolve=resolve_simulate,
     format=SIMULATE,
     run="pddecont.steps.execution.simulate:run_simulate",
+    sharing=Sharing.EARLY,
     holds=Holding.TRAJECTORY,
     list_names=list_simulate_names,
     list_modes=list_simulate_modes,

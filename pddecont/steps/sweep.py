@@ -18,7 +18,7 @@ from pddecont.model import Identifier, Strict
 from pddecont.results import SWEEP
 from pddecont.runfile import Holding, ParameterFormula, StepInput
 from pddecont.steps.fields import Grid, Range
-from pddecont.steps.kind import StepKind
+from pddecont.steps.kind import Sharing, StepKind
 from pddecont.steps.motion import Initial, Start, resolve_start
 from pddecont.steps.settling import Settling, SettlingSettings, list_section_names, resolve_grid, resolve_settling
 
@@ -157,6 +157,7 @@ SWEEP_STEP = StepKind(
     resolve=resolve_sweep,
     format=SWEEP,
     run="pddecont.steps.execution.sweep:run_sweep",
+    sharing=Sharing.POOL,
     resumes=True,
     holds=Holding.ATTRACTORS,
     list_names=list_sweep_names,

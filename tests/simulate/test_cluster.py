@@ -1,4 +1,4 @@
-"""A sweep on a real Dask cluster whose worker is lost in mid-run."""
+"""A run on a real Dask cluster: directions and steps at once, a sweep whose worker is lost in mid-run."""
 
 import json
 import os
@@ -15,6 +15,7 @@ from pddecont.tables import describe_endings
 from tests.cli.test_resume import SMOOTH
 from tests.conftest import ROOT
 from tests.runs import change, to_yaml
+from tests.steps.test_early_steps import RUN as EARLY
 
 pytest.importorskip("distributed")
 RUN = {
@@ -104,8 +105,9 @@ def start_cluster(processes, folder):
     return json.loads(address_file.read_text())["address"], workers
 
 
-def test_both_directions_of_a_branch(tmp_path, processes):
-    (tmp_path / "run.yaml").write_text(to_yaml(SMOOTH))
+@pytest.mark.parametrize("run", [SMOOTH, EARLY], ids=["both directions of a branch", "steps of many kinds"])
+def test_what_does_not_depend_on_each_other_is_computed_at_once(tmp_path, processes, run):
+    (tmp_path / "run.yaml").write_text(to_yaml(run))
     command = [sys.executable, "-m", "pddecont", "run", str(tmp_path / "run.yaml"), "-q", "-o"]
     subprocess.run([*command, str(tmp_path / "serial.h5")], check=True, timeout=200)
     address, _ = start_cluster(processes, tmp_path)

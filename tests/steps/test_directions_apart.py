@@ -1,21 +1,14 @@
 """Both directions of a branch at once: the same file as one after the other, whatever becomes of the other process."""
 
-import math
-import os
-import subprocess
-import sys
-import time
-from pathlib import Path
-
 import pytest
 
-from pddecont.errors import ConvergenceError, RunError
+from pddecont.errors import ConvergenceError
 from pddecont.results import read_results
-from pddecont.simulate import Workers, begin_apart, other_process
-from pddecont.steps.execution import continuation, execute
+from pddecont.simulate import Elsewhere, other_process
+from pddecont.steps.execution import apart, continuation, execute
 from tests.bifurcation.runs import follow, settle
 from tests.cli.test_resume import RUNS
-from tests.runs import plan
+from tests.runs import add_step, change, plan
 from tests.steps.test_closed_branch import ISLAND
 
 
@@ -24,43 +17,75 @@ def follow_with(run, path, workers):
     return path.read_bytes()
 
 
-def watch(monkeypatch):
-    """Return what lists the directions that were followed apart and taken in."""
-    taken, take_in = [], continuation._Branch.take_in
+@pytest.fixture
+def taken(monkeypatch):
+    """Return what lists the directions that were followed elsewhere and taken in: points, or None of one lost.
 
-    def watched(self, followed):
-        taken.append(len(followed.rows))
-        return take_in(self, followed)
+    Processes that only just start are waited for.
+    """
+    found, wait = [], Elsewhere.wait
 
-    monkeypatch.setattr(continuation._Branch, "take_in", watched)
-    return taken
+    def watched(self, future):
+        result = wait(self, future)
+        if result is None or isinstance(result, apart.FollowedDirection):
+            found.append(result and len(result.rows))
+        return result
+
+    monkeypatch.setattr(Elsewhere, "wait", watched)
+    monkeypatch.setattr(Elsewhere, "take_back", lambda self, future: False)
+    return found
 
 
-@pytest.mark.parametrize("name", RUNS)
-def test_the_file_is_the_same_byte_for_byte(monkeypatch, tmp_path, name):
-    alone = follow_with(RUNS[name], tmp_path / "a.h5", 1)
-    taken = watch(monkeypatch)
-    assert follow_with(RUNS[name], tmp_path / "b.h5", 2) == alone
-    assert len(taken) == 1 and taken[0] > 3
+EQUILIBRIA = {
+    "name": "brusselator",
+    "states": ["x", "y"],
+    "parameters": {"a": 1, "b": 1.6},
+    "modes": {"m": {"x'": "a - (b + 1)*x + x**2*y", "y'": "b*x - x**2*y"}},
+    "run": {
+        "steps": [
+            {"name": "rest", "equilibrium": {"from": {"x": 1, "y": 1.6}}},
+            {"name": "branch", "continue": {"from": "rest", "free": ["b"], "range": {"b": [0.5, 3]}}},
+        ]
+    },
+}
+EQUILIBRIUM_CURVE = add_step(
+    change(EQUILIBRIA, "run.steps.1.name", "first"),
+    {
+        "name": "branch",
+        "continue": {
+            "from": {"step": "first", "point": "HB1"},
+            "free": ["b", "a"],
+            "range": {"b": [0.5, 4], "a": [0.5, 1.5]},
+        },
+    },
+)
+ALL = {**RUNS, "equilibria": EQUILIBRIA, "curve of Hopf points": EQUILIBRIUM_CURVE}
 
 
-def test_where_the_other_process_is_lost_its_work_is_done_here(monkeypatch, tmp_path):
+@pytest.mark.parametrize("name", ALL)
+def test_the_file_is_the_same_byte_for_byte(taken, tmp_path, name):
+    alone = follow_with(ALL[name], tmp_path / "a.h5", 1)
+    assert follow_with(ALL[name], tmp_path / "b.h5", 2) == alone
+    # In a curve's run the branch that it starts from has two directions too, unless it goes up alone.
+    assert len(taken) == (2 if name == "curve of Hopf points" else 1)
+    assert all(n > 3 for n in taken)
+
+
+def test_where_the_other_process_is_lost_its_work_is_done_here(monkeypatch, taken, tmp_path):
     alone = follow_with(RUNS["smooth"], tmp_path / "a.h5", 1)
     monkeypatch.setattr(other_process.sys, "executable", "/bin/false")
-    taken = watch(monkeypatch)
     assert follow_with(RUNS["smooth"], tmp_path / "b.h5", 2) == alone
-    assert len(taken) == 1
+    assert taken == [None]
 
 
-def test_a_branch_that_closes_needs_no_other_direction(monkeypatch, tmp_path):
+def test_a_branch_that_closes_needs_no_other_direction(taken, tmp_path):
     run = {**ISLAND, "run": {"steps": [*settle(100), follow("c", "o", {"m": [-1, 1]})]}}
     alone = follow_with(run, tmp_path / "a.h5", 1)
-    taken = watch(monkeypatch)
     assert follow_with(run, tmp_path / "b.h5", 2) == alone
     assert not taken and len(read_results(tmp_path / "b.h5").step("c").endings) == 2
 
 
-def test_what_goes_wrong_apart_is_told_after_the_points_before_it(monkeypatch, tmp_path):
+def test_what_goes_wrong_is_told_after_the_points_before_it(monkeypatch, tmp_path):
     """An error of the program on the way down, after some points."""
     record = continuation._Branch.record
 
@@ -79,70 +104,3 @@ def test_what_goes_wrong_apart_is_told_after_the_points_before_it(monkeypatch, t
         step = read_results(tmp_path / f"{workers}.h5").step("branch")
         lengths.append(sorted(step.points["arclength"]))
     assert lengths[0] == lengths[1] and lengths[0][0] < 0.0
-
-
-def test_an_error_keeps_its_places_on_its_way_from_another_process():
-    with begin_apart(Workers(2), RunError.at, "a.yaml:1") as wait, pytest.raises(TypeError):
-        wait()
-    with begin_apart(Workers(2), make_error, "m.yaml") as wait:
-        error = wait()
-    assert str(error) == str(make_error("m.yaml")) and error.problems == make_error("m.yaml").problems
-
-
-def make_error(path):
-    return RunError.at(path, 3, 4, "is wrong")
-
-
-def test_a_result_comes_from_another_process():
-    with begin_apart(Workers(2), math.sqrt, 2.0) as wait:
-        assert wait() == math.sqrt(2.0)
-    with begin_apart(Workers(2), find_process, None) as wait:
-        assert wait() != os.getpid()
-
-
-def find_process(_):
-    return os.getpid()
-
-
-def test_modules_of_the_folder_it_runs_in_are_none_of_its_own(monkeypatch, tmp_path):
-    """A file beside the model named like a module must not be run."""
-    (tmp_path / "pickle.py").write_text("raise SystemExit('run by mistake')")
-    (tmp_path / "numpy.py").write_text("raise SystemExit('run by mistake')")
-    monkeypatch.chdir(tmp_path)
-    with begin_apart(Workers(2), find_process, None) as wait:
-        assert wait() != os.getpid()
-
-
-KILLED = """
-import subprocess, time
-from pddecont.simulate import Workers, begin_apart, other_process
-
-class Told(subprocess.Popen):
-    def __init__(self, *args, **options):
-        super().__init__(*args, **options)
-        print(self.pid, flush=True)
-
-other_process.subprocess.Popen = Told
-with begin_apart(Workers(2), time.sleep, 600):
-    time.sleep(600)
-"""
-
-
-@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="processes are looked for in /proc")
-def test_the_other_process_ends_with_one_that_is_killed():
-    with subprocess.Popen([sys.executable, "-c", KILLED], stdout=subprocess.PIPE, text=True) as process:
-        pid = int(process.stdout.readline())
-        time.sleep(1.0)
-        assert is_running(pid)
-        process.kill()
-    deadline = time.monotonic() + 20
-    while is_running(pid) and time.monotonic() < deadline:
-        time.sleep(0.05)
-    assert not is_running(pid)
-
-
-def is_running(pid):
-    try:
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except FileNotFoundError:
-        return False

@@ -1,52 +1,34 @@
-"""One direction of a branch that is followed apart from the other: what it is told, what it finds."""
+"""The directions of a branch, at once where there are workers: one here, the others elsewhere, all written here."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Collection, Mapping, Sequence
+from concurrent.futures import Future
+from dataclasses import dataclass, replace
 from typing import Any
-
-from numpy.typing import NDArray
 
 from pddecont.errors import PddecontError
 from pddecont.reasons import Reason
-from pddecont.results import Results
+from pddecont.results import Results, Row, RowWriter
 from pddecont.runfile import Plan, PlannedStep
+from pddecont.simulate import Workers
+from pddecont.steps.context import Context
+from pddecont.steps.continuation import ContinueSettings
+from pddecont.steps.execution.accuracy import choose_settings
+from pddecont.steps.execution.log import RowsInMemory, write_entry
+from pddecont.steps.reporter import Silent
 
-
-@dataclass(frozen=True, eq=False)
-class Row:
-    """What one point puts into the file."""
-
-    points: Mapping[str, Any]
-    orbits: Mapping[str, NDArray[Any]]
-    reason: Reason
-
-
-@dataclass(eq=False)
-class RowsInMemory:
-    """Where a direction that is followed apart writes its points; ``meta`` is the step's."""
-
-    meta: Mapping[str, Any]
-    rows: list[Row] = field(default_factory=list)
-
-    @property
-    def n(self) -> int:
-        """Number of points."""
-        return len(self.rows)
-
-    def append(self, points: Mapping[str, Any], orbits: Mapping[str, NDArray[Any]], reason: Reason) -> None:
-        """Keep one point."""
-        self.rows.append(Row(points, orbits, reason))
+# Follows a direction (+1 or -1) of a step's branch from its start; returns how it ended.
+Follow = Callable[[Context, PlannedStep[ContinueSettings], RowWriter, int], Reason]
 
 
 @dataclass(frozen=True, eq=False)
 class DirectionTask:
-    """A direction to be followed: the run with what its file holds now, the step, what the file says of it, the way."""
+    """A direction to be followed: what the file holds of where the step starts, the step, what the file says of it."""
 
-    plan: Plan
+    follow: Follow
     file: Results
-    step: PlannedStep[Any]
+    step: str
     meta: Mapping[str, Any]
     way: int
 
@@ -58,3 +40,80 @@ class FollowedDirection:
     rows: Sequence[Row]
     ending: Reason | None
     error: PddecontError | None = None
+
+
+def follow_directions(
+    context: Context,
+    step: PlannedStep[ContinueSettings],
+    writer: RowWriter,
+    ways: Sequence[int],
+    endings: Mapping[int, Reason],
+    follow_here: Callable[[int], Reason],
+    follow: Follow,
+    find_ending: Callable[[int, Collection[Reason]], Reason | None] = lambda way, endings: None,
+) -> None:
+    """Follow the directions of a branch that have not ended, and write them one after another.
+
+    ``follow_here`` follows one from where it stands, ``follow`` from its start; ``find_ending`` returns how one ends
+    that need not be followed, given the others that ended.
+    """
+    ended = dict(endings)
+    to_do = [way for way in ways if way not in ended]
+    begun = _begin_apart(context, step, writer, to_do[1:], follow)
+    for way in to_do:
+        ending = find_ending(way, ended.values())
+        if ending is None and way in begun:
+            ending = _take_in(context, writer, begun[way])
+        ended[way] = follow_here(way) if ending is None else ending
+        writer.terminate(ended[way], ways.index(way))
+
+
+def _begin_apart(
+    context: Context, step: PlannedStep[ContinueSettings], writer: RowWriter, ways: Sequence[int], follow: Follow
+) -> dict[int, Future[FollowedDirection]]:
+    """Begin to follow directions elsewhere, as far as somebody is free there."""
+    elsewhere, file, source = context.elsewhere, context.file, step.source
+    if elsewhere is None or file is None or not can_read_elsewhere(context, step):
+        return {}
+    # Of the file only the step is needed that this one starts from. A copy: nobody here changes it while it is sent.
+    held = None if source is None else file.steps.get(source.step)
+    file = replace(file, steps={} if held is None else {held.name: replace(held)})
+    tasks = {way: DirectionTask(follow, file, step.name, dict(writer.meta), way) for way in ways}
+    begun = {way: elsewhere.begin(follow_apart, task) for way, task in tasks.items()}
+    return {way: future for way, future in begun.items() if future is not None}
+
+
+def can_read_elsewhere(context: Context, step: PlannedStep[Any]) -> bool:
+    """Return whether others can read where a step starts: not another file from a cluster, which need not have it."""
+    if step.source is None or step.source.file is None:
+        return True
+    on_cluster = context.elsewhere is not None and context.elsewhere.on_cluster
+    return not on_cluster and (context.plan.base / step.source.file).resolve() != context.path.resolve()
+
+
+def _take_in(context: Context, writer: RowWriter, begun: Future[FollowedDirection]) -> Reason | None:
+    """Write the points of a direction that was followed elsewhere; return how it ended, or None if it was not."""
+    assert context.elsewhere is not None, "it was begun there"
+    followed = context.elsewhere.wait(begun)
+    if followed is None:
+        context.elsewhere.slots.sit()
+        return None
+    for row in followed.rows:
+        write_entry(writer, row)
+    if followed.error is not None:
+        raise followed.error
+    context.reporter.progress(f"{writer.n} points")
+    return followed.ending
+
+
+def follow_apart(plan: Plan, task: DirectionTask) -> FollowedDirection:
+    """Follow one direction of a branch from its start; what it records and how it ends are those of the whole step."""
+    context = Context(plan, task.file.path, Silent(), Workers(), file=task.file)
+    writer = RowsInMemory(dict(task.meta))
+    ending, error = None, None
+    try:
+        step = choose_settings(context, plan.find_step(task.step), task.meta.get("choice"))
+        ending = task.follow(context, step, writer, task.way)
+    except PddecontError as exc:
+        error = exc
+    return FollowedDirection([entry for entry in writer.log if isinstance(entry, Row)], ending, error)

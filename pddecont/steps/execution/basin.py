@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.reasons import make_reason
-from pddecont.results import BASIN, Step, StepWriter
+from pddecont.results import BASIN, RowWriter, Step
 from pddecont.runfile import PlannedStep
 from pddecont.simulate import (
     Attractor,
@@ -98,7 +98,7 @@ def place_states(settings: BasinSettings, points: Array) -> Array:
 
 
 def _write_attractor(
-    writer: StepWriter, attractor: Attractor, *, task: MotionTask, p: Array, duration: float, with_exponents: bool
+    writer: RowWriter, attractor: Attractor, *, task: MotionTask, p: Array, duration: float, with_exponents: bool
 ) -> None:
     exponent = LyapunovExponent()
     if with_exponents and not attractor.failure:

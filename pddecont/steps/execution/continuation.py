@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import ExitStack
+from collections.abc import Collection
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -33,7 +32,7 @@ from pddecont.continuation import (
     Termination,
     follow_branch,
 )
-from pddecont.errors import ConvergenceError, PddecontError, RunError
+from pddecont.errors import ConvergenceError, RunError
 from pddecont.orbit import (
     DelayBoundary,
     DurationBoundary,
@@ -48,20 +47,18 @@ from pddecont.orbit import (
     orbit_from_rows,
 )
 from pddecont.reasons import Reason
-from pddecont.results import CONTINUE, Step, StepWriter
+from pddecont.results import CONTINUE, RowWriter, Step
 from pddecont.runfile import PlannedStep
-from pddecont.simulate import Workers, begin_apart
 from pddecont.stability import Multipliers
 from pddecont.steps.context import Context
 from pddecont.steps.continuation import ContinueSettings
-from pddecont.steps.execution.apart import DirectionTask, FollowedDirection, RowsInMemory
+from pddecont.steps.execution.apart import follow_directions
 from pddecont.steps.execution.branch_start import start_step
 from pddecont.steps.execution.directions import find_unfinished, make_branch_ending
 from pddecont.steps.execution.ending import report_done
 from pddecont.steps.execution.equilibrium_branch import run_equilibrium_branch
 from pddecont.steps.execution.equilibrium_start import follows_equilibria
 from pddecont.steps.execution.orbit_rows import make_multiplier_cache, make_orbit_meta, make_referee, orbit_to_row
-from pddecont.steps.reporter import Silent
 from pddecont.tables import UNRELIABLE
 
 # Signatures that one direction goes through at most.
@@ -81,7 +78,7 @@ class _Branch:
     context: Context
     step: PlannedStep[ContinueSettings]
     settings: BranchSettings
-    writer: StepWriter | RowsInMemory
+    writer: RowWriter
     first: BranchState[Any]
     last: BranchPoint[Any] | None = field(default=None)
     ordinary: BranchState[Any] | None = field(default=None)
@@ -164,16 +161,6 @@ class _Branch:
             end = end_at_equilibrium(end, self.ordinary, self.settings, self.record, way)
         return make_branch_ending(replace(end, n_unexplained=n_unexplained), way, next_signature)
 
-    def take_in(self, followed: FollowedDirection) -> Reason:
-        """Write the points of a direction that was followed apart; return how it ended."""
-        for row in followed.rows:
-            self.writer.append(row.points, row.orbits, row.reason)
-        if followed.error is not None:
-            raise followed.error
-        assert followed.ending is not None, "a direction ends, or something goes wrong"
-        self.context.reporter.progress(f"{self.writer.n} points")
-        return followed.ending
-
     def _may_switch(self, end: Termination) -> bool:
         """Return whether a branch that ended so may go on with another signature."""
         if end.end not in (End.SPECIAL, End.IMPOSSIBLE, End.INVALID) or not self.step.settings.follows_signatures:
@@ -206,21 +193,15 @@ def run_continue(context: Context, step: PlannedStep[ContinueSettings], recorded
         "curve": start.kind,
         "curve_reason": reason.to_json() if start.kind else "",
     }
-    to_do = [way for way in ways if way not in endings]
-    with context.open_step(step, CONTINUE, meta, recorded=recorded, kept=kept) as writer, ExitStack() as stack:
+    with context.open_step(step, CONTINUE, meta, recorded=recorded, kept=kept) as writer:
         branch = _Branch(context, step, settings, writer, first)
-        waits = _begin_apart(context, step, writer.meta, to_do[1:], stack)
+
+        def follow_here(way: int) -> Reason:
+            return branch.follow(states[way], way, n_unexplained[way])
+
         if writer.n == 0:
             branch.record(BranchPoint(first, "", 0))
-        for way in to_do:
-            # A closed branch is all there, whichever way it is followed.
-            if any(ending.code == End.CLOSED for ending in endings.values()):
-                endings[way] = make_branch_ending(ALL_ROUND, way)
-            elif way in waits:
-                endings[way] = branch.take_in(waits[way]())
-            else:
-                endings[way] = branch.follow(states[way], way, n_unexplained[way])
-            writer.terminate(endings[way], ways.index(way))
+        follow_directions(context, step, writer, ways, endings, follow_here, follow_direction, _find_ending)
     report_done(context, step)
 
 
@@ -243,37 +224,16 @@ def _begin(context: Context, step: PlannedStep[ContinueSettings]) -> tuple[Branc
     return settings, start, reason
 
 
-def _begin_apart(
-    context: Context,
-    step: PlannedStep[ContinueSettings],
-    meta: Mapping[str, Any],
-    ways: Sequence[int],
-    stack: ExitStack,
-) -> dict[int, Callable[[], FollowedDirection]]:
-    """Begin to follow directions apart, where there are workers; return what waits for each."""
-    workers, file = context.workers, context.file
-    if file is None or (workers.number == 1 and workers.scheduler is None):
-        return {}
-    if workers.scheduler is not None and step.source is not None and step.source.file is not None:
-        return {}  # a cluster need not have this machine's files
-    # Of the file only the step is needed that this one starts from.
-    source = step.source.step if step.source is not None else ""
-    file = replace(file, steps={name: held for name, held in file.steps.items() if name == source})
-    tasks = {way: DirectionTask(context.plan, file, step, meta, way) for way in ways}
-    return {way: stack.enter_context(begin_apart(workers, follow_apart, task)) for way, task in tasks.items()}
+def follow_direction(context: Context, step: PlannedStep[ContinueSettings], writer: RowWriter, way: int) -> Reason:
+    """Follow one direction of a branch from its start; return how it ended."""
+    settings, start, _ = _begin(context, step)
+    first = BranchState(start.point, 0.0, step.settings.step_initial, 1)
+    return _Branch(context, step, settings, writer, first).follow(_turn(first, way), way, 0)
 
 
-def follow_apart(task: DirectionTask) -> FollowedDirection:
-    """Follow one direction of a branch from its start; what it records and how it ends are those of the whole step."""
-    context = Context(task.plan, task.file.path, Silent(), Workers(), file=task.file)
-    writer = RowsInMemory(task.meta)
-    try:
-        settings, start, _ = _begin(context, task.step)
-        first = BranchState(start.point, 0.0, task.step.settings.step_initial, 1)
-        ending = _Branch(context, task.step, settings, writer, first).follow(_turn(first, task.way), task.way, 0)
-    except PddecontError as exc:
-        return FollowedDirection(writer.rows, None, exc)
-    return FollowedDirection(writer.rows, ending)
+def _find_ending(way: int, endings: Collection[Reason]) -> Reason | None:
+    """Return how a direction ends that need not be followed: a closed branch is all there, whichever way it goes."""
+    return make_branch_ending(ALL_ROUND, way) if any(ending.code == End.CLOSED for ending in endings) else None
 
 
 def _make_home(start: BranchState[Any], widths: tuple[float, ...]) -> Home[Any]:

@@ -28,10 +28,11 @@ from pddecont.equilibrium import (
 )
 from pddecont.orbit import DelayBoundary, RangeBoundary
 from pddecont.reasons import Reason
-from pddecont.results import EQUILIBRIA, Step, StepWriter
+from pddecont.results import EQUILIBRIA, RowWriter, Step
 from pddecont.runfile import PlannedStep
 from pddecont.steps.context import Context
 from pddecont.steps.continuation import ContinueSettings
+from pddecont.steps.execution.apart import follow_directions
 from pddecont.steps.execution.directions import find_unfinished, make_branch_ending
 from pddecont.steps.execution.ending import report_done
 from pddecont.steps.execution.equilibrium_branch_start import find_curve_reason, find_start
@@ -49,7 +50,7 @@ class _Branch:
 
     context: Context
     step: PlannedStep[ContinueSettings]
-    writer: StepWriter
+    writer: RowWriter
     first: BranchState[Any]
     last: BranchPoint[Any] | None = None
     way_on: WayOn | None = None
@@ -144,13 +145,21 @@ def run_equilibrium_branch(context: Context, step: PlannedStep[ContinueSettings]
     }
     with context.open_step(step, EQUILIBRIA, meta, recorded=recorded, kept=kept) as writer:
         branch = _Branch(context, step, writer, first)
+
+        def follow_here(way: int) -> Reason:
+            return branch.follow(states[way], way, has_passed=way in passed)
+
         if writer.n == 0:
             branch.record(BranchPoint(first, begun.kind, 0, reason=begun.reason))
-        for place, way in enumerate(settings.ways):
-            if way not in endings:
-                endings[way] = branch.follow(states[way], way, has_passed=way in passed)
-                writer.terminate(endings[way], place)
+        follow_directions(context, step, writer, settings.ways, endings, follow_here, follow_direction)
     report_done(context, step)
+
+
+def follow_direction(context: Context, step: PlannedStep[ContinueSettings], writer: RowWriter, way: int) -> Reason:
+    """Follow one direction of a branch of equilibria from its start; return how it ended."""
+    start = find_start(context, step).point
+    first = BranchState(start, 0.0, step.settings.step_initial, 1)
+    return _Branch(context, step, writer, first).follow(replace(first, point=_turn(start, way)), way)
 
 
 def _find_surface(point: BranchPoint[Any]) -> str:

@@ -12,13 +12,12 @@ from typing import Any
 from pddecont.errors import PddecontError, ResultsError, RunError, suggest
 from pddecont.model import parse_document
 from pddecont.output import refuse_link
-from pddecont.results import Results, Step, compact_step, create_results, hold_lock, read_results, upgrade_results
+from pddecont.results import Results, create_results, hold_lock, read_results, upgrade_results
 from pddecont.runfile import Plan, PlannedStep
 from pddecont.simulate import Workers
 from pddecont.steps.context import Context
-from pddecont.steps.execution.accuracy import choose_settings
+from pddecont.steps.execution.all_steps import do_steps
 from pddecont.steps.execution.sources import check_sources
-from pddecont.steps.registry import list_step_kinds
 from pddecont.steps.reporter import Reporter, Silent
 from pddecont.version import __version__
 
@@ -62,8 +61,7 @@ def execute(
             create_results(path, plan.model_text, plan.run_text, source, versions, overwrite=overwrite)
         file = kept or read_results(path)
         context = Context(plan, path, reporter or Silent(), Workers(workers, scheduler), file=file)
-        for step in steps:
-            do_step(context, step)
+        do_steps(context, steps)
 
 
 def check_output(plan: Plan, path: Path) -> None:
@@ -72,40 +70,6 @@ def check_output(plan: Plan, path: Path) -> None:
     for what, source in plan.inputs.items():
         if path.is_file() and Path(source).is_file() and path.samefile(source):
             raise ResultsError(f"{path} is the {what} of this run and is left as it is; give another -o")
-
-
-def do_step(context: Context, step: PlannedStep[Any]) -> None:
-    """Do a step, or what is left of it to do."""
-    kind = list_step_kinds()[step.kind]
-    context.reporter.step(step.name, step.kind)
-    recorded = None if context.file is None else context.file.steps.get(step.name)
-    step = choose_settings(context, step, None if recorded is None else recorded.meta.get("choice"))
-    if recorded is not None:
-        _check_same_settings(context, step, recorded)
-        if recorded.done:
-            if not recorded.compact:
-                context.keep_step(compact_step(context.path, step.name))
-            context.reporter.done("done already")
-            return
-        if not kind.resumes:
-            context.drop_step(step.name)
-            recorded = None
-    kind.load()(context, step, recorded)
-
-
-def _check_same_settings(context: Context, step: PlannedStep[Any], recorded: Step) -> None:
-    now, then = context.plan.describe_settings(step), recorded.meta.get("settings")
-    if then is None or _drop_nulls(json.loads(then)) != _drop_nulls(json.loads(now)):
-        raise ResultsError(
-            f"step '{step.name}' of {context.path} was computed with other settings; give --overwrite or another -o"
-        )
-
-
-def _drop_nulls(data: Any) -> Any:
-    """Return settings without what is not given: which keys a step may have is no part of them."""
-    if isinstance(data, dict):
-        return {key: _drop_nulls(value) for key, value in data.items() if value is not None}
-    return [_drop_nulls(value) for value in data] if isinstance(data, list) else data
 
 
 def select_steps(plan: Plan, only: str | None, until: str | None) -> Sequence[PlannedStep[Any]]:
