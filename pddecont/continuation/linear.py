@@ -5,7 +5,6 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -18,7 +17,6 @@ from pddecont.errors import ConvergenceError
 from pddecont.native import compiled_assembly
 
 Array = NDArray[np.float64]
-Ints = NDArray[np.intp]
 # An Array or a scipy.sparse matrix in CSC form; scipy has no types.
 Matrix: TypeAlias = Any
 
@@ -108,9 +106,10 @@ def factor(matrix: Matrix) -> Callable[[Array], Array]:
         if not np.all(np.isfinite(matrix.data)):
             raise ConvergenceError("the Jacobian holds values that are not finite")
         try:
-            return _factor_sparse(matrix)
+            solve: Callable[[Array], Array] = scipy.sparse.linalg.splu(matrix).solve
         except RuntimeError as exc:
             raise ConvergenceError("the Jacobian is singular") from exc
+        return solve
     if not np.all(np.isfinite(matrix)):
         raise ConvergenceError("the Jacobian holds values that are not finite")
     with warnings.catch_warnings():
@@ -120,48 +119,6 @@ def factor(matrix: Matrix) -> Callable[[Array], Array]:
         except (scipy.linalg.LinAlgWarning, scipy.linalg.LinAlgError) as exc:
             raise ConvergenceError("the Jacobian is singular") from exc
     return lambda b: np.asarray(scipy.linalg.lu_solve(dense, b, check_finite=False))
-
-
-@dataclass(frozen=True, eq=False)
-class _OrderedColumns:
-    """A matrix's columns in the ``order`` in which they fill in least: structure, and which entries stand there."""
-
-    order: Ints
-    starts: NDArray[np.intc]
-    indices: NDArray[np.intc]
-    entries: Ints
-
-
-def _factor_sparse(matrix: Matrix) -> Callable[[Array], Array]:
-    """Return what solves with a sparse square matrix; the order of columns is found once for each structure.
-
-    The factors are the same to the last bit whether it was found before or not.
-    """
-    starts, indices = _find_structure(matrix)
-    known = _recall_order(len(starts), starts.tobytes(), indices.tobytes())
-    if not known:
-        factors = scipy.sparse.linalg.splu(matrix)
-        order = np.argsort(factors.perm_c)
-        ordered = _csc(np.arange(len(indices)), indices, starts, matrix.shape)[:, order]
-        known.append(_OrderedColumns(order, ordered.indptr, ordered.indices, ordered.data))
-        solve: Callable[[Array], Array] = factors.solve
-        return solve
-    columns = known[0]
-    permuted = _csc(matrix.data[columns.entries], columns.indices, columns.starts, matrix.shape)
-    solve_permuted = scipy.sparse.linalg.splu(permuted, permc_spec="NATURAL").solve
-
-    def solve_in_order(b: Array) -> Array:
-        x = np.empty_like(b)
-        x[columns.order] = solve_permuted(b)
-        return x
-
-    return solve_in_order
-
-
-@lru_cache(maxsize=8)
-def _recall_order(_size: int, _starts: bytes, _indices: bytes) -> list[_OrderedColumns]:
-    """Return the list that holds the order of the columns of a matrix of this structure once it is known."""
-    return []
 
 
 def scale_matrix(matrix: Matrix, rows: Array, columns: Array) -> Matrix:

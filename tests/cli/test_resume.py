@@ -82,10 +82,11 @@ def test_resume(whole, tmp_path, monkeypatch, name, share):
     record, count = continuation._Branch.record, []
 
     def stop(self, point):
-        record(self, point)
+        error = record(self, point)
         count.extend([1] * (self.step.name == "branch"))
         if len(count) == keep:
             raise KeyboardInterrupt
+        return error
 
     (tmp_path / "m.yaml").write_text(to_yaml(RUNS[name]))
     with monkeypatch.context() as patch:
