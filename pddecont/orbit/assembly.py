@@ -102,10 +102,6 @@ class Assembly:
         same = own.mesh.has_base_points_of(problem.mesh) and own.signature is problem.signature
         return same and (own.free, own.links) == (problem.free, problem.links)
 
-    def serves(self, problem: OrbitProblem, reads: Reads) -> bool:
-        """Return whether another problem's entries stand in the same places."""
-        return self.has_equations_of(problem) and self.reads_as(reads)
-
     def move_reads(self, reads: Reads) -> Assembly | None:
         """Return the places of the same equations' entries where the past is read from elsewhere.
 

@@ -12,6 +12,7 @@ from pddecont.collocation import (
     MeshRule,
     cut_pieces,
     equal_cuts,
+    has_wanted_intervals,
     interval_density,
     refine_evenly,
 )
@@ -123,3 +124,13 @@ def test_a_mesh_with_one_interval_more_in_each_piece(found):
         # Each old interval's share of the cuts is spread as it was.
         assert np.all(np.interp(new.cuts, old.cuts, np.arange(len(old.cuts))) <= np.arange(len(new.cuts)) + 1e-12)
         assert np.max(np.diff(new.cuts)) <= np.max(np.diff(old.cuts)) + 1e-12
+
+
+def test_a_mesh_has_the_intervals_that_its_errors_ask_for_or_not():
+    pieces = make_pieces([[np.linspace(0, 1, 4)], [np.linspace(0, 1, 3)]])
+    mesh, theta, tol = Mesh(4, 2, pieces), np.array([2.0, 3.0]), 1e-6
+    just = np.full(5, 0.99 * SAFETY * tol)
+    assert has_wanted_intervals(mesh, theta, interval_density(mesh, theta, just, tol))
+    for factor in (1.5, 0.05):
+        other = interval_density(mesh, theta, factor * just, tol)
+        assert not has_wanted_intervals(mesh, theta, other)

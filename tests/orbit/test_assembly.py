@@ -32,15 +32,32 @@ def test_whom_it_serves():
     orbit = adapt_mesh(impact_oscillator(), RULE)
     problem, reads = orbit.problem, orbit.equation_reads
     assembly = assemble_periodic(problem, reads)
-    assert assembly.serves(problem, reads)
-    assert assembly.serves(replace(problem, parameters=problem.parameters * 1.1), reads)
-    assert not assembly.serves(replace(problem, free=("K",)), reads)
+    assert assembly.has_equations_of(problem)
+    assert assembly.reads_as(reads)
+    assert assembly.has_equations_of(replace(problem, parameters=problem.parameters * 1.1))
+    assert not assembly.has_equations_of(replace(problem, free=("K",)))
     other = adapt_mesh(orbit, RULE)
-    assert not assembly.serves(other.problem, other.equation_reads)
+    assert not assembly.has_equations_of(other.problem)
     # A delay so long that other intervals are read stands in other places.
     far = circle(tau=4.0).equation_reads
     near = assemble_periodic(circle().problem, circle().equation_reads)
     assert not near.reads_as(far)
+
+
+def test_reads_move_to_other_places():
+    """A mesh made for another delay: entries where an assembly of its own has them, for it and for one moved there."""
+    orbit = circle(tau=1.1)
+    first = assemble_periodic(orbit.problem, orbit.equation_reads)
+    far = circle(tau=1.4)
+    mesh = orbit.mesh.anchor(far.theta)
+    there = Orbit(replace(far.problem, mesh=mesh), orbit.x)
+    own, moved = assemble_periodic(there.problem, there.equation_reads), first.move_reads(there.equation_reads)
+    assert not first.reads_as(there.equation_reads)
+    assert moved.reads_as(there.equation_reads)
+    assert np.array_equal(moved.entry_rows, own.entry_rows)
+    assert np.array_equal(moved.entry_columns, own.entry_columns)
+    exact = own.make_matrix(there, there.equation_reads).toarray()
+    assert np.array_equal(moved.make_matrix(there, there.equation_reads).toarray(), exact)
 
 
 def test_a_full_delay_operator_makes_a_full_matrix():

@@ -5,7 +5,7 @@ import pytest
 import scipy.sparse as sp
 
 from pddecont.collocation import MeshRule
-from pddecont.orbit import Orbit, PeriodicOrbitSystem, measure_orbit
+from pddecont.orbit import Orbit, PeriodicOrbitSystem, adapt_mesh, measure_orbit, solve_orbit
 from tests.known_orbits import impact_oscillator, mackey_glass
 from tests.orbit.exact import TURN, circle
 
@@ -100,3 +100,35 @@ def test_an_orbit_becomes_the_reference():
     forced = system_of(impact_oscillator())
     assert forced.update_reference(forced.at(impact_oscillator().x)).problem is forced.problem
     assert "read across a jump" in system.explain_unsettled_mesh()
+
+
+def test_a_mesh_is_kept_while_its_breaking_points_keep_their_order():
+    """A delay a little longer moves what is read, not the mesh: unknowns mean the same, and residuals are exact."""
+    orbit = adapt_mesh(circle("s", "s", tau=1.1, free=("tau",)), MeshRule(8, intervals=12))
+    system = system_of(orbit, MeshRule(8, intervals=12), ranges=(1.0,))
+    moved = orbit.x.copy()
+    moved[-1] = 1.16
+    at = system.at(moved)
+    assert not system.mesh_is_valid(at)
+    new, x, (other,) = system.remesh(at, [orbit.x], solved=False)
+    assert new.problem.mesh.pieces is orbit.mesh.pieces
+    assert new.problem.mesh is not orbit.mesh
+    assert x is moved
+    assert other is orbit.x
+    assert new.mesh_is_valid(new.at(x))
+    assert new.interpolate_from(system, orbit.x) is orbit.x
+
+
+def test_a_mesh_that_a_solution_outlives_is_made_anew():
+    """By its estimated error, or as many intervals as it asks for."""
+    rule = MeshRule(6, tol=1e-7)
+    orbit = impact_oscillator()
+    for _ in range(3):
+        orbit = solve_orbit(adapt_mesh(orbit, rule), rule).at.orbit
+    system = system_of(orbit, rule)
+    at = system.at(orbit.x)
+    kept, outlived = system.update_reference(at, 0.4e-7), system.update_reference(at, 0.6e-7)
+    assert not kept.outlived
+    assert outlived.outlived
+    assert outlived.remesh(at, [], solved=False)[0].problem.mesh.pieces is not orbit.mesh.pieces
+    assert system_of(orbit, MeshRule(6, tol=1e-9)).update_reference(at).outlived
