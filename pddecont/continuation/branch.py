@@ -120,14 +120,14 @@ def follow_branch(
     home: Home[E] | None = None,
     horizon: Horizon[E] | None = None,
 ) -> Termination:
-    """Follow a branch from ``state`` along its tangent, handing each point to ``emit``; return how it ended.
-
-    ``emit`` returns the point's estimated error, or None where it estimates none.
+    """Follow a branch from ``state`` along its tangent; return how it ended.
 
     Parameters
     ----------
     state
         A point on the branch and the direction to go.
+    emit
+        Takes each point; returns its estimated error, or None where it estimates none.
     boundaries
         What the branch cannot pass.
     functions
@@ -165,12 +165,9 @@ def follow_branch(
         specials, more = find_special_points(segment, functions, before, after, AT_START if state.is_start else 0.0)
         closing = find_return(segment, home) if home is not None and state.arclength != 0.0 else None
         n_unexplained += more
-        end = _emit_special_points(specials, closing, more, state, sign * length, emit)
+        end = _emit_on_step(segment, specials, closing, more, state, sign * length, emit)
         if end is not None:
             return replace(end, n_unexplained=n_unexplained)
-        if closing is not None:
-            emit(replace(_make_last(segment, closing, state, sign * length), n_unexplained=more))
-            return Termination(End.CLOSED, NO_REASON, n_unexplained)
         next_step = _next_step(step, reached.n_iterations, cosine, settings)
         state = BranchState(reached, state.arclength + sign * length, next_step, state.n_points + 1, False)
         limit = _find_limit(boundaries, reached, passed)
@@ -218,7 +215,8 @@ def _turn_forward(start: CurvePoint[E], reached: CurvePoint[E]) -> tuple[CurvePo
     return replace(reached, direction=direction), scaling.length(chord), cosine
 
 
-def _emit_special_points(
+def _emit_on_step(
+    segment: BranchSegment[E],
     specials: Sequence[SpecialPoint[E]],
     closing: float | None,
     n_unexplained: int,
@@ -226,7 +224,7 @@ def _emit_special_points(
     length: float,
     emit: Callable[[BranchPoint[E]], float | None],
 ) -> Termination | None:
-    """Hand out the special points on the step of signed ``length`` after ``before``; return how one ends the branch.
+    """Hand out what is special on the step of signed ``length`` after ``before``; return how that ends the branch.
 
     Those beyond the part of the step at which the branch is ``closing`` it has had already. A point that ends a branch
     does so by its kind, or by what is wrong beyond it; it takes the step's ``n_unexplained`` with it.
@@ -239,7 +237,10 @@ def _emit_special_points(
         if test.end:
             reason = special.reason if test.end == End.INVALID else make_reason("kind", kind=test.kind)
             return Termination(test.end, reason)
-    return None
+    if closing is None:
+        return None
+    emit(replace(_make_last(segment, closing, before, length), n_unexplained=n_unexplained))
+    return Termination(End.CLOSED)
 
 
 def _find_next(

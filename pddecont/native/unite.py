@@ -78,7 +78,7 @@ def unite(folder: Path, package: str) -> str:
     }
     parts = [HEADER, f'DIGEST = "{find_digest(folder)}"', _write_constants(sources)]
     parts += [_write_struct(node) for node in structs.values()]
-    parts += [(folder / "calls.pxi").read_text()]
+    parts += [path.read_text() for path in folder.glob("calls.pxi")]
     parts += [_write_filling(node) for node in structs.values()]
     for source in sources:
         names = _find_names(source, package)

@@ -5,6 +5,16 @@ from __future__ import annotations
 from pddecont.native.arrays import Floats, Indices, Integers, entry
 
 
+def count_before(numbers: Integers, n: int, n_numbers: int, counts: Integers) -> None:
+    """Write how many of ``n`` numbers are smaller than each up to ``n_numbers``, ``counts`` (n_numbers + 1,)."""
+    for i in range(n_numbers + 1):
+        counts[i] = 0
+    for e in range(n):
+        counts[numbers[e] + 1] += 1
+    for i in range(n_numbers):
+        counts[i + 1] += counts[i]
+
+
 @entry
 def sort_entries(
     rows: Integers,
@@ -24,22 +34,12 @@ def sort_entries(
     among them each entry stands. ``counts`` (n_rows + n_columns + 1,) and ``by_row`` (n,) are worked in.
     """
     # Entries in the order of their rows, and those of a row as they come.
-    for i in range(n_rows + n_columns + 1):
-        counts[i] = 0
-    for e in range(n):
-        counts[rows[e] + 1] += 1
-    for i in range(n_rows):
-        counts[i + 1] += counts[i]
+    count_before(rows, n, n_rows, counts)
     for e in range(n):
         by_row[counts[rows[e]]] = e
         counts[rows[e]] += 1
     # So they come to their columns; entries at one place follow each other.
-    for i in range(n_columns + 1):
-        counts[i] = 0
-    for e in range(n):
-        counts[columns[e] + 1] += 1
-    for i in range(n_columns):
-        counts[i + 1] += counts[i]
+    count_before(columns, n, n_columns, counts)
     for k in range(n):
         e = by_row[k]
         places[counts[columns[e]]] = e

@@ -1,1 +1,0 @@
-# Nothing is called that is not in the modules of this folder.
