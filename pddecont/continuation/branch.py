@@ -142,9 +142,8 @@ def follow_branch(
     """
     before: TestValues | None = None
     n_unexplained = 0
-    reached_at_start = find_reached(boundaries, state.point, state.tangent)
-    if reached_at_start:
-        return Termination(*reached_at_start)
+    if at_start := find_reached(boundaries, state.point, state.tangent):
+        return Termination(*at_start)
     while state.n_points < settings.max_points:
         start = _begin_step(state)
         before = find_values_at_start(start, functions, before)
@@ -165,8 +164,7 @@ def follow_branch(
         specials, more = find_special_points(segment, functions, before, after, AT_START if state.is_start else 0.0)
         closing = find_return(segment, home) if home is not None and state.arclength != 0.0 else None
         n_unexplained += more
-        end = _emit_on_step(segment, specials, closing, more, state, sign * length, emit)
-        if end is not None:
+        if end := _emit_on_step(segment, specials, closing, more, state, sign * length, emit):
             return replace(end, n_unexplained=n_unexplained)
         next_step = _next_step(step, reached.n_iterations, cosine, settings)
         state = BranchState(reached, state.arclength + sign * length, next_step, state.n_points + 1, False)
