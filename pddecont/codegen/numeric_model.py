@@ -51,6 +51,7 @@ class NumericModel:
     model: Model
     _functions: dict[Hashable, ArrayFunction] = field(default_factory=dict, repr=False)
     _machine_code: dict[Hashable, ModelFunctions] = field(default_factory=dict, repr=False)
+    _addresses: dict[tuple[str, tuple[str, ...]], list[tuple[int, int]]] = field(default_factory=dict, repr=False)
 
     def __reduce__(self) -> tuple[type[NumericModel], tuple[Model]]:
         # Functions are generated anew where a model arrives: they cannot be sent.
@@ -150,13 +151,18 @@ class NumericModel:
 
         return self._machine_code.setdefault(history, ModelFunctions(self.model, history))
 
-    def locate_code(self, kind: str, functions: Sequence[tuple[sympy.Expr, ...]]) -> list[tuple[int, int]]:
+    def locate_code(self, kind: str, names: tuple[str, ...]) -> list[tuple[int, int]]:
         """Return where the machine code of some functions begins, and what each is known by there.
 
-        ``kind`` is that of :class:`ModelFunctions`: "fields", "resets", "events". Addresses last as long as this
-        object.
+        ``kind`` is "fields", and they are modes, "resets" or "events". Addresses last as long as this object.
         """
-        code = self.compile()
+        if (kind, names) not in self._addresses:
+            self._addresses[kind, names] = self._locate_code(kind, names)
+        return self._addresses[kind, names]
+
+    def _locate_code(self, kind: str, names: tuple[str, ...]) -> list[tuple[int, int]]:
+        find = {"fields": self.mode, "resets": self.reset, "events": self.event}[kind]
+        functions, code = [find(name).exprs for name in names], self.compile()
         with code.lock:
             pages = getattr(code, kind)
             pages.add(functions)

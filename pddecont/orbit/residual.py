@@ -108,14 +108,17 @@ def _list_functions(problem: OrbitProblem) -> Equations:
 
     def find() -> Equations:
         model, segments = numeric.model, problem.segments
-        fields = [tuple(model.modes[segment.mode]) for segment in segments]
-        resets = [tuple(model.resets[segment.reset]) for segment in segments]
-        functions = [model.events[segment.event].function if segment.event else None for segment in segments]
-        events = iter(numeric.locate_code("events", [(f,) for f in functions if f is not None]))
+        has_function = [bool(s.event) and model.events[s.event].function is not None for s in segments]
+        fields = numeric.locate_code("fields", tuple(s.mode for s in segments))
+        resets = numeric.locate_code("resets", tuple(s.reset for s in segments))
+        events = numeric.locate_code(
+            "events", tuple(s.event for s, has in zip(segments, has_function, strict=True) if has)
+        )
+        found = iter(events)
         codes = [
-            *np.repeat(numeric.locate_code("fields", fields), mesh.degree * np.bincount(mesh.segment), axis=0).tolist(),
-            *numeric.locate_code("resets", resets),
-            *((0, 0) if f is None else next(events) for f in functions),
+            *(fields[s] for s in mesh.segment for _ in range(mesh.degree)),
+            *resets,
+            *(next(found) if has else (0, 0) for has in has_function),
         ]
         address, which = np.array(codes, dtype=np.int64).T.copy()
         return Equations(
