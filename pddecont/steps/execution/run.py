@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
+import gc
 import importlib.metadata
 import json
 import platform
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -61,7 +63,24 @@ def execute(
             create_results(path, plan.model_text, plan.run_text, source, versions, overwrite=overwrite)
         file = kept or read_results(path)
         context = Context(plan, path, reporter or Silent(), Workers(workers, scheduler), file=file)
-        do_steps(context, steps)
+        with _sparing_collections():
+            do_steps(context, steps)
+
+
+@contextlib.contextmanager
+def _sparing_collections() -> Iterator[None]:
+    """Keep the garbage collector from looking through all that is there already, again and again: it stays.
+
+    That is a hundred thousand objects of libraries and of the model, a tenth of the time of a branch.
+    """
+    if gc.get_freeze_count():
+        yield
+        return
+    gc.freeze()
+    try:
+        yield
+    finally:
+        gc.unfreeze()
 
 
 def check_output(plan: Plan, path: Path) -> None:
