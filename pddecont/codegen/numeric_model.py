@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from pddecont.codegen.machine_code import ModelFunctions
 
 Array = NDArray[np.float64]
+# No states, at one point.
+_NONE = np.zeros((0, 1))
 
 
 @dataclass(frozen=True)
@@ -27,17 +29,26 @@ class ParameterFunction:
     function: ArrayFunction
 
     def value(self, p: Array) -> Array:
-        """Return the values, shape (n_out,)."""
-        empty = np.zeros((0, 1))
-        return self.function.value(np.zeros(1), empty, empty, p)[:, 0]
+        """Return the values, shape (n_out,); not finite where there is none."""
+        values = [0.0] * self.function.n_out
+        try:
+            self.function.scalar(0.0, (), (), p.tolist(), values)
+        except (ArithmeticError, ValueError):
+            # Arrays know what floats refuse: infinity, and what is no number.
+            return self.function.value(np.zeros(1), _NONE, _NONE, p)[:, 0]
+        return np.array(values, dtype=np.float64)
 
     def derivatives(self, p: Array, free: tuple[int, ...]) -> Array:
         """Return the derivatives in the free parameters, shape (n_out, n_free)."""
-        empty = np.zeros((0, 1))
-        result = np.zeros((self.function.n_out, len(free)))
-        result[self.function.structure(free).dp] = self.function.derivatives(np.zeros(1), empty, empty, p, free).dp[
-            :, 0
-        ]
+        result, (outputs, variables) = np.zeros((self.function.n_out, len(free))), self.function.structure(free).dp
+        if len(outputs):
+            slopes = [0.0] * len(outputs)
+            try:
+                write = self.function.find_scalar_derivatives(free)
+                write(0.0, (), (), p.tolist(), [0.0] * self.function.n_out, [], [], slopes, [])
+            except (ArithmeticError, ValueError):
+                slopes = self.function.derivatives(np.zeros(1), _NONE, _NONE, p, free).dp[:, 0].tolist()
+            result[outputs, variables] = slopes
         return result
 
 

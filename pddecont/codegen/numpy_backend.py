@@ -98,6 +98,7 @@ class ArrayFunction:
     chain: ChainRule = field(default_factory=dict, repr=False)
     _compiled: dict[tuple[int, ...] | None, Callable[..., None]] = field(default_factory=dict, repr=False)
     _structures: dict[tuple[int, ...], Structure] = field(default_factory=dict, repr=False)
+    _scalar: dict[tuple[int, ...], Callable[..., None]] = field(default_factory=dict, repr=False)
 
     def __reduce__(self) -> tuple[type[ArrayFunction], tuple[Any, ...]]:
         """Return what makes the function anew in another process, where it is compiled again."""
@@ -157,6 +158,12 @@ class ArrayFunction:
     def scalar(self) -> Callable[..., None]:
         """The function ``f(t, x, xd, p, out)`` of floats and lists, for one point."""
         return compile_source(self._source(None), _MATH)
+
+    def find_scalar_derivatives(self, free: tuple[int, ...]) -> Callable[..., None]:
+        """Return the function of floats and lists that writes what :meth:`derivatives` returns, for one point."""
+        if free not in self._scalar:
+            self._scalar[free] = compile_source(self._source(free), _MATH)
+        return self._scalar[free]
 
     @cached_property
     def uses_delayed(self) -> bool:

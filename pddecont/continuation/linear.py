@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
+from copy import copy
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
@@ -88,7 +89,7 @@ def equilibrate(matrix: Matrix, columns: Array | None = None) -> EquilibratedMat
         data, rows, wide = np.empty(len(matrix.data)), np.empty(n_rows), np.ascontiguousarray(sizes, dtype=np.float64)
         starts, indices = _find_structure(matrix)
         compiled_assembly.scale_to_one(starts, indices, matrix.data, n_rows, n_columns, wide, rows, data)
-        return EquilibratedMatrix(_csc(data, indices, starts, matrix.shape), rows, sizes)
+        return EquilibratedMatrix(with_values(matrix, data), rows, sizes)
     scaled = matrix if columns is None else scale_matrix(matrix, np.ones(n_rows), sizes)
     rows = 1.0 / row_maxima(scaled)
     return EquilibratedMatrix(scale_matrix(scaled, rows, np.ones(n_columns)), rows, sizes)
@@ -103,7 +104,7 @@ def factor(matrix: Matrix) -> Callable[[Array], Array]:
         If the matrix is singular or not finite.
     """
     if sp.issparse(matrix):
-        if not np.all(np.isfinite(matrix.data)):
+        if not np.isfinite(matrix.data).all():
             raise ConvergenceError("the Jacobian holds values that are not finite")
         try:
             solve: Callable[[Array], Array] = scipy.sparse.linalg.splu(matrix).solve
@@ -126,7 +127,7 @@ def scale_matrix(matrix: Matrix, rows: Array, columns: Array) -> Matrix:
     if sp.issparse(matrix):
         with np.errstate(all="ignore"):
             data = matrix.data * rows[matrix.indices] * np.repeat(columns, np.diff(matrix.indptr))
-        return _csc(data, matrix.indices, matrix.indptr, matrix.shape)
+        return with_values(matrix, data)
     with np.errstate(all="ignore"):
         return rows[:, None] * matrix * columns
 
@@ -151,7 +152,7 @@ def add_row(matrix: Matrix, row: Array) -> Matrix:
         compiled_assembly.append_row(
             starts, indices, matrix.data, n_rows, n_columns, below, new_starts, new_indices, data
         )
-        return _csc(data, new_indices, new_starts, (n_rows + 1, n_columns))
+        return sp.csc_matrix((data, new_indices, new_starts), shape=(n_rows + 1, n_columns))
     return np.vstack([matrix, row])
 
 
@@ -160,8 +161,12 @@ def _find_structure(matrix: Matrix) -> tuple[NDArray[np.intc], NDArray[np.intc]]
     return np.ascontiguousarray(matrix.indptr, dtype=np.intc), np.ascontiguousarray(matrix.indices, dtype=np.intc)
 
 
-def _csc(data: NDArray[Any], indices: Any, indptr: Any, shape: tuple[int, int]) -> Matrix:
-    return sp.csc_matrix((data, indices, indptr), shape=shape)
+def with_values(matrix: Matrix, values: NDArray[Any]) -> Matrix:
+    """Return a sparse matrix of the same structure, which is not looked through again, with other values."""
+    # scipy has no way to say so: its constructors check what is checked already, for longer than it is used.
+    other = copy(matrix)
+    other.data = values
+    return other
 
 
 def is_odd(permutation: NDArray[np.intp]) -> bool:

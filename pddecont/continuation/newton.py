@@ -217,5 +217,5 @@ def format_history(history: Sequence[float]) -> str:
 
 
 def _norm(v: Array) -> float:
-    largest = float(np.max(np.abs(v), initial=0.0))
+    largest = max(float(v.max(initial=0.0)), -float(v.min(initial=0.0)))
     return largest if np.isfinite(largest) else np.inf

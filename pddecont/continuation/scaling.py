@@ -28,7 +28,7 @@ class Scaling:
 
     def dot(self, a: Array, b: Array) -> float:
         """Return the inner product of two directions."""
-        return float(np.sum(self.weight * (a / self.scale) * (b / self.scale)))
+        return float((self.weight * (a / self.scale) * (b / self.scale)).sum())
 
     def length(self, a: Array) -> float:
         """Return the length of a direction."""

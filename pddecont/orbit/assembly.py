@@ -176,12 +176,14 @@ class Assembly:
 
     def _add_places(self, rows: Ints | int, columns: Ints | int) -> tuple[slice, tuple[int, ...]]:
         """Add entries that are zero; return where they stand among all, and the shape of ``rows`` and ``columns``."""
-        r, c = np.broadcast_arrays(np.asarray(rows), np.asarray(columns))
+        shape = np.broadcast(rows, columns).shape
+        r, c = np.empty(shape, dtype=np.intp), np.empty(shape, dtype=np.intp)
+        r[...], c[...] = rows, columns
         place, self._size = slice(self._size, self._size + r.size), self._size + r.size
         self._rows.append(r.ravel())
         self._columns.append(c.ravel())
         self._constant.append(np.zeros(r.size))
-        return place, r.shape
+        return place, shape
 
     def _add_equation(self, equation: Equation) -> None:
         unknowns, mesh = self.problem.unknowns, self.problem.mesh

@@ -9,7 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from pddecont.continuation import Matrix
+from pddecont.continuation import Matrix, with_values
 from pddecont.native import compiled_assembly
 
 Array = NDArray[np.float64]
@@ -34,12 +34,17 @@ class SparsityPattern:
         )
         return indices[:found].copy(), starts, places
 
+    @cached_property
+    def _empty(self) -> Matrix:
+        indices, indptr, _ = self._order
+        return sp.csc_matrix((np.zeros(len(indices)), indices, indptr), shape=self.shape)
+
     def fill(self, values: Array) -> Matrix:
         """Return the sparse matrix (CSC) with these values (n_entries,)."""
-        indices, indptr, places = self._order
-        data = np.zeros(len(indices))
+        empty, places = self._empty, self._order[2]
+        data = np.zeros(len(empty.indices))
         compiled_assembly.add_up(values, places, len(values), data)
-        return sp.csc_matrix((data, indices, indptr), shape=self.shape)
+        return with_values(empty, data)
 
     def fill_dense(self, values: Array) -> Array:
         """Return the full matrix with these values (n_entries,)."""

@@ -73,7 +73,7 @@ class OrbitEvaluation:
             Where they are not finite, with the expression that is not.
         """
         r = compute_residual(self.orbit)
-        if not np.all(np.isfinite(r)):
+        if not np.isfinite(r).all():
             raise ConvergenceError(explain_not_finite(self.orbit))
         return r
 
@@ -86,7 +86,7 @@ class OrbitEvaluation:
             Where they are not finite, with the expression that is not.
         """
         matrix = self.system.assembler.make_jacobian(self.orbit)
-        if not np.all(np.isfinite(matrix.data if sp.issparse(matrix) else matrix)):
+        if not np.isfinite(matrix.data if sp.issparse(matrix) else matrix).all():
             raise ConvergenceError(explain_not_finite(self.orbit, derivatives=True))
         return matrix
 
