@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pddecont.errors import ResultsError
 from pddecont.reasons import Reason, reason_from_json
@@ -107,7 +108,7 @@ def check_columns(meta: Mapping[str, Any], arrays: Arrays, columns: Mapping[str,
 def check_contents(step_format: StepFormat, meta: Mapping[str, Any], points: Arrays, orbits: Arrays) -> None:
     """Check what arrays hold where other arrays or lists are counted by it."""
     for name, ends in orbits.items():
-        if name.endswith("_end") and (ends.dtype.kind != "i" or ends.ndim != 1 or np.any(np.diff(ends, prepend=0) < 0)):
+        if name.endswith("_end") and not _are_ends(ends):
             raise ResultsError(f"'{name}' does not say where each point's rows end")
     for names in step_format.together:
         if len({orbits[f"{name}_end"].tobytes() for name in names if f"{name}_end" in orbits}) > 1:
@@ -117,6 +118,13 @@ def check_contents(step_format: StepFormat, meta: Mapping[str, Any], points: Arr
     _check_reasons(orbits)
     if step_format.check is not None:
         step_format.check(meta, points, orbits)
+
+
+def _are_ends(values: NDArray[Any]) -> bool:
+    """Return whether whole numbers, from 0 on, never fall."""
+    if values.dtype.kind != "i" or values.ndim != 1:
+        return False
+    return not len(values) or bool(values[0] >= 0 and np.all(values[1:] >= values[:-1]))
 
 
 def _check_reasons(orbits: Arrays) -> None:

@@ -71,28 +71,32 @@ def write_text(target: h5py.Group, name: str, text: str) -> None:
     """
     data = text.encode() or b" "
     kind = h5t.py_create(h5py.string_dtype("utf-8", len(data)), logical=True)
-    array = h5d.create(target.id, name.encode(), kind, h5s.create(h5s.SCALAR))
+    array = h5d.create(target.id, name.encode(), kind, h5s.create(h5s.SCALAR), dcpl=_make_layout())
     array.write(h5s.ALL, h5s.ALL, np.array(data), kind)
 
 
 def make_arrays(target: h5py.Group, arrays: Iterable[tuple[str, NDArray[Any]]]) -> dict[str, int]:
     """Write arrays, by their paths within a group, each at a fixed place in the file; return those places."""
-    plist = h5p.create(h5p.DATASET_CREATE)
-    plist.set_layout(h5d.CONTIGUOUS)
-    plist.set_alloc_time(h5d.ALLOC_TIME_EARLY)
-    plist.set_obj_track_times(False)
-    groups = {"": target.id}
-    places = {}
+    layout, groups, places = _make_layout(), {"": target.id}, {}
     for name, values in arrays:
         parent, _, leaf = name.rpartition("/")
         if parent not in groups:
             groups[parent] = target.create_group(parent).id
         kind = h5t.py_create(np.dtype(values.dtype.str), logical=True)
-        dataset = h5d.create(groups[parent], leaf.encode(), kind, h5s.create_simple(values.shape), dcpl=plist)
+        dataset = h5d.create(groups[parent], leaf.encode(), kind, h5s.create_simple(values.shape), dcpl=layout)
         if values.size:
             dataset.write(h5s.ALL, h5s.ALL, np.ascontiguousarray(values), kind)
             places[name] = dataset.get_offset()
     return places
+
+
+def _make_layout() -> h5p.PropDCID:
+    """Return how arrays lie in a file: whole, at a place that is fixed at once, and without the time they were made."""
+    layout = h5p.create(h5p.DATASET_CREATE)
+    layout.set_layout(h5d.CONTIGUOUS)
+    layout.set_alloc_time(h5d.ALLOC_TIME_EARLY)
+    layout.set_obj_track_times(False)
+    return layout
 
 
 def copy_steps(old: h5py.File, new: h5py.File, anew: str | None = None) -> h5py.Group:
