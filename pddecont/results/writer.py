@@ -39,6 +39,8 @@ from pddecont.results.whole_file import compact_step
 ROW_NUMBER = Column("i8")
 # Rows that arrays have room for at first; each time that is used up they get twice as much.
 CAPACITY = 64
+# Stands for all arrays with one row a point, which have the same room; no array is named so.
+ONE_A_POINT = "points/"
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +56,6 @@ class Place:
 class StepWriter:
     """Rows of one step; a context manager that leaves the file without spare room when the step is done.
 
-    A step that is begun anew is in the file from its first point on.
     The first ``kept`` rows of ``recorded``, what the file holds of the step, stay; the rest is written anew. ``closed``
     is told what the file holds once it is closed.
     """
@@ -81,12 +82,10 @@ class StepWriter:
                 for name in step_format.orbits
             }
         capacity = max(capacity, kept, *self.used.values())
-        self.capacity = dict.fromkeys(("points", *step_format.orbits), capacity)
+        self.capacity = dict.fromkeys((ONE_A_POINT, *step_format.orbits), capacity)
         self._descriptor = -1
-        # Empty until there is something to write: how much room the first point takes is then known.
         self._places: dict[str, Place] = {}
-        if recorded is not None:
-            self._arrange()
+        self._arrange()
 
     def __enter__(self) -> StepWriter:
         return self
@@ -106,6 +105,7 @@ class StepWriter:
         rows = dict(orbits or {})
         if reason:
             rows["reason"] = np.frombuffer(reason.to_json().encode(), dtype=np.uint8)
+        self._check_place()
         self._make_room(rows)
         for name in self.format.orbits:
             values = rows.get(name, ())
@@ -123,22 +123,17 @@ class StepWriter:
         known: list[str] = list(self.meta[key])
         new = [name for name in names if name not in known]
         if new:
+            self._check_place()
             self.meta[key] = known + new
-            if self._places:
-                self._check_place()
-                self._arrange()
+            self._arrange()
         return known + new
 
     def terminate(self, ending: Reason, place: int = 0) -> None:
         """Record how the step, or one of its directions, ended."""
-        if not self._places:
-            self._arrange()
         self._write("termination", place, (fit_reason(ending, TEXT_BYTES).encode(),))
 
     def close(self) -> None:
         """Take the spare room out of the file."""
-        if not self._places:
-            self._arrange()
         if self._descriptor >= 0:
             os.close(self._descriptor)
             self._descriptor = -1
@@ -157,17 +152,13 @@ class StepWriter:
 
     def _make_room(self, rows: Mapping[str, NDArray[Any]]) -> None:
         """Make room where an array has none for a point with these rows, and in all arrays that will soon have none."""
-        if self._places:
-            self._check_place()
-        wanted = {"points": (self.n, 1), **{name: (self.used[name], len(values)) for name, values in rows.items()}}
+        wanted = {ONE_A_POINT: (self.n, 1)} | {name: (self.used[name], len(values)) for name, values in rows.items()}
         if any(used + n > self.capacity[name] for name, (used, n) in wanted.items()):
             self.capacity |= {
                 name: max(2 * self.capacity[name], used + n * self._capacity)
                 for name, (used, n) in wanted.items()
                 if used + n * self._capacity > self.capacity[name]
             }
-            self._arrange()
-        elif not self._places:
             self._arrange()
 
     def _arrange(self) -> None:
@@ -196,10 +187,10 @@ class StepWriter:
         yield "finished", ROW_NUMBER, 1, 0
         yield "termination", TEXT, N_TERMINATIONS, N_TERMINATIONS
         for name, column in self.format.points.items():
-            yield f"points/{name}", column, self.capacity["points"], self.n
+            yield f"points/{name}", column, self.capacity[ONE_A_POINT], self.n
         for name, column in self.format.orbits.items():
             yield f"orbits/{name}", column, self.capacity[name], self.used[name]
-            yield f"orbits/{name}_end", ROW_NUMBER, self.capacity["points"], self.n
+            yield f"orbits/{name}_end", ROW_NUMBER, self.capacity[ONE_A_POINT], self.n
 
     def _take_over(self, had: h5py.Group | None) -> Iterator[tuple[str, NDArray[Any]]]:
         """Yield the arrays of the step with room for rows to come, and the rows that ``had`` holds in their places."""

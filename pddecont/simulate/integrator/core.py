@@ -21,4 +21,4 @@ def make_core(system: System, values: ParameterValues, state: IntegratorState, l
     fields |= {"n_pairs": len(system.pair_state), "n_delays": len(values.tau), "n_kept": len(system.kept)}
     fields |= {"n_segments": len(system.segment_mode), "n_events": len(system.after)}
     values_of = map(fields.__getitem__, Core._fields)
-    return Core(*[v.reshape(-1) if isinstance(v, np.ndarray) and v.ndim > 1 else v for v in values_of])
+    return Core._make(v.reshape(-1) if isinstance(v, np.ndarray) and v.ndim > 1 else v for v in values_of)
