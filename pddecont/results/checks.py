@@ -1,19 +1,12 @@
-"""What the arrays of a results file must be before anything is done with them; files come from strangers too.
-
-An array is read only if it lies in the file itself, whole and plain, as the program writes it: no links to other files,
-no virtual or external data, no filters, no room that is promised and not there. What is read is then never larger than
-the file.
-"""
+"""What a step of a results file must say and hold before anything is done with it; files come from strangers too."""
 
 from __future__ import annotations
 
 import json
-import math
 import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import h5py
 import numpy as np
 from numpy.typing import NDArray
 
@@ -40,66 +33,6 @@ NAMES = (
     "closed",
 )
 TEXTS = ("model", "settings", "mesh_settings", "curve", "curve_reason", "choice")
-
-
-def child(group: h5py.Group, name: str, kind: type) -> Any:
-    """Return a group or dataset that stands in the file itself."""
-    if not isinstance(group.get(name, getlink=True), h5py.HardLink):
-        raise ResultsError(f"'{name}' is missing or leads elsewhere; only what stands in the file itself is read")
-    item = group[name]
-    if not isinstance(item, kind):
-        raise ResultsError(f"'{name}' is not a {kind.__name__.lower()}")
-    return item
-
-
-def rows(group: h5py.Group, name: str, room: list[int], n: int | None = None) -> NDArray[Any]:
-    """Return the first ``n`` rows of a dataset (or all).
-
-    ``room`` holds the bytes that may still be read and is lessened.
-    """
-    item = _plain(group, name)
-    if item.ndim < 1:
-        raise ResultsError(f"'{name}' is not an array")
-    n = item.shape[0] if n is None else n
-    if not 0 <= n <= item.shape[0]:
-        raise ResultsError(f"'{name}' has {item.shape[0]} rows; {n} are counted")
-    _take(name, room, n * item.dtype.itemsize * math.prod(item.shape[1:]))
-    result: NDArray[Any] = item[:n]
-    return result
-
-
-def _plain(group: h5py.Group, name: str) -> h5py.Dataset:
-    """Return a dataset of numbers or texts of fixed length that is wholly there.
-
-    Its type and place are looked at before its contents.
-    """
-    item = child(group, name, h5py.Dataset)
-    kind, plist = item.id.get_type(), item.id.get_create_plist()
-    if kind.get_class() not in (h5py.h5t.INTEGER, h5py.h5t.FLOAT, h5py.h5t.STRING) or kind.detect_class(h5py.h5t.VLEN):
-        raise ResultsError(f"'{name}' is not an array of numbers or text")
-    if isinstance(kind, h5py.h5t.TypeStringID) and kind.is_variable_str():
-        raise ResultsError(f"'{name}' is a text of variable length; only those of fixed length are read")
-    if plist.get_layout() != h5py.h5d.CONTIGUOUS or plist.get_external_count() or plist.get_nfilters():
-        raise ResultsError(f"'{name}' is not stored as this program stores arrays")
-    if item.dtype.kind not in "fiuS" or item.dtype.itemsize * math.prod(item.shape) != item.id.get_storage_size():
-        raise ResultsError(f"'{name}' is not an array of numbers or text that is wholly there")
-    return item
-
-
-def _take(name: str, room: list[int], size: int) -> None:
-    room[0] -= size
-    if room[0] < 0:
-        raise ResultsError(f"'{name}' claims more than the file holds")
-
-
-def text(group: h5py.Group, name: str, room: list[int]) -> str:
-    """Return a text that is stored as a dataset of its own."""
-    item = _plain(group, name)
-    if item.shape != () or item.dtype.kind != "S":
-        raise ResultsError(f"'{name}' is not a text")
-    _take(name, room, item.dtype.itemsize)
-    result: str = item[()].decode()
-    return result
 
 
 def check_meta(step_format: StepFormat, meta: Any) -> None:
@@ -175,7 +108,7 @@ def check_columns(meta: Mapping[str, Any], arrays: Arrays, columns: Mapping[str,
 def check_contents(step_format: StepFormat, meta: Mapping[str, Any], points: Arrays, orbits: Arrays) -> None:
     """Check what arrays hold where other arrays or lists are counted by it."""
     for name, ends in orbits.items():
-        if name.endswith("_end") and (ends.dtype.kind != "i" or ends.ndim != 1 or np.any(np.diff(ends, prepend=0) < 0)):
+        if name.endswith("_end") and not _are_ends(ends):
             raise ResultsError(f"'{name}' does not say where each point's rows end")
     for names in step_format.together:
         if len({orbits[f"{name}_end"].tobytes() for name in names if f"{name}_end" in orbits}) > 1:
@@ -185,6 +118,13 @@ def check_contents(step_format: StepFormat, meta: Mapping[str, Any], points: Arr
     _check_reasons(orbits)
     if step_format.check is not None:
         step_format.check(meta, points, orbits)
+
+
+def _are_ends(values: NDArray[Any]) -> bool:
+    """Return whether whole numbers, from 0 on, never fall."""
+    if values.dtype.kind != "i" or values.ndim != 1:
+        return False
+    return not len(values) or bool(values[0] >= 0 and np.all(values[1:] >= values[:-1]))
 
 
 def _check_reasons(orbits: Arrays) -> None:

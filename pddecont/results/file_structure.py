@@ -9,12 +9,14 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
 import h5py
 import numpy as np
+from h5py import h5d, h5o, h5p, h5s, h5t
+from numpy.typing import NDArray
 
 from pddecont.errors import ResultsError
 from pddecont.reasons import Reason
@@ -48,10 +50,9 @@ def rewrite(path: Path, change: Callable[[h5py.File | None, h5py.File], None], *
 
 def write_all(descriptor: int, data: bytes, offset: int) -> None:
     """Write all of ``data`` at ``offset``; the system may take it in pieces."""
-    view = memoryview(data)
-    while view:
-        done = os.pwrite(descriptor, view, offset)
-        view, offset = view[done:], offset + done
+    done = os.pwrite(descriptor, data, offset)
+    while done < len(data):
+        done += os.pwrite(descriptor, memoryview(data)[done:], offset + done)
 
 
 def make_write_error(path: Path, exc: OSError) -> ResultsError:
@@ -68,33 +69,34 @@ def write_text(target: h5py.Group, name: str, text: str) -> None:
 
     Its length is fixed, as heaps of texts of any length are where damage ends a reader.
     """
-    data = text.encode()
-    target.create_dataset(name, data=data or b" ", dtype=h5py.string_dtype("utf-8", max(1, len(data))))
+    data = text.encode() or b" "
+    kind = h5t.py_create(h5py.string_dtype("utf-8", len(data)), logical=True)
+    array = h5d.create(target.id, name.encode(), kind, h5s.create(h5s.SCALAR), dcpl=_make_layout())
+    array.write(h5s.ALL, h5s.ALL, np.array(data), kind)
 
 
-def make_array(
-    target: h5py.Group,
-    had: Mapping[str, Any] | None,
-    name: str,
-    dtype: str,
-    shape: tuple[int, ...],
-    capacity: int,
-    used: int,
-) -> None:
-    """Make one array with room for ``capacity`` rows at a fixed place in the file and take over the rows it had."""
-    plist = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
-    plist.set_layout(h5py.h5d.CONTIGUOUS)
-    plist.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
-    plist.set_obj_track_times(False)
-    space = h5py.h5s.create_simple((capacity, *shape))
-    parent, _, leaf = name.rpartition("/")
-    group = target.require_group(parent) if parent else target
-    kind = h5py.h5t.py_create(np.dtype(dtype), logical=True)
-    dataset = h5py.Dataset(h5py.h5d.create(group.id, leaf.encode(), kind, space, dcpl=plist))
-    if had is not None and name in had and used:
-        rows = had[name][:used]
-        # Columns may have been added since.
-        dataset[(slice(used), *map(slice, rows.shape[1:]))] = rows
+def make_arrays(target: h5py.Group, arrays: Iterable[tuple[str, NDArray[Any]]]) -> dict[str, int]:
+    """Write arrays, by their paths within a group, each at a fixed place in the file; return those places."""
+    layout, groups, places = _make_layout(), {"": target.id}, {}
+    for name, values in arrays:
+        parent, _, leaf = name.rpartition("/")
+        if parent not in groups:
+            groups[parent] = target.create_group(parent).id
+        kind = h5t.py_create(np.dtype(values.dtype.str), logical=True)
+        dataset = h5d.create(groups[parent], leaf.encode(), kind, h5s.create_simple(values.shape), dcpl=layout)
+        if values.size:
+            dataset.write(h5s.ALL, h5s.ALL, np.ascontiguousarray(values), kind)
+            places[name] = dataset.get_offset()
+    return places
+
+
+def _make_layout() -> h5p.PropDCID:
+    """Return how arrays lie in a file: whole, at a place that is fixed at once, and without the time they were made."""
+    layout = h5p.create(h5p.DATASET_CREATE)
+    layout.set_layout(h5d.CONTIGUOUS)
+    layout.set_alloc_time(h5d.ALLOC_TIME_EARLY)
+    layout.set_obj_track_times(False)
+    return layout
 
 
 def copy_steps(old: h5py.File, new: h5py.File, anew: str | None = None) -> h5py.Group:
@@ -107,7 +109,7 @@ def copy_steps(old: h5py.File, new: h5py.File, anew: str | None = None) -> h5py.
         if name == anew:
             steps.create_group(name)
         else:
-            old.copy(f"steps/{name}", steps, name=name)
+            h5o.copy(old.id, f"steps/{name}".encode(), steps.id, name.encode())
     return steps if anew is None else steps.require_group(anew)
 
 
@@ -115,7 +117,7 @@ def copy_root(old: h5py.File, new: h5py.File) -> h5py.Group:
     """Take over what a file says of itself; return the group for its steps."""
     new.attrs["format_version"] = FORMAT_VERSION
     for key in ("versions", "source", "model", "run"):
-        old.copy(key, new)
+        h5o.copy(old.id, key.encode(), new.id, key.encode())
     return new.create_group("steps", track_order=True)
 
 

@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from pddecont.errors import ResultsError, suggest
 from pddecont.reasons import NO_REASON, Reason, reason_from_json
-from pddecont.results.checks import NAME, check_columns, check_contents, check_endings, check_meta, child, rows, text
+from pddecont.results.checks import NAME, check_columns, check_contents, check_endings, check_meta
 from pddecont.results.format import FORMAT_VERSION, N_TERMINATIONS, OLDEST_VERSION, StepFormat
 from pddecont.results.step_formats import find_format
+from pddecont.results.stored_arrays import list_names, open_array, open_group
 from pddecont.results.upgrade import add_columns, upgrade_step
 
 
@@ -187,31 +188,23 @@ def _read(path: Path, file: h5py.File, only: str | None) -> Results:
         raise ResultsError(f"its format version is {version}, newer than {FORMAT_VERSION}; install a newer pddecont")
     if version < OLDEST_VERSION:
         raise ResultsError(f"its format version is {version}, older than {OLDEST_VERSION}; compute it again")
-    room = [path.stat().st_size]
-    versions = json.loads(text(file, "versions", room))
+    room, root = [path.stat().st_size], h5py.h5g.open(file.id, b"/")
+    versions = json.loads(open_array(root, "versions").read_text(room))
     if not isinstance(versions, dict) or not all(isinstance(v, str) for v in versions.values()):
         raise ResultsError("'versions' is not a mapping of names to versions")
-    group = child(file, "steps", h5py.Group)
-    steps = {}
-    for name in group:
+    group = open_group(root, "steps")
+    steps, names = {}, list_names(group)
+    for name in names:
         if not NAME.match(name):
             raise ResultsError("a step's name is not a name")
         if only not in (None, name):
             continue
         try:
-            steps[name] = _read_step(name, child(group, name, h5py.Group), room, version)
+            steps[name] = _read_step(name, open_group(group, name), room, version)
         except ResultsError as exc:
             raise ResultsError(f"step '{name}': {exc}; the file is damaged or of another kind") from exc
-    return Results(
-        path,
-        version,
-        versions,
-        text(file, "source", room),
-        text(file, "model", room),
-        text(file, "run", room),
-        tuple(group),
-        steps,
-    )
+    source, model_text, run_text = (open_array(root, name).read_text(room) for name in ("source", "model", "run"))
+    return Results(path, version, versions, source, model_text, run_text, tuple(names), steps)
 
 
 def _format_version(file: h5py.File) -> int:
@@ -224,21 +217,14 @@ def _format_version(file: h5py.File) -> int:
     return int(file.attrs["format_version"])
 
 
-def _read_step(name: str, group: h5py.Group, room: list[int], version: int) -> Step:
-    kind, meta = text(group, "kind", room), json.loads(text(group, "meta", room))
-    step_format = find_format(kind)
+def _read_step(name: str, group: h5py.h5g.GroupID, room: list[int], version: int) -> Step:
+    kind, meta = open_array(group, "kind").read_text(room), json.loads(open_array(group, "meta").read_text(room))
+    step_format, names = find_format(kind), list_names(group)
     check_meta(step_format, meta)
-    n = int(rows(group, "finished", room, 1)[0])
-    columns = child(group, "points", h5py.Group)
-    points = {key: rows(columns, key, room, n) for key in columns}
-    orbits: dict[str, NDArray[Any]] = {}
-    arrays = child(group, "orbits", h5py.Group) if "orbits" in group else {}
-    for key in arrays:
-        if key.endswith("_end"):
-            orbits[key] = rows(arrays, key, room, n)
-            orbits[key[:-4]] = rows(arrays, key[:-4], room, int(orbits[key][-1]) if n else 0)
-    full = all(len(columns[key]) == n for key in points) and all(len(arrays[key]) == len(orbits[key]) for key in orbits)
-    lines = [line for line in rows(group, "termination", room, N_TERMINATIONS) if line]
+    n = int(open_array(group, "finished").read(room, 1)[0])
+    points, are_full = _read_points(open_group(group, "points"), room, n)
+    orbits, orbits_are_full = _read_orbits(open_group(group, "orbits"), room, n) if "orbits" in names else ({}, True)
+    lines = [line for line in open_array(group, "termination").read(room, N_TERMINATIONS) if line]
     if version == OLDEST_VERSION:
         points, orbits, endings = upgrade_step(kind, meta, points, orbits, lines)
     else:
@@ -249,6 +235,25 @@ def _read_step(name: str, group: h5py.Group, room: list[int], version: int) -> S
     check_columns(meta, orbits, step_format.orbits)
     check_contents(step_format, meta, points, orbits)
     done = len(endings) >= meta.get("directions", 1)
-    compact = full and (not step_format.has_branch or "special_points" in group)
+    compact = are_full and orbits_are_full and (not step_format.has_branch or "special_points" in names)
     held = [Fields(name, values) for values in (meta, points, orbits)]
     return Step(name, kind, held[0], held[1], held[2], endings, done, compact)
+
+
+def _read_points(group: h5py.h5g.GroupID, room: list[int], n: int) -> tuple[dict[str, NDArray[Any]], bool]:
+    """Return the columns of ``n`` points, and whether they have no room for more."""
+    arrays = [open_array(group, key) for key in list_names(group)]
+    return {array.name: array.read(room, n) for array in arrays}, all(len(array) == n for array in arrays)
+
+
+def _read_orbits(group: h5py.h5g.GroupID, room: list[int], n: int) -> tuple[dict[str, NDArray[Any]], bool]:
+    """Return the rows of ``n`` points and where each point's end, and whether there is no room for more."""
+    held: dict[str, NDArray[Any]] = {}
+    is_full = True
+    for key in list_names(group):
+        if key.endswith("_end"):
+            ends, rows = open_array(group, key), open_array(group, key[:-4])
+            held[key] = ends.read(room, n)
+            held[rows.name] = rows.read(room, int(held[key][-1]) if n else 0)
+            is_full = is_full and len(ends) == n and len(rows) == len(held[rows.name])
+    return held, is_full

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import itertools
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
+from numpy.typing import NDArray
 
 from pddecont.errors import ResultsError
 from pddecont.output import explain_other
-from pddecont.results.file_structure import TEXT, copy_root, copy_steps, fit_reason, make_array, rewrite, write_text
+from pddecont.results.file_structure import TEXT, copy_root, copy_steps, fit_reason, make_arrays, rewrite, write_text
 from pddecont.results.format import FORMAT_VERSION, N_TERMINATIONS, TEXT_BYTES
 from pddecont.results.lock import check_unlocked
 from pddecont.results.reader import Results, Step, is_results_file, read_results
@@ -54,27 +57,26 @@ def compact_step(path: Path, name: str) -> Step:
     def change(old: h5py.File | None, new: h5py.File) -> None:
         assert old is not None
         had, target = old[f"steps/{name}"], copy_steps(old, new, anew=name)
-        for key in ("kind", "meta"):
+        for key in ("kind", "meta", "finished", "termination"):
             old.copy(had[key], target)
-        lengths = {"finished": 1, "termination": N_TERMINATIONS} | {
-            f"points/{key}": len(rows) for key, rows in step.points.items()
-        }
-        lengths |= {f"orbits/{key}": len(rows) for key, rows in step.orbits.items()}
-        for key, n in lengths.items():
-            make_array(target, had, key, had[key].dtype.str, had[key].shape[1:], n, n)
-        _write_special_points(target, step)
+        make_arrays(target, _list_arrays(step))
 
     rewrite(path, change)
     return replace(step, compact=True)
 
 
-def _write_special_points(target: h5py.Group, step: Step) -> None:
-    """Write the table of special points of a branch that is done."""
+def _list_arrays(step: Step) -> Iterator[tuple[str, NDArray[Any]]]:
+    """Yield the columns of a step as its file is to hold them, and for a branch that is done its special points."""
+    for group, arrays, columns in (
+        ("points", step.points, step.format.points),
+        ("orbits", step.orbits, step.format.orbits),
+    ):
+        for name, values in arrays.items():
+            yield f"{group}/{name}", values.astype(columns[name].dtype, copy=False) if name in columns else values
     if step.done and step.format.has_branch:
-        special = [(label, i) for i, label in enumerate(step.labels) if label]
-        group = target.create_group("special_points")
-        group["label"] = np.array([label.encode() for label, _ in special], dtype="S8")
-        group["index"] = np.array([i for _, i in special], dtype="i8")
+        special = [(label.encode(), i) for i, label in enumerate(step.labels) if label]
+        yield "special_points/label", np.array([label for label, _ in special], dtype="S8")
+        yield "special_points/index", np.array([i for _, i in special], dtype="i8")
 
 
 def upgrade_results(results: Results) -> None:
@@ -86,20 +88,13 @@ def upgrade_results(results: Results) -> None:
         assert old is not None
         steps = copy_root(old, new)
         for name, step in results.steps.items():
-            target, n = steps.create_group(name), len(step)
+            target = steps.create_group(name)
             for key in ("kind", "meta"):
                 old.copy(f"steps/{name}/{key}", target, name=key)
             endings = np.zeros(N_TERMINATIONS, dtype=TEXT.dtype)
             endings[: len(step.endings)] = [fit_reason(ending, TEXT_BYTES).encode() for ending in step.endings]
-            arrays = {"finished": np.array([n]), "termination": endings}
-            arrays |= {f"points/{key}": values for key, values in step.points.items()}
-            arrays |= {f"orbits/{key}": values for key, values in step.orbits.items()}
-            columns = {f"points/{key}": column for key, column in step.format.points.items()}
-            columns |= {f"orbits/{key}": column for key, column in step.format.orbits.items()}
-            for key, values in arrays.items():
-                dtype = columns[key].dtype if key in columns else values.dtype.str
-                make_array(target, arrays, key, dtype, values.shape[1:], len(values), len(values))
-            _write_special_points(target, step)
+            counts = [("finished", np.array([len(step)])), ("termination", endings)]
+            make_arrays(target, itertools.chain(counts, _list_arrays(step)))
 
     rewrite(results.path, change)
 

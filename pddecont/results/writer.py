@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import contextlib
 import json
+import math
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +25,7 @@ from pddecont.results.file_structure import (
     TEXT,
     copy_steps,
     fit_reason,
-    make_array,
+    make_arrays,
     make_write_error,
     rewrite,
     write_all,
@@ -31,10 +33,24 @@ from pddecont.results.file_structure import (
 )
 from pddecont.results.format import N_TERMINATIONS, TEXT_BYTES, Column, StepFormat
 from pddecont.results.reader import Step
+from pddecont.results.stored_arrays import open_array
 from pddecont.results.whole_file import compact_step
 
+ROW_NUMBER = Column("i8")
 # Rows that arrays have room for at first; each time that is used up they get twice as much.
 CAPACITY = 64
+# Stands for all arrays with one row a point, which have the same room; no array is named so.
+ONE_A_POINT = "points/"
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where the rows of an array lie in the file: type and shape of a row, its bytes, where the first one begins."""
+
+    dtype: np.dtype[Any]
+    shape: tuple[int, ...]
+    row_bytes: int
+    offset: int
 
 
 class StepWriter:
@@ -66,9 +82,9 @@ class StepWriter:
                 for name in step_format.orbits
             }
         capacity = max(capacity, kept, *self.used.values())
-        self.capacity = dict.fromkeys((*step_format.points, *step_format.orbits), capacity)
+        self.capacity = dict.fromkeys((ONE_A_POINT, *step_format.orbits), capacity)
         self._descriptor = -1
-        self._offsets: dict[str, int] = {}
+        self._places: dict[str, Place] = {}
         self._arrange()
 
     def __enter__(self) -> StepWriter:
@@ -90,18 +106,17 @@ class StepWriter:
         if reason:
             rows["reason"] = np.frombuffer(reason.to_json().encode(), dtype=np.uint8)
         self._check_place()
-        wanted = dict.fromkeys(self.format.points, (self.n, 1))
-        self._make_room({**wanted, **{name: (self.used[name], len(values)) for name, values in rows.items()}})
-        for name, column in self.format.orbits.items():
-            values = rows.get(name, np.zeros(0))
+        self._make_room(rows)
+        for name in self.format.orbits:
+            values = rows.get(name, ())
             if len(values):
-                self._write(f"orbits/{name}", column, self.used[name], values)
+                self._write(f"orbits/{name}", self.used[name], values)
                 self.used[name] += len(values)
-            self._write(f"orbits/{name}_end", Column("i8"), self.n, np.array([self.used[name]]))
-        for name, column in self.format.points.items():
-            self._write(f"points/{name}", column, self.n, np.asarray(points[name])[None])
+            self._write(f"orbits/{name}_end", self.n, (self.used[name],))
+        for name in self.format.points:
+            self._write(f"points/{name}", self.n, (points[name],))
         self.n += 1
-        self._write("finished", Column("i8"), 0, np.array([self.n]))
+        self._write("finished", 0, (self.n,))
 
     def list_more(self, key: str, names: Iterable[str]) -> list[str]:
         """Return a list of names that columns belong to, with those of ``names`` that it lacked; they get columns."""
@@ -115,8 +130,7 @@ class StepWriter:
 
     def terminate(self, ending: Reason, place: int = 0) -> None:
         """Record how the step, or one of its directions, ended."""
-        text = fit_reason(ending, TEXT_BYTES).encode()
-        self._write("termination", TEXT, place, np.array([text], dtype=TEXT.dtype))
+        self._write("termination", place, (fit_reason(ending, TEXT_BYTES).encode(),))
 
     def close(self) -> None:
         """Take the spare room out of the file."""
@@ -136,11 +150,9 @@ class StepWriter:
                 f"{self.path} was removed, moved or replaced while this run wrote to it; nothing more can be kept there"
             )
 
-    def _make_room(self, wanted: Mapping[str, tuple[int, int]]) -> None:
-        """Make room where an array has none for more rows, and in all arrays that will soon have none.
-
-        ``wanted`` holds the rows used and the rows to come.
-        """
+    def _make_room(self, rows: Mapping[str, NDArray[Any]]) -> None:
+        """Make room where an array has none for a point with these rows, and in all arrays that will soon have none."""
+        wanted = {ONE_A_POINT: (self.n, 1)} | {name: (self.used[name], len(values)) for name, values in rows.items()}
         if any(used + n > self.capacity[name] for name, (used, n) in wanted.items()):
             self.capacity |= {
                 name: max(2 * self.capacity[name], used + n * self._capacity)
@@ -159,40 +171,48 @@ class StepWriter:
             write_text(target, "kind", self.format.kind)
             write_text(target, "meta", json.dumps(self.meta, sort_keys=True))
             had = old.get(group)
-            make_array(target, had, "finished", "i8", (), 1, 1)
-            if self.n:
-                target["finished"][0] = self.n
-            make_array(target, had, "termination", TEXT.dtype, (), N_TERMINATIONS, N_TERMINATIONS)
-            for name, column in self.format.points.items():
-                shape = column.shape(self.meta)
-                make_array(target, had, f"points/{name}", column.dtype, shape, self.capacity[name], self.n)
-            n_points = max((self.capacity[name] for name in self.format.points), default=0)
-            for name, column in self.format.orbits.items():
-                shape = column.shape(self.meta)
-                make_array(target, had, f"orbits/{name}", column.dtype, shape, self.capacity[name], self.used[name])
-                make_array(target, had, f"orbits/{name}_end", "i8", (), n_points, self.n)
+            offsets.update(make_arrays(target, self._take_over(had)))
 
+        offsets: dict[str, int] = {}
         rewrite(self.path, change)
         if self._descriptor >= 0:
             os.close(self._descriptor)
         self._descriptor = os.open(self.path, os.O_RDWR)
-        with h5py.File(self.path, "r") as file:
-            arrays: dict[str, Any] = {}
-            file[group].visititems(
-                lambda name, item: arrays.update({name: item}) if isinstance(item, h5py.Dataset) else None
-            )
-            self._offsets = {
-                name: item.id.get_offset() for name, item in arrays.items() if item.id.get_offset() is not None
-            }
+        self._places = {
+            name: self._describe(column, offsets.get(name, 0)) for name, column, _, _ in self._list_arrays()
+        }
 
-    def _write(self, name: str, column: Column, first: int, rows: np.ndarray) -> None:
-        data = np.ascontiguousarray(rows, dtype=column.dtype)
-        if data.shape[1:] != column.shape(self.meta):
-            raise ResultsError(f"column {name} takes rows of shape {column.shape(self.meta)}, not {data.shape[1:]}")
-        if not data.nbytes:
-            return
-        row_bytes = data.nbytes // len(data)
-        try:
-            write_all(self._descriptor, data.tobytes(), self._offsets[name] + first * row_bytes)
-        except OSError as exc:
-            raise make_write_error(self.path, exc) from exc
+    def _list_arrays(self) -> Iterator[tuple[str, Column, int, int]]:
+        """Yield the arrays of the step, how many rows each has room for, and how many of them are used."""
+        yield "finished", ROW_NUMBER, 1, 0
+        yield "termination", TEXT, N_TERMINATIONS, N_TERMINATIONS
+        for name, column in self.format.points.items():
+            yield f"points/{name}", column, self.capacity[ONE_A_POINT], self.n
+        for name, column in self.format.orbits.items():
+            yield f"orbits/{name}", column, self.capacity[name], self.used[name]
+            yield f"orbits/{name}_end", ROW_NUMBER, self.capacity[ONE_A_POINT], self.n
+
+    def _take_over(self, had: h5py.Group | None) -> Iterator[tuple[str, NDArray[Any]]]:
+        """Yield the arrays of the step with room for rows to come, and the rows that ``had`` holds in their places."""
+        for name, column, capacity, used in self._list_arrays():
+            values = np.zeros((capacity, *column.shape(self.meta)), column.dtype)
+            if had is not None and used and name.encode() in had.id:
+                rows = open_array(had.id, name).read(n=used)
+                # Columns may have been added since.
+                values[(slice(used), *map(slice, rows.shape[1:]))] = rows
+            yield name, values if name != "finished" else np.array([self.n])
+
+    def _describe(self, column: Column, offset: int) -> Place:
+        dtype, shape = np.dtype(column.dtype), column.shape(self.meta)
+        return Place(dtype, shape, dtype.itemsize * math.prod(shape), offset)
+
+    def _write(self, name: str, first: int, rows: Sequence[Any] | NDArray[Any]) -> None:
+        place = self._places[name]
+        data = np.asarray(rows, dtype=place.dtype)
+        if data.shape[1:] != place.shape:
+            raise ResultsError(f"column {name} takes rows of shape {place.shape}, not {data.shape[1:]}")
+        if data.size:
+            try:
+                write_all(self._descriptor, data.tobytes(), place.offset + first * place.row_bytes)
+            except OSError as exc:
+                raise make_write_error(self.path, exc) from exc

@@ -169,3 +169,18 @@ def test_a_killed_process_leaves_every_finished_point(tmp_path):
             points, orbits = row(i % 200)
             assert np.array_equal(step.points["v"][i], points["v"])
             assert np.array_equal(step.orbit(i)["rows"], orbits["rows"])
+
+
+def test_a_file_does_not_say_when_its_arrays_were_made(tmp_path):
+    """A run gives the same bytes at any time."""
+    path = tmp_path / "a.h5"
+    new(path)
+    with StepWriter(path, "branch", FORMAT, META) as writer:
+        for i in range(5):
+            writer.append(*row(i))
+        writer.terminate(make_reason("max_points", direction=1))
+    times = []
+    with h5py.File(path) as file:
+        file.visititems(lambda name, item: times.append(h5py.h5o.get_info(item.id).ctime))
+    assert len(times) > 12
+    assert not any(times)

@@ -20,8 +20,5 @@ def make_core(system: System, values: ParameterValues, state: IntegratorState, l
     fields |= {"log_events": len(log.event_time), "mask": len(state.past_time) - 1, "dimension": len(state.y)}
     fields |= {"n_pairs": len(system.pair_state), "n_delays": len(values.tau), "n_kept": len(system.kept)}
     fields |= {"n_segments": len(system.segment_mode), "n_events": len(system.after)}
-    return Core(*(_flatten(fields[name]) for name in Core._fields))
-
-
-def _flatten(value: Any) -> Any:
-    return value.reshape(-1) if isinstance(value, np.ndarray) and value.ndim > 1 else value
+    values_of = map(fields.__getitem__, Core._fields)
+    return Core._make(v.reshape(-1) if isinstance(v, np.ndarray) and v.ndim > 1 else v for v in values_of)

@@ -146,8 +146,9 @@ def find_surfaces(orbit: Orbit, events: Sequence[str]) -> Array:
         d = function.derivatives(
             np.zeros(2), np.outer(np.ones(n), [0.0, 1.0]), np.zeros((len(model.read_symbols), 2)), p
         )
-        rounding = ROUNDING * (1 + np.max(np.abs(d.dx), initial=0.0))
-        if np.allclose(d.dx[:, 0], d.dx[:, 1], rtol=0, atol=rounding) and np.all(np.isfinite(d.value)):
+        if not (np.all(np.isfinite(d.dx)) and np.all(np.isfinite(d.value))):
+            continue
+        if np.ptp(d.dx, axis=1).max(initial=0.0) <= ROUNDING * (1 + np.max(np.abs(d.dx), initial=0.0)):
             result[i] = 0.0
             result[i, function.structure().dx[1]], result[i, n] = d.dx[:, 0], -d.value[0, 0]
     return result

@@ -37,7 +37,7 @@ def check_sources(plan: Plan, steps: Sequence[PlannedStep[Any]], path: Path, kep
                     0,
                     f"step '{step.name}' starts from {path}, which this run would replace; give another -o",
                 )
-            _check_point(file, source)
+            _check_point(read_results(file, source.step), source)
         elif source.step in coming or kinds[plan.find_step(source.step).kind].holds == Holding.TRAJECTORY:
             pass
         elif kept is None:
@@ -49,12 +49,12 @@ def check_sources(plan: Plan, steps: Sequence[PlannedStep[Any]], path: Path, kep
                 "give --resume with a results file that holds it, or do the steps above too",
             )
         else:
-            _check_point(path, source)
+            _check_point(kept, source)
         coming.add(step.name)
 
 
-def _check_point(file: Path, source: Source) -> None:
+def _check_point(results: Results, source: Source) -> None:
     """Raise ResultsError if a results file does not hold the point that ``source`` names."""
-    found = read_results(file, source.step).step(source.step)
+    found = results.step(source.step)
     if source.point is not None:
         found.row(source.point)
