@@ -150,6 +150,20 @@ class NumericModel:
 
         return self._machine_code.setdefault(history, ModelFunctions(self.model, history))
 
+    def locate_code(self, kind: str, functions: Sequence[tuple[sympy.Expr, ...]]) -> list[tuple[int, int]]:
+        """Return where the machine code of some functions begins, and what each is known by there.
+
+        ``kind`` is that of :class:`ModelFunctions`: "fields", "resets", "events". Addresses last as long as this
+        object.
+        """
+        code = self.compile()
+        with code.lock:
+            pages = getattr(code, kind)
+            pages.add(functions)
+            addresses = pages.list_addresses("value")
+            places = [pages.find_place(exprs) for exprs in functions]
+        return [(addresses[page], which << len(code.digits)) for page, which in places]
+
     def parameter_function(self, exprs: tuple[sympy.Expr, ...]) -> ParameterFunction:
         """Return expressions in the parameters alone as a function of them."""
         return ParameterFunction(self._array_function(exprs, (), ()))

@@ -306,7 +306,20 @@ class Mesh:
 
     def interpolate(self, values: Array, points: MeshPoints) -> Array:
         """Return the polynomials through base ``values`` (n_base, n) at ``points``, shape (n_points, n)."""
-        return weigh(self.local_weights(points), self.base_index[points.interval], values)
+        if values.dtype != np.float64:
+            return weigh(self.local_weights(points), self.base_index[points.interval], values)
+        result, interval = np.empty((len(points), values.shape[1])), np.ascontiguousarray(points.interval)
+        compiled_assembly.interpolate(
+            np.ascontiguousarray(self.local_weights(points)),
+            interval,
+            self.base_index,
+            len(points),
+            self.degree + 1,
+            np.ascontiguousarray(values),
+            values.shape[1],
+            result,
+        )
+        return result
 
     def interpolate_at_nodes(self, values: Array) -> Array:
         """Return the polynomials through base ``values`` (n_base, ...) at the collocation points.

@@ -17,7 +17,7 @@ from pddecont.errors import ConvergenceError
 Array = NDArray[np.float64]
 # From so many unknowns on a factorisation costs far more than a step. Steps that are taken at most with an old one, and
 # the scaled length of a step that is rounding.
-LARGE, CHORD_STEPS, EXACT = 2000, 5, 1e-15
+LARGE, CHORD_STEPS, EXACT = 50, 5, 1e-15
 # Solutions with the Jacobian at the end of such steps are corrected to this, relative to their size, so many times.
 CORRECTED, MAX_CORRECTIONS = 1e-10, 6
 

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from pddecont.collocation import Mesh, MeshPoints
 from pddecont.delay.interface import DelayOperator, LineStages, LocalWeights
 from pddecont.errors import ConvergenceError
+from pddecont.native import compiled_assembly
 
 Array = NDArray[np.float64]
 # How far inside its interval a read at an edge is looked for, in periods: above rounding, below any interval.
@@ -97,31 +98,84 @@ class Direct:
 
 def make_operator(mesh: Mesh, theta: Array, reads: Reads, lags: Array | float, orders: int) -> DelayOperator:
     """Return the operator that reads ``reads``, ``lags`` earlier than their times, and so many derivatives there."""
-    j = reads.interval
-    starts, lengths = (edge[j] for edge in mesh.evaluate_edges(theta))
-    if not np.all(np.abs(lengths) > 0.0):
-        raise ConvergenceError("a mesh interval has vanished")
-    sigma = (reads.evaluate(theta) - starts - lags) / lengths
-    if not np.max(np.abs(sigma), initial=0.0) <= FAR:
-        raise ConvergenceError("a delayed value is read far outside its mesh interval")
-    weights = LocalWeights(reads.columns, mesh.basis.lagrange(sigma), j, sigma, reads.wraps)
-    matrix = mesh.basis.differentiate
+    weights, matrix = _weigh(mesh, theta, reads, lags), mesh.basis.differentiate
+    j, every_length = reads.interval, mesh.evaluate_edges(theta)[1]
     rates = [weights]
     for _ in range(orders):
-        rates.append(rates[-1].differentiate(matrix, lengths))
+        rates.append(rates[-1].differentiate(matrix, every_length[j]))
 
     def theta_derivative(values: Array, which: Sequence[int], order: int) -> Array:
         read = rates[order]
-        slopes = np.matmul((read.weights @ matrix)[:, None], values[reads.columns])[:, 0]
-        start, length = mesh.start[:, which][j], mesh.length[:, which][j]
-        moves = (reads.times[:, which] - start - sigma[:, None] * length) / lengths[:, None]
-        result: Array = slopes[:, :, None] * moves[:, None, :]
+        result = _find_moves(mesh, every_length, reads, read, values, np.asarray(which, dtype=np.intp))
         if order:
-            stretches = length / lengths[:, None]
+            stretches = mesh.length[:, which][j] / every_length[j][:, None]
             result -= order * read.apply(values)[:, :, None] * stretches[:, None, :]
         return result
 
     return DelayOperator(weights, theta_derivative, tuple(rates[1:]))
+
+
+def _weigh(mesh: Mesh, theta: Array, reads: Reads, lags: Array | float) -> LocalWeights:
+    """Return what reads ``reads``, ``lags`` earlier than their times."""
+    (starts, lengths), basis, points, n = mesh.evaluate_edges(theta), mesh.basis, reads.points, len(reads.points)
+    earlier = np.full(n, lags) if np.ndim(lags) == 0 else np.ascontiguousarray(lags, dtype=np.float64)
+    sigma, weights = np.empty(n), np.empty((n, basis.degree + 1))
+    farthest = compiled_assembly.weigh_reads(
+        starts,
+        lengths,
+        np.ascontiguousarray(points.interval),
+        np.ascontiguousarray(points.sigma),
+        n,
+        float(reads.lag @ theta),
+        earlier,
+        mesh.period(theta),
+        reads.wraps,
+        reads.interval,
+        basis.base,
+        basis.barycentric,
+        basis.degree + 1,
+        sigma,
+        weights,
+    )
+    if farthest < 0.0:
+        raise ConvergenceError("a mesh interval has vanished")
+    if farthest > FAR:
+        raise ConvergenceError("a delayed value is read far outside its mesh interval")
+    return LocalWeights(reads.columns, weights, reads.interval, sigma, reads.wraps)
+
+
+def _find_moves(
+    mesh: Mesh, lengths: Array, reads: Reads, weights: LocalWeights, values: Array, which: NDArray[np.intp]
+) -> Array:
+    """Return how what is read moves with its time, where that moves with the components ``which`` of theta.
+
+    The shape is (n_points, n_quantities, len(which)); ``lengths`` (n_intervals,) are those of the mesh intervals.
+    """
+    n, m = weights.weights.shape
+    base_values = np.ascontiguousarray(values)
+    n_values, n_theta = base_values.shape[1], mesh.start.shape[1]
+    result = np.empty((n, n_values, len(which)))
+    compiled_assembly.move_reads(
+        weights.weights,
+        reads.columns,
+        n,
+        m,
+        mesh.basis.differentiate,
+        base_values,
+        n_values,
+        reads.times,
+        mesh.start,
+        mesh.length,
+        n_theta,
+        which,
+        len(which),
+        reads.interval,
+        weights.sigma,
+        lengths,
+        np.empty(m),
+        result,
+    )
+    return result
 
 
 @dataclass(frozen=True, eq=False)

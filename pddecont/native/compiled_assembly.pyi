@@ -1,6 +1,7 @@
 """The entries of the assembly as they are compiled: see the functions of the same names in its sources."""
 
 from pddecont.native.arrays import Floats, Indices, Integers
+from pddecont.native.assembly.residual import Equations
 
 DIGEST: str
 
@@ -116,4 +117,54 @@ def stretch_lagged_rates(
     wraps: Integers,
     lengths: Floats,
     result: Floats,
+) -> None: ...
+def fill_residual(
+    c: Equations, values: Floats, h: Floats, t: Floats, x: Floats, xd: Floats, p: Floats, work: Floats, result: Floats
+) -> None: ...
+def interpolate(
+    weights: Floats,
+    interval: Integers,
+    base_index: Integers,
+    n: int,
+    m: int,
+    values: Floats,
+    n_values: int,
+    out: Floats,
+) -> None: ...
+def weigh_reads(
+    starts: Floats,
+    lengths: Floats,
+    interval: Integers,
+    place: Floats,
+    n: int,
+    lag: float,
+    lags: Floats,
+    period: float,
+    wraps: Integers,
+    read: Integers,
+    base: Floats,
+    barycentric: Floats,
+    m: int,
+    sigma: Floats,
+    weights: Floats,
+) -> float: ...
+def move_reads(
+    weights: Floats,
+    columns: Integers,
+    n: int,
+    m: int,
+    differentiate: Floats,
+    values: Floats,
+    n_values: int,
+    times: Floats,
+    starts: Floats,
+    stretches: Floats,
+    n_theta: int,
+    which: Integers,
+    n_which: int,
+    read: Integers,
+    sigma: Floats,
+    lengths: Floats,
+    slopes: Floats,
+    out: Floats,
 ) -> None: ...

@@ -78,7 +78,7 @@ def unite(folder: Path, package: str) -> str:
     }
     parts = [HEADER, f'DIGEST = "{find_digest(folder)}"', _write_constants(sources)]
     parts += [_write_struct(node) for node in structs.values()]
-    parts += [path.read_text() for path in folder.glob("calls.pxi")]
+    parts += [(home / "calls.pxi").read_text() for home in (folder.parent, folder) if (home / "calls.pxi").exists()]
     parts += [_write_filling(node) for node in structs.values()]
     for source in sources:
         names = _find_names(source, package)
@@ -91,7 +91,8 @@ def unite(folder: Path, package: str) -> str:
 def find_digest(folder: Path) -> str:
     """Return what tells one state of the sources of a folder from another; compiled, they hold theirs as ``DIGEST``."""
     digest = hashlib.sha256()
-    for path in [*sorted(folder.glob("*.py")), *sorted(folder.glob("*.pxi")), Path(__file__)]:
+    shared = [folder.parent / "calls.pxi"] if (folder.parent / "calls.pxi").exists() else []
+    for path in [*sorted(folder.glob("*.py")), *sorted(folder.glob("*.pxi")), *shared, Path(__file__)]:
         digest.update(path.read_bytes())
     return digest.hexdigest()
 
@@ -197,10 +198,11 @@ def _find_names(source: Source, package: str) -> dict[str, str]:
             names[node.name] = node.name
         elif isinstance(node, ast.ImportFrom) and node.module == "math":
             names |= {alias.name: MATH.get(alias.name, alias.name) for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module and node.module.rpartition(".")[2] == "calls":
+            names |= {alias.name: alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.module and node.module.startswith(f"{package}."):
             home = node.module.rpartition(".")[2]
-            for alias in node.names:
-                names[alias.name] = alias.name if home == "calls" else f"{home}_{alias.name}"
+            names |= {alias.name: f"{home}_{alias.name}" for alias in node.names}
     return names
 
 

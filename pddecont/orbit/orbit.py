@@ -151,7 +151,7 @@ class Orbit:
         """
         mesh, theta, model = self.mesh, self.theta, self.numeric.model
         t = self.start + mesh.evaluate_times(points, theta)
-        x, xd = mesh.interpolate(self.values, points).T, np.zeros((len(model.read_symbols), len(points)))
+        x, xd = mesh.interpolate(self.values, points).T, np.zeros((len(points), len(model.read_symbols))).T
         lags = np.zeros((len(model.varying), len(points)))
         operators = self.problem.make_operators(theta, points) if delays else []
         for k, operator in enumerate(operators):

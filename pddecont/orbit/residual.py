@@ -16,7 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.codegen import ArrayFunction
+from pddecont.native import compiled_assembly
+from pddecont.native.assembly.residual import Equations
 from pddecont.orbit.orbit import Orbit
 from pddecont.orbit.problem import OrbitProblem
 from pddecont.orbit.signature import DelayedEventLink
@@ -87,43 +88,65 @@ def group_by_reset(problem: OrbitProblem) -> list[tuple[str, Ints]]:
 
 def compute_residual(orbit: Orbit) -> Array:
     """Return the residual of an orbit's unknowns, shape (n_equations,)."""
-    problem, mesh, n = orbit.problem, orbit.mesh, orbit.numeric.n_states
-    reads, p = orbit.equation_reads, orbit.parameters
-    rows = Rows(problem.unknowns)
-    result = np.empty(rows.size)
-    h = np.repeat(reads.h, mesh.degree)
-    slope = np.matmul(mesh.basis.slopes, orbit.values[mesh.base_index]).reshape(-1, n)
-    collocation = result[: rows.n_collocation].reshape(-1, n)
-    for mode, points in group_by_mode(problem):
-        f = problem.numeric.mode(mode).value(reads.t[points], reads.x[:, points], reads.xd[:, points], p)
-        collocation[points] = slope[points] - h[points, None] * f.T
-    starts = orbit.values[np.roll(mesh.first_base, -1)]
-    resets = result[rows.resets : rows.events].reshape(-1, n)
-    for reset, which in group_by_reset(problem):
-        resets[which] = starts[which] - evaluate_at_ends(problem.numeric.reset(reset), orbit, which).T
-    result[rows.events : rows.breaking] = _end_residuals(orbit)
-    result[rows.breaking : rows.period] = _breaking_residuals(orbit)
+    problem, reads, p = orbit.problem, orbit.equation_reads, orbit.parameters
+    rows, equations = Rows(problem.unknowns), _list_functions(problem)
+    result, work = np.empty(rows.size), np.empty(max(orbit.numeric.n_states, 1))
+    values = np.ascontiguousarray(orbit.values)
+    x, xd = np.ascontiguousarray(reads.x.T), np.ascontiguousarray(reads.xd.T)
+    compiled_assembly.fill_residual(equations, values, reads.h, reads.t, x, xd, p, work, result)
+    _fill_other_ends(orbit, result[rows.events : rows.breaking])
+    if problem.mesh.breaking:
+        result[rows.breaking : rows.period] = _breaking_residuals(orbit)
     if problem.numeric.model.forced:
         result[rows.period] = orbit.period - problem.n_periods * problem.numeric.period.value(p)[0]
     return result
 
 
-def _end_residuals(orbit: Orbit) -> Array:
-    """Return what is left of the equation that ends each segment, shape (n_segments,)."""
+def _list_functions(problem: OrbitProblem) -> Equations:
+    """Return which of the model's functions hold where on an orbit: mode by mode, reset by reset, event by event."""
+    mesh, numeric = problem.mesh, problem.numeric
+
+    def find() -> Equations:
+        model, segments = numeric.model, problem.segments
+        fields = [tuple(model.modes[segment.mode]) for segment in segments]
+        resets = [tuple(model.resets[segment.reset]) for segment in segments]
+        functions = [model.events[segment.event].function if segment.event else None for segment in segments]
+        events = iter(numeric.locate_code("events", [(f,) for f in functions if f is not None]))
+        codes = [
+            *np.repeat(numeric.locate_code("fields", fields), mesh.degree * np.bincount(mesh.segment), axis=0).tolist(),
+            *numeric.locate_code("resets", resets),
+            *((0, 0) if f is None else next(events) for f in functions),
+        ]
+        address, which = np.array(codes, dtype=np.int64).T.copy()
+        return Equations(
+            degree=mesh.degree,
+            n_intervals=mesh.n_intervals,
+            n_segments=mesh.n_segments,
+            n_states=numeric.n_states,
+            n_reads=len(model.read_symbols),
+            base_index=mesh.base_index,
+            slopes=mesh.basis.slopes,
+            next_base=np.roll(mesh.first_base, -1),
+            address=address,
+            which=which,
+        )
+
+    return mesh.always(("functions", problem.signature), find)
+
+
+def _fill_other_ends(orbit: Orbit, result: Array) -> None:
+    """Write what is left of the equations that end segments without an event function, of (n_segments,)."""
     problem = orbit.problem
-    links = {link.segment: link for link in problem.links}
-    result = np.empty(len(problem.segments))
+    for link in problem.links:
+        elapsed = find_elapsed_weights(problem, link) @ orbit.theta[: orbit.mesh.n_segments]
+        result[link.segment] = elapsed - _find_link_delay(orbit, link)
     for s, segment in enumerate(problem.segments):
-        if s in links:
-            elapsed = find_elapsed_weights(problem, links[s]) @ orbit.theta[: orbit.mesh.n_segments]
-            result[s] = elapsed - _find_link_delay(orbit, links[s])
-        elif segment.event:
-            result[s] = evaluate_at_ends(problem.numeric.event(segment.event), orbit, np.array([s]))[0, 0]
-        elif problem.numeric.model.forced:
+        if segment.event:
+            continue
+        if problem.numeric.model.forced:
             result[s] = orbit.start - problem.phase
         else:
             result[s] = phase_weights(problem) @ np.ravel(orbit.values)
-    return result
 
 
 def _find_link_delay(orbit: Orbit, link: DelayedEventLink) -> float:
@@ -143,12 +166,6 @@ def _breaking_residuals(orbit: Orbit) -> Array:
         for j, b in enumerate(mesh.breaking)
     ]
     return np.asarray(theta[len(theta) - mesh.n_breaking :] - np.array(reads))
-
-
-def evaluate_at_ends(function: ArrayFunction, orbit: Orbit, segments: Ints) -> Array:
-    """Return a function's values at the ends of some segments, shape (n_out, len(segments))."""
-    reads, i = orbit.equation_reads, orbit.mesh.n_collocation + segments
-    return function.value(reads.t[i], reads.x[:, i], reads.xd[:, i], orbit.parameters)
 
 
 def phase_weights(problem: OrbitProblem) -> Array:

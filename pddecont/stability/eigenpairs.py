@@ -91,7 +91,9 @@ def find_inside(matrix: Array) -> tuple[Array, Array]:
         if k > PAYS * len(inside):
             break
         columns, _, _ = lapack.dorgqr(factors[:, :k], scales[:k])
-        basis, inside = basis @ columns, np.triu(factors[:k]) @ columns[order - 1]
+        # The first columns are their own product with the identity.
+        basis = columns if inside is matrix else basis @ columns
+        inside = np.triu(factors[:k]) @ columns[order - 1]
     return basis, inside
 
 

@@ -160,7 +160,8 @@ def linearise_period(orbit: Orbit, assembly: Assembly | None = None) -> Monodrom
     # A delayed value that nothing depends on just now makes no history.
     wide.eliminate_zeros()
     sizes = _measure_columns(orbit)
-    present = _take_period(wide, n, 0, slice(None))
+    end = wide.indptr[n]
+    present = sp.csc_matrix((wide.data[:end], wide.indices[:end], wide.indptr[: n + 1]), shape=(n, n))
     if lines:
         present = present.toarray()
         assembly.add_full_reads(present, at)
@@ -181,12 +182,11 @@ def _find_kept(wide: Matrix, n: int) -> tuple[Ints, ...]:
     return tuple(np.flatnonzero(places) for places in later)
 
 
-def _take_period(wide: Matrix, n: int, w: int, places: Ints | slice) -> Matrix:
+def _take_period(wide: Matrix, n: int, w: int, places: Ints) -> Matrix:
     """Return columns ``places`` of the ``n`` of period k - w, of which all that are not zero must be among them."""
     starts = wide.indptr[w * n : (w + 1) * n + 1]
-    inside = slice(starts[0], starts[-1])
-    chosen = np.append(starts[:-1][places], starts[-1]) - starts[0]
-    return sp.csc_matrix((wide.data[inside], wide.indices[inside], chosen), shape=(n, len(chosen) - 1))
+    inside, chosen = slice(starts[0], starts[-1]), np.concatenate([starts[places], starts[-1:]]) - starts[0]
+    return sp.csc_matrix((wide.data[inside], wide.indices[inside], chosen), shape=(n, len(places)))
 
 
 def _move_assembly(

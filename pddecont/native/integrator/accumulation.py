@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import inf
 
-from pddecont.native.integrator.calls import offset
+from pddecont.native.calls import offset
 from pddecont.native.integrator.core import Core
 from pddecont.native.integrator.event_functions import evaluate_event, evaluate_event_slope
 from pddecont.native.integrator.places import LAST_EVENT_TIME, SIMULTANEOUS, ZENO_TIME

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pddecont.native.arrays import Floats, entry
+from pddecont.native.calls import offset
 from pddecont.native.integrator.breaking import (
     add_breaking_points,
     add_returns,
@@ -11,7 +12,6 @@ from pddecont.native.integrator.breaking import (
     pass_breaking_points,
     queues_have_capacity,
 )
-from pddecont.native.integrator.calls import offset
 from pddecont.native.integrator.core import Core
 from pddecont.native.integrator.event_handling import find_start_crossing, handle_events, resume_events
 from pddecont.native.integrator.event_location import find_first_crossing

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pddecont.native.integrator.calls import call
+from pddecont.native.calls import call
 from pddecont.native.integrator.core import Core
 from pddecont.native.integrator.history import read_delayed
 from pddecont.native.integrator.past_reads import read_for_derivatives

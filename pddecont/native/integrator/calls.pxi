@@ -1,16 +1,6 @@
 # What calls.py says, for the compiler: see there.
 from scipy.linalg.cython_lapack cimport dgetrf, dgetrs
 
-ctypedef void (*Function)(long, double, double*, double*, double*, double*) noexcept nogil
-
-
-cdef inline void call(long address, long which, double t, double* x, double* xd, double* p, double* out) noexcept nogil:
-    (<Function> <void*> address)(which, t, x, xd, p, out)
-
-
-cdef inline double* offset(double* numbers, long count) noexcept nogil:
-    return numbers + count
-
 
 # LAPACK's matrices lie column by column: it has the transpose, and solves with the transpose of that.
 cdef bint factorise(double* matrix, long* pivots, long n) noexcept nogil:

@@ -16,7 +16,7 @@ import numpy as np
 import scipy.integrate
 
 from pddecont.native.arrays import Floats
-from pddecont.native.integrator.calls import offset
+from pddecont.native.calls import offset
 from pddecont.native.integrator.core import Core
 from pddecont.native.integrator.history import interpolate_state
 from pddecont.native.integrator.places import MODE

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pddecont.native.arrays import Floats
-from pddecont.native.integrator.calls import call
+from pddecont.native.calls import call
 from pddecont.native.integrator.core import Core
 from pddecont.native.integrator.history import read_delayed, read_delayed_slopes
 from pddecont.native.integrator.past_reads import read_for_derivatives

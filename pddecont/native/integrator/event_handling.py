@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from pddecont.native.arrays import Floats
+from pddecont.native.calls import call
 from pddecont.native.integrator.accumulation import detect_accumulation, estimate_curvature, is_at_rest, is_sliding
 from pddecont.native.integrator.breaking import add_breaking_points, add_pending, queues_have_capacity, remove_pending
-from pddecont.native.integrator.calls import call
 from pddecont.native.integrator.core import Core
 from pddecont.native.integrator.event_functions import evaluate_event, evaluate_event_slope
 from pddecont.native.integrator.event_sides import carry_sides

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pddecont.native.arrays import Floats
-from pddecont.native.integrator.calls import offset
+from pddecont.native.calls import offset
 from pddecont.native.integrator.core import Core
 from pddecont.native.integrator.past_reads import drop_past, read_past, read_past_slopes
 from pddecont.native.integrator.places import (

@@ -7,7 +7,7 @@ of itself is an extension of it that is held: :mod:`overlap` repeats the step un
 from __future__ import annotations
 
 from pddecont.native.arrays import Floats
-from pddecont.native.integrator.calls import call, offset
+from pddecont.native.calls import call, offset
 from pddecont.native.integrator.core import Core
 from pddecont.native.integrator.pieces import HISTORY, has_steps, stay_in_piece
 from pddecont.native.integrator.places import (

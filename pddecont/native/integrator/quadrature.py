@@ -13,7 +13,7 @@ from math import isfinite
 import numpy as np
 
 from pddecont.native.arrays import Floats
-from pddecont.native.integrator.calls import call, offset
+from pddecont.native.calls import call, offset
 from pddecont.native.integrator.core import Core
 from pddecont.native.integrator.places import (
     FIRST,

@@ -14,7 +14,8 @@ from math import inf, isfinite, sqrt
 import numpy as np
 
 from pddecont.native.arrays import Floats
-from pddecont.native.integrator.calls import call, factorise, offset, solve_factorised
+from pddecont.native.calls import call, offset
+from pddecont.native.integrator.calls import factorise, solve_factorised
 from pddecont.native.integrator.core import Core
 from pddecont.native.integrator.history import read_delayed
 from pddecont.native.integrator.past_reads import find_lag, read_for_derivatives

@@ -10,7 +10,7 @@ counterpart.
 
 from __future__ import annotations
 
-from pddecont.native.integrator.calls import call, offset
+from pddecont.native.calls import call, offset
 from pddecont.native.integrator.core import Core
 from pddecont.native.integrator.event_functions import evaluate_event_slope
 from pddecont.native.integrator.history import choose_arcs, read_delayed, read_delayed_slopes

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pddecont.native.arrays import Floats
-from pddecont.native.integrator.calls import call
+from pddecont.native.calls import call
 from pddecont.native.integrator.core import Core
 
 # The digit of a switch above its surface; conditions know digits as bits.
