@@ -9,7 +9,8 @@ mu with the left vector w, a random history y would be |w M^k y| = |mu|^k |w y| 
 below SMALL_PART |w| in one of 1000 cases only. Where some random histories all shrink to less than SMALL_PART r^k none
 of a modulus of r or more is missing, but for one case in 10^12.
 
-Reference: Dixon, SIAM J. Numer. Anal. 20 (1983), for norms from random vectors.
+References: Dixon, SIAM J. Numer. Anal. 20 (1983), for norms from random vectors; Golub, Van Loan, Matrix Computations
+(2013), section 5.4, for the directions that a map leads to.
 """
 
 from __future__ import annotations
@@ -35,7 +36,8 @@ APART = 1e-10
 HISTORIES, SMALL_PART, PERIODS = 4, 1e-3, 64
 # A map onto no more than this part of its dimensions is looked at there: looking costs a tenth of its eigenvalues.
 PAYS = 0.8
-ROUNDING = float(np.finfo(float).eps)
+# What is this much smaller than the largest a map makes is nothing: well below rounding, which eigenvalues may magnify.
+NOTHING = float(np.finfo(float).eps) / 8.0
 
 
 def find_all_outside(monodromy: MonodromyOperator, n: int, radius: float, least: float = 0.0) -> list[Refined] | None:
@@ -87,7 +89,7 @@ def find_inside(matrix: Array) -> tuple[Array, Array]:
     while len(inside):
         factors, order, scales, _, _ = lapack.dgeqp3(inside)
         heights = np.abs(np.diag(factors))
-        k = max(1, int(np.count_nonzero(heights > ROUNDING * heights[0])))
+        k = max(1, int(np.count_nonzero(heights > NOTHING * heights[0])))
         if k > PAYS * len(inside):
             break
         columns, _, _ = lapack.dorgqr(factors[:, :k], scales[:k])

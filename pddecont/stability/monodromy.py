@@ -71,8 +71,8 @@ class MonodromyOperator:
     def step(self, histories: Array) -> tuple[Array, Array]:
         """Return the next periods X (n_columns, k) and the histories one period later, for ``histories`` (size, k)."""
         parts, lines = self._split(histories)
-        rhs = np.zeros((self.past[0].shape[0], histories.shape[1]))
-        for A, y in zip(self.past, parts, strict=True):
+        rhs = self.past[0] @ parts[0]
+        for A, y in zip(self.past[1:], parts[1:], strict=True):
             rhs = A @ y + rhs
         for c, y in zip(self.couplings, lines, strict=True):
             made = c.line.from_start(y)
