@@ -31,7 +31,7 @@ ALLOWED = {
     "simulate.integrator": {"native", "native.integrator"},
     "simulate": {"native.integrator", "simulate.integrator", "codegen", "delay", "model"},
     "orbit": {"codegen", "collocation", "continuation", "delay", "model", "native", "simulate"},
-    "stability": {"collocation", "continuation", "delay", "orbit"},
+    "stability": {"collocation", "continuation", "delay", "native", "orbit"},
     "equilibrium": {"codegen", "collocation", "continuation", "delay", "intervals", "model"},
     "bifurcation": {"collocation", "continuation", "equilibrium", "model", "orbit", "stability"},
     "runfile": {"codegen", "collocation", "data", "delay", "model", "orbit"},

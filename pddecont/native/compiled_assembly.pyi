@@ -93,6 +93,31 @@ def append_row(
     new_indices: Indices,
     new_data: Floats,
 ) -> None: ...
+def move_lagged_reads(
+    slopes: Floats,
+    times: Floats,
+    n: int,
+    n_lags: int,
+    n_moving: int,
+    n_segments: int,
+    interval: Integers,
+    sigma: Floats,
+    wraps: Integers,
+    starts: Floats,
+    lengths: Floats,
+    widths: Floats,
+    result: Floats,
+) -> None: ...
+def stretch_lagged_rates(
+    rates: Floats,
+    n: int,
+    n_lags: int,
+    n_moving: int,
+    interval: Integers,
+    wraps: Integers,
+    lengths: Floats,
+    result: Floats,
+) -> None: ...
 def fill_residual(
     c: Equations, values: Floats, h: Floats, t: Floats, x: Floats, xd: Floats, p: Floats, work: Floats, result: Floats
 ) -> None: ...

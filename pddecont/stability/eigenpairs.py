@@ -9,16 +9,18 @@ mu with the left vector w, a random history y would be |w M^k y| = |mu|^k |w y| 
 below SMALL_PART |w| in one of 1000 cases only. Where some random histories all shrink to less than SMALL_PART r^k none
 of a modulus of r or more is missing, but for one case in 10^12.
 
-Reference: Dixon, SIAM J. Numer. Anal. 20 (1983), for norms from random vectors.
+References: Dixon, SIAM J. Numer. Anal. 20 (1983), for norms from random vectors; Golub, Van Loan, Matrix Computations
+(2013), section 5.4, for the directions that a map leads to.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import NDArray
+from scipy.linalg import lapack
 
 from pddecont.stability.candidates import find_eigenpairs
 from pddecont.stability.monodromy import MonodromyOperator
@@ -32,29 +34,36 @@ SHORT = 160
 APART = 1e-10
 # Random histories, the part of one that may lie along any vector, and periods in which they must have shrunk.
 HISTORIES, SMALL_PART, PERIODS = 4, 1e-3, 64
+# A map onto no more than this part of its dimensions is looked at there: looking costs a tenth of its eigenvalues.
+PAYS = 0.8
+# What is this much smaller than the largest a map makes is nothing: well below rounding, which eigenvalues may magnify.
+NOTHING = float(np.finfo(float).eps) / 8.0
 
 
-def find_all_outside(monodromy: MonodromyOperator, n: int, radius: float) -> list[Refined] | None:
+def find_all_outside(monodromy: MonodromyOperator, n: int, radius: float, least: float = 0.0) -> list[Refined] | None:
     """Return about ``n`` leading multipliers by falling modulus, with all outside |mu| = ``radius``.
 
-    None where the orbit remembers more than a period, or where that none is missing cannot be told so.
+    Those below ``least`` are left out, but one if there is no other. None where the orbit remembers more than a period,
+    or where that none is missing cannot be told so.
     """
     if len(monodromy.kept) > 1 or (monodromy.size <= SHORT and not np.all(np.isfinite(monodromy.scaled_matrix))):
         return None
-    sizes = monodromy.history_sizes[:, None]
 
     def advance(histories: Array) -> Array:
         if monodromy.size <= SHORT:
             return np.asarray(monodromy.scaled_matrix @ histories)
+        sizes = monodromy.history_sizes[:, None]
         return monodromy.step(histories * sizes)[1] / sizes
 
     values, vectors = _find_leading(monodromy, n)
     if not (len(values) and np.all(np.isfinite(values))):
         return None
+    kept = max(1, int(np.sum(np.abs(values) >= least)))
+    values, vectors = values[:kept], vectors[:, :kept]
     residuals = _measure_residuals(values, vectors, advance)
     outside = np.abs(values) > radius
     if np.any(residuals > RESIDUAL) or not (
-        _are_apart(vectors[:, outside]) and _nothing_is_left(vectors, advance, radius)
+        _are_apart(vectors[:, outside]) and _nothing_is_left(vectors[:, values.imag >= 0.0], advance, radius)
     ):
         return None
     return [Refined(complex(v), float(r), y, True) for v, r, y in zip(values, residuals, vectors.T, strict=True)]
@@ -64,9 +73,30 @@ def _find_leading(monodromy: MonodromyOperator, n: int) -> tuple[Complex, Comple
     """Return leading eigenvalues by falling modulus, and their vectors as columns."""
     if monodromy.size > SHORT:
         return find_eigenpairs(monodromy, n)
-    values, vectors = scipy.linalg.eig(monodromy.scaled_matrix)
+    basis, inside = find_inside(monodromy.scaled_matrix)
+    values, vectors = np.linalg.eig(inside)
     leading = np.argsort(-np.abs(values), kind="stable")[:n]
-    return values[leading], vectors[:, leading]
+    return values[leading].astype(complex), basis @ vectors[:, leading].astype(complex)
+
+
+def find_inside(matrix: Array) -> tuple[Array, Array]:
+    """Return columns at right angles that span where a map leads, again and again, and what it is there.
+
+    Shapes (size, k) and (k, k): the map times the columns is the columns times the small map, to rounding. Both have
+    the same eigenvalues but for zeros, of which smooth motions make most: what they are is lost in the first period.
+    """
+    basis, inside = np.eye(len(matrix)), matrix
+    while len(inside):
+        factors, order, scales, _, _ = lapack.dgeqp3(inside)
+        heights = np.abs(np.diag(factors))
+        k = max(1, int(np.count_nonzero(heights > NOTHING * heights[0])))
+        if k > PAYS * len(inside):
+            break
+        columns, _, _ = lapack.dorgqr(factors[:, :k], scales[:k])
+        # The first columns are their own product with the identity.
+        basis = columns if inside is matrix else basis @ columns
+        inside = np.triu(factors[:k]) @ columns[order - 1]
+    return basis, inside
 
 
 def _measure_residuals(values: Complex, vectors: Complex, advance: Callable[[Array], Array]) -> Array:
@@ -78,18 +108,22 @@ def _measure_residuals(values: Complex, vectors: Complex, advance: Callable[[Arr
 
 def _are_apart(vectors: Complex) -> bool:
     """Return whether vectors are as far from dependent as those of a map with a double multiplier are, or farther."""
-    lengths = np.linalg.norm(vectors, axis=0)
-    return vectors.shape[1] < 2 or bool(np.linalg.svd(vectors / lengths, compute_uv=False)[-1] > APART)
+    if vectors.shape[1] < 2:
+        return True
+    return bool(np.linalg.svd(vectors / np.linalg.norm(vectors, axis=0), compute_uv=False)[-1] > APART)
 
 
 def _nothing_is_left(vectors: Complex, advance: Callable[[Array], Array], radius: float) -> bool:
-    """Return whether histories without what some vectors span shrink as they would without multipliers outside."""
-    spanned, _ = np.linalg.qr(np.concatenate([vectors.real, vectors.imag], axis=1))
+    """Return whether histories without what some vectors span shrink as they would without multipliers outside.
+
+    Of a conjugate pair one vector does for both.
+    """
+    spanned, _ = np.linalg.qr(np.concatenate([vectors.real, vectors.imag[:, np.any(vectors.imag, axis=0)]], axis=1))
 
     def take_out(histories: Array) -> Array:
         return np.asarray(histories - spanned @ (spanned.T @ histories))
 
-    histories = take_out(np.random.default_rng(2).standard_normal((len(vectors), HISTORIES)))
+    histories = take_out(_draw_histories(len(vectors)))
     for _ in range(PERIODS):
         histories = take_out(advance(histories)) / radius
         largest = np.max(np.linalg.norm(histories, axis=0))
@@ -98,3 +132,9 @@ def _nothing_is_left(vectors: Complex, advance: Callable[[Array], Array], radius
         if not np.isfinite(largest):
             return False
     return False
+
+
+@cache
+def _draw_histories(size: int) -> Array:
+    """Return random histories, shape (size, HISTORIES), the same each time."""
+    return np.random.default_rng(2).standard_normal((size, HISTORIES))

@@ -82,19 +82,14 @@ class LaggedColumns:
             return result
         weights = reads.operators[read.delay].weights_of(read.derivative)
         assert isinstance(weights, LocalWeights)
-        values, lengths = orbit.values[weights.columns, read.state], reads.h[weights.interval]
-        slope = np.einsum("pb,pb->p", weights.weights @ mesh.basis.differentiate, values)
-        moves = self.lags.sigma_derivatives(
-            mesh.equation_points, weights.interval, weights.sigma, weights.wraps, lengths
-        )
-        result = slope[:, None, None] * moves
+        values = orbit.values[weights.columns, read.state]
+        slopes = np.einsum("pb,pb->p", weights.weights @ mesh.basis.differentiate, values)
+        times = self.equation_times.reshape(mesh.n_equation_points, self.n_lags, -1)
+        result = self.lags.move_reads(slopes, times, weights, reads.h)
         if read.derivative:
-            rate = np.einsum("pb,pb->p", weights.weights, values) * read.derivative / lengths
-            for w in np.unique(weights.wraps):
-                here = weights.wraps == w
-                stretch = self.lags.length[weights.interval[here]]
-                result[here, w:] -= rate[here, None, None] * stretch[:, : self.n_lags - w]
-        return np.asarray(result)
+            rates = np.einsum("pb,pb->p", weights.weights, values) * read.derivative / reads.h[weights.interval]
+            self.lags.stretch_rates(rates, weights, result)
+        return result
 
     def read_columns(self, weights: LocalWeights, points: Ints, state: int) -> Ints:
         """Return the columns that a read reaches: those of as many periods back as it wraps."""

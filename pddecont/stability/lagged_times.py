@@ -15,30 +15,33 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.collocation import Mesh, MeshPoints
+from pddecont.delay import LocalWeights
+from pddecont.native import compiled_assembly
 from pddecont.stability.moving_edges import Edge
 
 Array = NDArray[np.float64]
+Ints = NDArray[np.intp]
 
 
 def spread_over_lags(coefficients: Array, n_lags: int, n_segments: int) -> Array:
-    """Return what moves an edge by period: ``coefficients`` (S + J,) to shape (n_lags, S + J)."""
-    result = np.zeros((n_lags, len(coefficients)))
-    wraps = count_wraps(coefficients, n_segments)
-    result[1 : wraps + 1, :n_segments] = -1.0
-    result[wraps] += coefficients
-    result[wraps, :n_segments] += wraps
+    """Return what moves edges by period: ``coefficients`` (..., S + J) to shape (..., n_lags, S + J)."""
+    lag, wraps = np.arange(n_lags), count_wraps(coefficients, n_segments)[..., None]
+    whole = np.zeros(coefficients.shape)
+    whole[..., :n_segments] = wraps
+    result = np.where((lag == wraps)[..., None], (coefficients + whole)[..., None, :], 0.0)
+    result[..., :n_segments] -= ((lag >= 1) & (lag <= wraps))[..., None]
     return result
 
 
-def count_wraps(coefficients: Array, n_segments: int) -> int:
-    """Return how many periods back the event or breaking time lies that an edge (n_theta,) comes from."""
-    return max(0, -round(float(np.min(coefficients[:n_segments]))))
+def count_wraps(coefficients: Array, n_segments: int) -> Ints:
+    """Return how many periods back the events or breaking times lie that edges (..., n_theta) come from."""
+    least = np.min(coefficients[..., :n_segments], axis=-1)
+    return np.asarray(np.maximum(0, -np.rint(least).astype(np.intp)))
 
 
 def take_moving(coefficients: Array, mesh: Mesh) -> Array:
@@ -49,9 +52,14 @@ def take_moving(coefficients: Array, mesh: Mesh) -> Array:
 
 def find_deepest_lag(mesh: Mesh, still: Collection[Edge] = ()) -> int:
     """Return how many periods back the events lie whose breaking points the mesh follows, those ``still`` left out."""
-    edges = (edge for piece in mesh.pieces for edge in (piece.start, piece.end) if tuple(edge.tolist()) not in still)
-    sources = (b.source for b in mesh.breaking)
-    return max(0, *(count_wraps(edge, mesh.n_segments) for edge in chain(edges, sources)))
+
+    def find() -> int:
+        edges = (edge for piece in mesh.pieces for edge in (piece.start, piece.end))
+        moving = [edge for edge in edges if not still or tuple(edge.tolist()) not in still]
+        sources = np.array([*moving, *(b.source for b in mesh.breaking)])
+        return int(np.max(count_wraps(sources, mesh.n_segments), initial=0)) if len(sources) else 0
+
+    return mesh.always(("deepest lag", frozenset(still)), find)
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,19 +72,19 @@ class LaggedMesh:
 
     @cached_property
     def _edges(self) -> tuple[Array, Array]:
-        starts, lengths = [], []
-        for piece in self.mesh.pieces:
-            a, b = (self._spread(edge) for edge in (piece.start, piece.end))
-            cuts = piece.cuts[:, None, None]
-            starts.append(a + cuts[:-1] * (b - a))
-            lengths.append(np.diff(cuts, axis=0) * (b - a))
-        return np.concatenate(starts), np.concatenate(lengths)
+        pieces, of = self.mesh.pieces, self.mesh.piece
+        starts, ends = (self._spread([getattr(piece, side) for piece in pieces]) for side in ("start", "end"))
+        widths = ends - starts
+        cuts = np.concatenate([piece.cuts[:-1] for piece in pieces])[:, None, None]
+        parts = np.concatenate([np.diff(piece.cuts) for piece in pieces])[:, None, None]
+        return starts[of] + cuts * widths[of], parts * widths[of]
 
-    def _spread(self, edge: Array) -> Array:
-        moving = take_moving(edge, self.mesh)
-        if tuple(edge.tolist()) in self.still:
-            return np.zeros((self.n_lags, len(moving)))
-        return spread_over_lags(moving, self.n_lags, self.mesh.n_segments)
+    def _spread(self, edges: list[Array]) -> Array:
+        moving = take_moving(np.array(edges), self.mesh)
+        result = spread_over_lags(moving, self.n_lags, self.mesh.n_segments)
+        if self.still:
+            result[[tuple(edge.tolist()) in self.still for edge in edges]] = 0.0
+        return result
 
     @property
     def start(self) -> Array:
@@ -92,19 +100,34 @@ class LaggedMesh:
         """Return the times of ``points``, shape (n_points, n_lags, S + J)."""
         return np.asarray(self.start[points.interval] + points.sigma[:, None, None] * self.length[points.interval])
 
-    def sigma_derivatives(
-        self, at: MeshPoints, interval: NDArray[np.intp], sigma: Array, wraps: NDArray[np.intp], lengths: Array
-    ) -> Array:
-        """Return how the fractions ``sigma`` move at which ``at``, less a fixed delay, read ``interval``.
+    def move_reads(self, slopes: Array, times: Array, weights: LocalWeights, widths: Array) -> Array:
+        """Return ``slopes`` (n_points,) times how the fractions move at which points read their intervals.
 
-        ``wraps`` counts the periods back, ``lengths`` (n_points,) are those intervals' own; the result has shape
-        (n_points, n_lags, S + J).
+        The points move by ``times`` (n_points, n_lags, S + J) and read ``weights`` a fixed delay before; the intervals
+        are ``widths`` (n_intervals,) wide. The result has the shape of ``times``.
         """
-        moves = self.times(at)
-        lag = np.arange(self.n_lags)
-        moves[:, :, : self.mesh.n_segments] += ((lag >= 1) & (lag <= wraps[:, None]))[:, :, None]
-        read = self.start[interval] + sigma[:, None, None] * self.length[interval]
-        for w in np.unique(wraps):
-            here = wraps == w
-            moves[here, w:] -= read[here, : self.n_lags - w]
-        return np.asarray(moves / lengths[:, None, None])
+        n, n_lags, n_moving = times.shape
+        result = np.empty(times.shape)
+        compiled_assembly.move_lagged_reads(
+            slopes,
+            times,
+            n,
+            n_lags,
+            n_moving,
+            self.mesh.n_segments,
+            weights.interval,
+            weights.sigma,
+            weights.wraps,
+            self.start,
+            self.length,
+            widths,
+            result,
+        )
+        return result
+
+    def stretch_rates(self, rates: Array, weights: LocalWeights, result: Array) -> None:
+        """Take off ``result`` (n_points, n_lags, S + J) the ``rates`` (n_points,) times how the lengths read move."""
+        n, n_lags, n_moving = result.shape
+        compiled_assembly.stretch_lagged_rates(
+            rates, n, n_lags, n_moving, weights.interval, weights.wraps, self.length, result
+        )

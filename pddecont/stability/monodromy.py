@@ -71,8 +71,8 @@ class MonodromyOperator:
     def step(self, histories: Array) -> tuple[Array, Array]:
         """Return the next periods X (n_columns, k) and the histories one period later, for ``histories`` (size, k)."""
         parts, lines = self._split(histories)
-        rhs = np.zeros((self.past[0].shape[0], histories.shape[1]))
-        for A, y in zip(self.past, parts, strict=True):
+        rhs = self.past[0] @ parts[0]
+        for A, y in zip(self.past[1:], parts[1:], strict=True):
             rhs = A @ y + rhs
         for c, y in zip(self.couplings, lines, strict=True):
             made = c.line.from_start(y)
@@ -139,8 +139,8 @@ def linearise_period(orbit: Orbit, assembly: Assembly | None = None) -> Monodrom
     ConvergenceError
         If a delay is negative, or the map is not defined.
     """
+    reads, still = orbit.equation_reads, find_still_edges(orbit)
     orbit = orbit.with_free(())
-    reads = orbit.equation_reads
     if any(np.min(weights.wraps) < 0 for weights in reads.list_local_weights()):
         raise ConvergenceError("a delay is negative here, and an orbit that reads its future has no multipliers")
     lines = {
@@ -150,7 +150,6 @@ def linearise_period(orbit: Orbit, assembly: Assembly | None = None) -> Monodrom
         replace(op, weights=FullWeights(lines[k].weights)) if k in lines else op for k, op in enumerate(reads.operators)
     ]
     reads = replace(reads, operators=operators)
-    still = find_still_edges(orbit)
     assembly = None if lines else _move_assembly(assembly, orbit.problem, reads, still)
     if assembly is None:
         assembly = Assembly(orbit.problem, reads, LaggedColumns(orbit.problem, reads, lines, still))
@@ -166,16 +165,28 @@ def linearise_period(orbit: Orbit, assembly: Assembly | None = None) -> Monodrom
     if lines:
         present = present.toarray()
         assembly.add_full_reads(present, at)
-    used = [np.flatnonzero(np.diff(wide.indptr[w * n : (w + 1) * n + 1])) for w in range(1, columns.n_lags)]
-    while len(used) > 1 and not len(used[-1]):
-        used.pop()
-    kept = tuple(np.unique(np.concatenate(used[w:])) for w in range(len(used)))
-    past = tuple(wide[:, (w + 1) * n + places] for w, places in enumerate(kept))
+    kept = _find_kept(wide, n)
+    past = tuple(_take_period(wide, n, w + 1, places) for w, places in enumerate(kept))
     couplings = tuple(
         Coupling(line, tuple(_read_by(assembly, at, n, q) for q in line.numbers)) for line in lines.values()
     )
     factors = equilibrate(present, sizes).factor()
     return MonodromyOperator(orbit.problem, factors, past, kept, couplings, assembly, sizes, wide)
+
+
+def _find_kept(wide: Matrix, n: int) -> tuple[Ints, ...]:
+    """Return which of the ``n`` unknowns of each earlier period are still read by this one or a later one."""
+    used = np.diff(wide.indptr).reshape(-1, n)[1:] > 0
+    deepest = 1 + int(np.max(np.flatnonzero(np.any(used, axis=1)), initial=0))
+    later = np.logical_or.accumulate(used[:deepest][::-1], axis=0)[::-1]
+    return tuple(np.flatnonzero(places) for places in later)
+
+
+def _take_period(wide: Matrix, n: int, w: int, places: Ints) -> Matrix:
+    """Return columns ``places`` of the ``n`` of period k - w, of which all that are not zero must be among them."""
+    starts = wide.indptr[w * n : (w + 1) * n + 1]
+    inside, chosen = slice(starts[0], starts[-1]), np.concatenate([starts[places], starts[-1:]]) - starts[0]
+    return sp.csc_matrix((wide.data[inside], wide.indices[inside], chosen), shape=(n, len(places)))
 
 
 def _move_assembly(

@@ -150,10 +150,10 @@ def _find_leading(monodromy: MonodromyOperator, wanted: int, least: float) -> tu
     """
     if not monodromy.size:
         return [], True
-    pairs = find_all_outside(monodromy, wanted + MORE, NEAR_UNIT)
+    # Of an orbit that forgets all within a period one multiplier is shown: what is left of 0 is rounding.
+    pairs = find_all_outside(monodromy, wanted + MORE, NEAR_UNIT, least)
     if pairs is not None:
-        # Of an orbit that forgets all within a period one multiplier is shown: what is left of 0 is rounding.
-        return [m for m in pairs if abs(m.value) >= least] or pairs[:1], True
+        return pairs, True
     candidates = find_candidates(monodromy, wanted + MORE)
     characteristic = monodromy.characteristic
     known = _add(characteristic, [], _upper_half(candidates[np.abs(candidates) >= least][: wanted + MORE]))

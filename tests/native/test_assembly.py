@@ -9,7 +9,7 @@ import scipy.sparse as sp
 
 from pddecont.native import compiled_assembly, unite
 
-PARTS = ("lagrange", "location", "reading", "entries", "sparse")
+PARTS = ("lagrange", "location", "reading", "entries", "sparse", "lagged")
 RNG = np.random.default_rng(7)
 
 
@@ -106,6 +106,27 @@ def test_moves_add_up_and_are_stretched(native):
     native.stretch_moves(values, 2, factor, interval, 4, lengths, 2, result)
     exact = exact * factor[:, None] - values[:, :, None] * lengths[interval]
     assert result == pytest.approx(exact, abs=1e-14)
+
+
+def test_reads_move_with_the_durations_of_every_period(native):
+    """Point by point: its own time, the whole periods between, and the interval of as many periods ago."""
+    n, n_lags, n_segments, n_moving = 5, 4, 2, 3
+    times, (starts, lengths) = RNG.standard_normal((n, n_lags, n_moving)), RNG.standard_normal((2, 6, n_lags, n_moving))
+    interval, wraps = np.array([5, 0, 2, 2, 1]), np.array([0, 1, 3, 2, 0])
+    slopes, sigma, widths = RNG.standard_normal(n), RNG.uniform(0.0, 1.0, n), RNG.uniform(1.0, 2.0, 6)
+    result = np.empty(times.shape)
+    native.move_lagged_reads(
+        slopes, times, n, n_lags, n_moving, n_segments, interval, sigma, wraps, starts, lengths, widths, result
+    )
+    rates, stretched = RNG.standard_normal(n), np.zeros(times.shape)
+    native.stretch_lagged_rates(rates, n, n_lags, n_moving, interval, wraps, lengths, stretched)
+    for i, (j, w) in enumerate(zip(interval, wraps, strict=True)):
+        exact = times[i].copy()
+        exact[1 : w + 1, :n_segments] += 1.0
+        exact[w:] -= starts[j, : n_lags - w] + sigma[i] * lengths[j, : n_lags - w]
+        assert result[i] == pytest.approx(slopes[i] * exact / widths[j], abs=1e-14)
+        assert not np.any(stretched[i, :w])
+        assert stretched[i, w:] == pytest.approx(-rates[i] * lengths[j, : n_lags - w], abs=1e-15)
 
 
 def make_entries(n, shape):

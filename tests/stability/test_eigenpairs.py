@@ -9,7 +9,7 @@ import pytest
 
 from pddecont.stability import eigenpairs, find_multipliers
 from pddecont.stability import multipliers as module_of_multipliers
-from pddecont.stability.eigenpairs import SHORT, find_all_outside
+from pddecont.stability.eigenpairs import SHORT, find_all_outside, find_inside
 from tests.known_orbits import hard_wall, impact_oscillator
 
 
@@ -55,6 +55,37 @@ def test_eigenvalues_come_with_small_residuals(n):
     found = find_all_outside(MapOnly(map_with(given, n)), 8, 0.95)
     assert [m.value.real for m in found[:4]] == pytest.approx(given, abs=1e-12)
     assert all(m.residual < 1e-12 for m in found)
+
+
+def test_those_that_are_too_small_are_left_out_but_one():
+    small = MapOnly(map_with([0.9, 0.5, 1e-4], 3))
+    assert [m.value.real for m in find_all_outside(small, 8, 0.95, 1e-3)] == pytest.approx([0.9, 0.5], abs=1e-12)
+    assert [m.value.real for m in find_all_outside(small, 8, 0.95, 2.0)] == pytest.approx([0.9], abs=1e-12)
+    (none,) = find_all_outside(MapOnly(np.zeros((5, 5))), 8, 0.95, 1e-3)
+    assert (none.value, none.residual) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("values", [[-2.0, 0.5], [1.0, 1.0, -0.3], []])
+def test_a_map_is_looked_at_where_it_leads(values):
+    """Most of a history is forgotten after one period or after two: what is left is as large as its multipliers."""
+    n, k = 40, len(values)
+    upper = np.diag([*values, *np.zeros(n - k)])
+    upper[:k, k:] = 1.0
+    upper[k : k + 8, k + 8 : k + 16] = np.eye(8)
+    matrix = np.roll(upper, (7, 7), (0, 1))
+    basis, inside = find_inside(matrix)
+    assert len(inside) <= max(1, k) + 2
+    assert basis.T @ basis == pytest.approx(np.eye(len(inside)), abs=1e-14)
+    assert matrix @ basis == pytest.approx(basis @ inside, abs=1e-13)
+    found = np.linalg.eigvals(inside)
+    leading = np.sort(found[np.argsort(-np.abs(found))][:k].real)
+    assert leading == pytest.approx(np.sort(values), abs=1e-13)
+
+
+def test_a_map_that_forgets_nothing_is_looked_at_as_it_is():
+    matrix = map_with([1.5, -0.7], 9)
+    basis, inside = find_inside(matrix)
+    assert inside is matrix and np.array_equal(basis, np.eye(9))
 
 
 def test_what_remembers_more_than_a_period_is_left_to_others():

@@ -32,6 +32,22 @@ def test_a_breaking_time_some_periods_ago():
     assert found.tolist() == [[0, 0, 0, 0], [-1, -1, 0, 0], [-1, -1, 0, 1], [0, 0, 0, 0]]
 
 
+def test_many_edges_are_spread_as_each_of_them():
+    edges = np.array([[0.0, 1.0, 0.0], [-1.0, -1.0, 1.0], [-2.0, -1.0, 0.0]])
+    assert np.array_equal(spread_over_lags(edges, 4, 2), [spread_over_lags(edge, 4, 2) for edge in edges])
+
+
+def test_edges_that_stand_still_do_not_move_and_reach_back_to_no_period():
+    mesh = hard_wall().mesh
+    still = {tuple(piece.start.tolist()) for piece in mesh.pieces if np.any(piece.start[mesh.n_segments :])}
+    assert still
+    lagged = LaggedMesh(mesh, 3, still)
+    for i, piece in enumerate(mesh.pieces):
+        first = lagged.start[np.flatnonzero(mesh.piece == i)[0]]
+        assert np.any(first) == bool(np.any(piece.start) and tuple(piece.start.tolist()) not in still)
+    assert find_deepest_lag(mesh, still) == 0
+
+
 def test_the_deepest_lag_is_that_of_the_breaking_points():
     assert find_deepest_lag(Mesh(3, 2, make_pieces([[[0, 1]], [[0, 1]]]))) == 0
     orbit = hard_wall()
@@ -73,8 +89,8 @@ def test_places_of_reads_move_with_the_durations_of_all_periods():
 
     every = np.tile(orbit.durations, (n_lags + 3, 1))
     assert places(every) == pytest.approx(weights.sigma, abs=1e-9)
-    lengths = (mesh.length @ orbit.theta)[weights.interval]
-    found = lagged.sigma_derivatives(points, weights.interval, weights.sigma, weights.wraps, lengths)
+    widths, slopes = mesh.length @ orbit.theta, np.linspace(1.0, 2.0, len(points))
+    found = lagged.move_reads(slopes, lagged.times(points), weights, widths) / slopes[:, None, None]
     for lag in range(n_lags):
         step = np.zeros_like(every)
         step[lag, 0] = 1e-5
