@@ -1,6 +1,7 @@
 """The entries of the assembly as they are compiled: see the functions of the same names in its sources."""
 
 from pddecont.native.arrays import Floats, Indices, Integers
+from pddecont.native.assembly.curve import Curve
 
 DIGEST: str
 
@@ -92,3 +93,16 @@ def append_row(
     new_indices: Indices,
     new_data: Floats,
 ) -> None: ...
+def find_turns(
+    curve: Curve,
+    halves: Floats,
+    parts: Floats,
+    rates: Floats,
+    room: int,
+    interval: Integers,
+    sigma: Floats,
+    is_max: Integers,
+) -> int: ...
+def choose_extrema(
+    curve: Curve, n: int, interval: Integers, sigma: Floats, is_max: Integers, value: Floats, chosen: Integers
+) -> int: ...
