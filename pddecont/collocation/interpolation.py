@@ -7,9 +7,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from pddecont.collocation.basis import weigh
 from pddecont.collocation.mesh import Mesh, MeshPoints
 
 Array = NDArray[np.float64]
+Ints = NDArray[np.intp]
 
 
 def transfer(old: Mesh, old_theta: Array, values: Array, new: Mesh, new_theta: Array) -> Array:
@@ -59,11 +61,25 @@ def _read_folded(mesh: Mesh, theta: Array, values: Array, s: int, times: Array) 
 
 def raise_degree(mesh: Mesh, reference_theta: Array) -> Mesh:
     """Return the mesh with the same intervals and polynomials of one degree more."""
-    return replace(mesh, degree=mesh.degree + 1, reference_theta=reference_theta, reference_lags=None)
+
+    def raise_whole() -> Mesh:
+        raised = replace(mesh, degree=mesh.degree + 1, reference_theta=None, reference_lags=None)
+        raised.take_edges(mesh)
+        # Found here, these are found for all orbits on such meshes.
+        _ = raised.equation_points, raised.first_base, raised.last_base
+        return raised
+
+    return mesh.always("raised", raise_whole).anchor(reference_theta)
 
 
 def resample(mesh: Mesh, values: Array, other: Mesh) -> Array:
     """Return base ``values`` (n_base, n) at the base points of a mesh with the same intervals and another degree."""
+
+    def find() -> tuple[Array, Ints]:
+        points = mesh.grid(other.basis.base)
+        return mesh.local_weights(points), mesh.base_index[points.interval]
+
+    weights, columns = mesh.always(("resampled", other.degree), find)
     result = np.empty((other.n_base, values.shape[1]))
-    result[other.base_index.ravel()] = mesh.interpolate(values, mesh.grid(other.basis.base))
+    result[other.base_index.ravel()] = weigh(weights, columns, values)
     return result

@@ -22,6 +22,18 @@ from pddecont.native import compiled_assembly
 Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
 Found = TypeVar("Found")
+# What a mesh works out of its pieces alone.
+EDGES = (
+    "piece",
+    "segment",
+    "piece_lengths",
+    "start",
+    "length",
+    "n_intervals",
+    "last_interval",
+    "_every_interval",
+    "breaking_interval",
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,6 +128,11 @@ class Mesh:
         own = anchored.__dict__
         own.update({name: value for name, value in self.__dict__.items() if name not in own}, _always=self._always)
         return anchored
+
+    def take_edges(self, other: Mesh) -> None:
+        """Take over what has been worked out of the edges of another mesh of these pieces, whatever its degree."""
+        known = other.__dict__
+        self.__dict__.update({name: known[name] for name in EDGES if name in known})
 
     def has_base_points_of(self, other: Mesh) -> bool:
         """Return whether base values mean the same on another mesh, wherever delayed values are read."""

@@ -53,7 +53,7 @@ def estimate_rounding_error(orbit: Orbit) -> float:
     A chain of order 3 or more magnifies frequencies near its own by |sum (i w delta)^k / k!|^(-n), at order 4 by up to
     2^n.
     """
-    operators = orbit.problem.make_operators(orbit.theta, orbit.mesh.equation_points)
+    operators = orbit.equation_reads.operators[: len(orbit.numeric.model.delays)]
     full = [op.weights.amplification for op in operators if isinstance(op.weights, FullWeights)]
     return float(np.finfo(float).eps * max(full, default=0.0))
 
