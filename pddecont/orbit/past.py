@@ -58,19 +58,18 @@ def _extend(degree: int, values: Array) -> Array:
 
     The result has shape (n, n_parts, 1 + N_COEFFICIENTS, n_columns).
     """
-    n, n_columns = len(values), values.shape[2]
-    # One product for all intervals.
+    # What all intervals miss is one product.
     side_by_side = values.transpose(1, 0, 2).reshape(degree + 1, -1)
     allowed = ROUNDING * np.max(np.abs(values), axis=(0, 1), initial=0.0)
     for parts in PARTS:
         matrix, missed = _fit(degree, parts)
         if degree <= SIMULATED_DEGREE or parts == PARTS[-1]:
             break
-        worst = np.max(np.abs(missed @ side_by_side), axis=0, initial=0.0).reshape(n, n_columns)
-        if np.all(worst <= allowed):
+        worst = np.max(np.abs(missed @ side_by_side), axis=0, initial=0.0)
+        if np.all(worst.reshape(len(values), -1) <= allowed):
             break
-    result = matrix.reshape(-1, degree + 1) @ side_by_side
-    return np.asarray(result.reshape(*matrix.shape[:2], n, n_columns).transpose(2, 0, 1, 3))
+    result: Array = matrix.reshape(-1, degree + 1) @ values
+    return result.reshape(len(values), *matrix.shape[:2], values.shape[2])
 
 
 @cache
