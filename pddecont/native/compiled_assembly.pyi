@@ -106,3 +106,26 @@ def find_turns(
 def choose_extrema(
     curve: Curve, n: int, interval: Integers, sigma: Floats, is_max: Integers, value: Floats, chosen: Integers
 ) -> int: ...
+def transfer_values(
+    starts: Floats,
+    lengths: Floats,
+    segment: Integers,
+    n: int,
+    base: Floats,
+    m: int,
+    durations: Floats,
+    old_starts: Floats,
+    old_lengths: Floats,
+    old_last: Integers,
+    old_base: Floats,
+    old_barycentric: Floats,
+    old_m: int,
+    old_durations: Floats,
+    values: Floats,
+    n_values: int,
+    times: Floats,
+    owner: Integers,
+    sigma: Floats,
+    weights: Floats,
+    result: Floats,
+) -> None: ...

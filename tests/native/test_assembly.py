@@ -12,7 +12,7 @@ from pddecont.collocation import make_basis
 from pddecont.native import compiled_assembly, unite
 from pddecont.orbit import Profile
 
-PARTS = ("lagrange", "location", "reading", "entries", "sparse", "turning", "extrema")
+PARTS = ("lagrange", "location", "reading", "entries", "sparse", "turning", "extrema", "transfer")
 RNG = np.random.default_rng(7)
 
 
