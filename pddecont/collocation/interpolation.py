@@ -21,7 +21,7 @@ def transfer(old: Mesh, old_theta: Array, values: Array, new: Mesh, new_theta: A
     A base point reads the old polynomials at the same fraction of its segment, so the two meshes may differ in their
     segment durations. The old intervals may have passed one another at ``old_theta`` (:func:`_read_folded`).
     """
-    n, n_points = new.n_segments, new.n_base
+    n_points = new.n_base
     result, owner = np.empty((n_points, values.shape[1])), np.empty(n_points, dtype=np.intp)
     times, sigma = np.empty((2, n_points))
     starts, lengths = old.evaluate_edges(old_theta)

@@ -161,12 +161,14 @@ class Mesh:
     @cached_property
     def start(self) -> Array:
         """Coefficients of each interval's left edge, shape (n_intervals, n_theta)."""
-        return np.concatenate([p.start + np.outer(p.cuts[:-1], p.end - p.start) for p in self.pieces])
+        cuts, starts = np.concatenate([p.cuts[:-1] for p in self.pieces]), np.array([p.start for p in self.pieces])
+        return np.asarray(starts[self.piece] + cuts[:, None] * self.piece_lengths[self.piece])
 
     @cached_property
     def length(self) -> Array:
         """Coefficients of each interval's length, shape (n_intervals, n_theta)."""
-        return np.concatenate([np.outer(np.diff(p.cuts), p.end - p.start) for p in self.pieces])
+        shares = np.concatenate([p.cuts[1:] - p.cuts[:-1] for p in self.pieces])
+        return np.asarray(shares[:, None] * self.piece_lengths[self.piece])
 
     @cached_property
     def n_intervals(self) -> int:

@@ -129,3 +129,14 @@ def transfer_values(
     weights: Floats,
     result: Floats,
 ) -> None: ...
+def cut_piece(
+    edges: Floats,
+    heights: Floats,
+    n: int,
+    start: float,
+    end: float,
+    most: int,
+    grid: Floats,
+    totals: Floats,
+    cuts: Floats,
+) -> int: ...

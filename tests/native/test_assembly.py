@@ -12,7 +12,7 @@ from pddecont.collocation import make_basis
 from pddecont.native import compiled_assembly, unite
 from pddecont.orbit import Profile
 
-PARTS = ("lagrange", "location", "reading", "entries", "sparse", "turning", "extrema", "transfer")
+PARTS = ("lagrange", "location", "reading", "entries", "sparse", "turning", "extrema", "transfer", "cutting")
 RNG = np.random.default_rng(7)
 
 
