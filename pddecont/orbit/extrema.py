@@ -131,14 +131,20 @@ def make_profile(
     An expression that is linear in the states is a polynomial of the orbit's degree; any other is interpolated at twice
     that degree.
     """
-    mesh = orbit.mesh
+    mesh, delays = orbit.mesh, function.uses_delayed
     degree = mesh.degree if function.linear[row] else 2 * mesh.degree
-    chosen = np.arange(mesh.n_intervals) if segments is None else np.flatnonzero(np.isin(mesh.segment, list(segments)))
-    parts = find_smooth_subintervals(orbit, chosen, delays=function.uses_delayed)
-    reads = orbit.read(parts.grid(mesh, make_basis(degree).base), delays=function.uses_delayed)
+    wanted = tuple(range(mesh.n_segments) if segments is None else segments)
+    chosen = mesh.always(("intervals of", wanted), lambda: np.flatnonzero(np.isin(mesh.segment, wanted)))
+    parts = find_smooth_subintervals(orbit, chosen, delays=delays)
+    if delays:
+        points = parts.grid(mesh, make_basis(degree).base)
+    else:
+        key = ("base points of", wanted, degree)
+        points = mesh.always(key, lambda: parts.grid(mesh, make_basis(degree).base))
+    reads = orbit.read(points, delays=delays)
     values = function.value(reads.t, reads.x, reads.xd, orbit.parameters)[row].reshape(len(parts.interval), -1)
     h = reads.h[parts.interval]
-    start = (mesh.start @ orbit.theta)[parts.interval] + parts.low * h
+    start = mesh.evaluate_edges(orbit.theta)[0][parts.interval] + parts.low * h
     closed = not orbit.signature.has_events
     return Profile(degree, values, mesh.segment[parts.interval], start, parts.share * h, closed)
 
