@@ -7,9 +7,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from pddecont.collocation.basis import weigh
 from pddecont.collocation.mesh import Mesh, MeshPoints
+from pddecont.native import compiled_assembly
 
 Array = NDArray[np.float64]
+Ints = NDArray[np.intp]
 
 
 def transfer(old: Mesh, old_theta: Array, values: Array, new: Mesh, new_theta: Array) -> Array:
@@ -18,20 +21,36 @@ def transfer(old: Mesh, old_theta: Array, values: Array, new: Mesh, new_theta: A
     A base point reads the old polynomials at the same fraction of its segment, so the two meshes may differ in their
     segment durations. The old intervals may have passed one another at ``old_theta`` (:func:`_read_folded`).
     """
-    times, n = new.base_times(new_theta), new.n_segments
-    old_ends = np.concatenate([[0.0], np.cumsum(old_theta[:n])])
-    new_ends = np.concatenate([[0.0], np.cumsum(new_theta[:n])])
-    result = np.empty((new.n_base, values.shape[1]))
-    folded = np.zeros(n, dtype=bool)
-    folded[old.segment[old.length @ old_theta < 0.0]] = True
-    for s in range(n):
-        rows = np.arange(new.first_base[s], new.last_base[s] + 1)
-        at = old_ends[s] + (times[rows] - new_ends[s]) * (old_theta[s] / new_theta[s])
-        if folded[s]:
-            result[rows] = _read_folded(old, old_theta, values, s, at)
-            continue
-        points, _ = old.locate(old_theta, at, segment=s)
-        result[rows] = old.interpolate(values, points.clipped())
+    n_points = new.n_base
+    result, owner = np.empty((n_points, values.shape[1])), np.empty(n_points, dtype=np.intp)
+    times, sigma = np.empty((2, n_points))
+    starts, lengths = old.evaluate_edges(old_theta)
+    compiled_assembly.transfer_values(
+        *new.evaluate_edges(new_theta),
+        new.segment,
+        new.n_intervals,
+        new.basis.base,
+        new.degree + 1,
+        np.ascontiguousarray(new_theta),
+        starts,
+        lengths,
+        old.last_interval,
+        old.basis.base,
+        old.basis.barycentric,
+        old.degree + 1,
+        np.ascontiguousarray(old_theta),
+        np.ascontiguousarray(values),
+        values.shape[1],
+        times,
+        owner,
+        sigma,
+        np.empty((n_points, old.degree + 1)),
+        result,
+    )
+    if np.any(lengths < 0.0):
+        for s in np.unique(old.segment[lengths < 0.0]).tolist():
+            rows = np.arange(new.first_base[s], new.last_base[s] + 1)
+            result[rows] = _read_folded(old, old_theta, values, s, times[rows])
     return result
 
 
@@ -59,11 +78,25 @@ def _read_folded(mesh: Mesh, theta: Array, values: Array, s: int, times: Array) 
 
 def raise_degree(mesh: Mesh, reference_theta: Array) -> Mesh:
     """Return the mesh with the same intervals and polynomials of one degree more."""
-    return replace(mesh, degree=mesh.degree + 1, reference_theta=reference_theta, reference_lags=None)
+
+    def raise_whole() -> Mesh:
+        raised = replace(mesh, degree=mesh.degree + 1, reference_theta=None, reference_lags=None)
+        raised.take_edges(mesh)
+        # Found here, these are found for all orbits on such meshes.
+        _ = raised.equation_points, raised.first_base, raised.last_base
+        return raised
+
+    return mesh.always("raised", raise_whole).anchor(reference_theta)
 
 
 def resample(mesh: Mesh, values: Array, other: Mesh) -> Array:
     """Return base ``values`` (n_base, n) at the base points of a mesh with the same intervals and another degree."""
+
+    def find() -> tuple[Array, Ints]:
+        points = mesh.grid(other.basis.base)
+        return mesh.local_weights(points), mesh.base_index[points.interval]
+
+    weights, columns = mesh.always(("resampled", other.degree), find)
     result = np.empty((other.n_base, values.shape[1]))
-    result[other.base_index.ravel()] = mesh.interpolate(values, mesh.grid(other.basis.base))
+    result[other.base_index.ravel()] = weigh(weights, columns, values)
     return result

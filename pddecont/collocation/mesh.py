@@ -22,6 +22,18 @@ from pddecont.native import compiled_assembly
 Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
 Found = TypeVar("Found")
+# What a mesh works out of its pieces alone.
+EDGES = (
+    "piece",
+    "segment",
+    "piece_lengths",
+    "start",
+    "length",
+    "n_intervals",
+    "last_interval",
+    "_every_interval",
+    "breaking_interval",
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,6 +129,11 @@ class Mesh:
         own.update({name: value for name, value in self.__dict__.items() if name not in own}, _always=self._always)
         return anchored
 
+    def take_edges(self, other: Mesh) -> None:
+        """Take over what has been worked out of the edges of another mesh of these pieces, whatever its degree."""
+        known = other.__dict__
+        self.__dict__.update({name: known[name] for name in EDGES if name in known})
+
     def has_base_points_of(self, other: Mesh) -> bool:
         """Return whether base values mean the same on another mesh, wherever delayed values are read."""
         return self.pieces is other.pieces and self.degree == other.degree
@@ -144,12 +161,14 @@ class Mesh:
     @cached_property
     def start(self) -> Array:
         """Coefficients of each interval's left edge, shape (n_intervals, n_theta)."""
-        return np.concatenate([p.start + np.outer(p.cuts[:-1], p.end - p.start) for p in self.pieces])
+        cuts, starts = np.concatenate([p.cuts[:-1] for p in self.pieces]), np.array([p.start for p in self.pieces])
+        return np.asarray(starts[self.piece] + cuts[:, None] * self.piece_lengths[self.piece])
 
     @cached_property
     def length(self) -> Array:
         """Coefficients of each interval's length, shape (n_intervals, n_theta)."""
-        return np.concatenate([np.outer(np.diff(p.cuts), p.end - p.start) for p in self.pieces])
+        shares = np.concatenate([p.cuts[1:] - p.cuts[:-1] for p in self.pieces])
+        return np.asarray(shares[:, None] * self.piece_lengths[self.piece])
 
     @cached_property
     def n_intervals(self) -> int:

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.collocation.mesh import Mesh, Piece
+from pddecont.native import compiled_assembly
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
@@ -53,17 +54,10 @@ class Density:
 
     def cut(self, start: float, end: float) -> Array:
         """Return the cuts of a piece from ``start`` to ``end``, as fractions."""
-        inside = (self.edges > start) & (self.edges < end)
-        grid = np.concatenate([[start], self.edges[inside], [end]])
-        middle = 0.5 * (grid[1:] + grid[:-1])
-        heights = self.heights[np.clip(np.searchsorted(self.edges, middle) - 1, 0, len(self.heights) - 1)]
-        total = np.concatenate([[0.0], np.cumsum(heights * np.diff(grid))])
-        n = int(np.clip(np.ceil(total[-1]), 1, MAX_INTERVALS))
-        if n == 1 or total[-1] == 0.0:
-            return np.array([0.0, 1.0])
-        cuts: Array = (np.interp(np.linspace(0.0, total[-1], n + 1), total, grid) - start) / (end - start)
-        cuts[0], cuts[-1] = 0.0, 1.0
-        return cuts
+        n, cuts = len(self.heights), np.empty(MAX_INTERVALS + 1)
+        grid, totals = np.empty((2, n + 3))
+        n_cuts = compiled_assembly.cut_piece(self.edges, self.heights, n, start, end, MAX_INTERVALS, grid, totals, cuts)
+        return cuts[: n_cuts + 1].copy()
 
 
 def has_wanted_intervals(mesh: Mesh, theta: Array, density: Density) -> bool:
@@ -91,7 +85,7 @@ def cut_pieces(pieces: Sequence[Piece], theta: Array, rule: MeshRule, density: D
         cuts = equal_cuts(share_intervals(lengths, max(FIRST_INTERVALS, len(pieces))))
     else:
         cuts = [density.cut(a, b) for a, b in zip(starts @ theta, ends @ theta, strict=True)]
-    return [replace(piece, cuts=c) for piece, c in zip(pieces, cuts, strict=True)]
+    return [Piece(piece.segment, piece.start, piece.end, c) for piece, c in zip(pieces, cuts, strict=True)]
 
 
 def share_intervals(lengths: Array, n_intervals: int) -> Ints:

@@ -15,6 +15,7 @@ from pddecont.continuation.adaptive import solve_adaptively
 from pddecont.continuation.arclength import solve_with_row
 from pddecont.continuation.curve_point import CurvePoint
 from pddecont.continuation.newton import LARGE, NewtonSettings, Solution
+from pddecont.continuation.secants import find_zero_between
 from pddecont.continuation.system import AdaptiveSystem, E
 from pddecont.errors import ConvergenceError
 
@@ -74,23 +75,21 @@ class BranchSegment(Generic[E]):
         return replace(point, direction=ends[1] - ends[0])
 
     def find_zero(self, test: Value[E], low: float, high: float, f_low: float, f_high: float) -> float | None:
-        """Return the fraction between ``low`` and ``high`` at which ``test`` is zero, by Brent's method.
+        """Return the fraction between ``low`` and ``high`` at which ``test`` is zero.
 
         Where branches cross, points cannot be corrected near the crossing; its place is then interpolated from points
         around it. None where the test function jumps through zero or cannot be followed: there is no special point
         then.
         """
-        ends = {low: f_low, high: f_high}
 
         def value(fraction: float) -> float:
-            result = ends[fraction] if fraction in ends else test(self.at(fraction))
+            result = test(self.at(fraction))
             if not np.isfinite(result):
                 raise ConvergenceError("the test function is not defined between two points")
             return result
 
         try:
-            fraction = float(scipy.optimize.brentq(value, low, high, xtol=FRACTION_TOL, rtol=1e-14))
-            at_zero = value(fraction)
+            fraction, at_zero = find_zero_between(value, low, high, f_low, f_high, FRACTION_TOL)
         except ConvergenceError:
             return self._interpolate_across(test, low, high)
         return None if abs(at_zero) > JUMP_TOL * max(abs(f_low), abs(f_high)) else fraction

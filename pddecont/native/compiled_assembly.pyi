@@ -1,6 +1,7 @@
 """The entries of the assembly as they are compiled: see the functions of the same names in its sources."""
 
 from pddecont.native.arrays import Floats, Indices, Integers
+from pddecont.native.assembly.curve import Curve
 from pddecont.native.assembly.residual import Equations
 
 DIGEST: str
@@ -168,3 +169,50 @@ def move_reads(
     slopes: Floats,
     out: Floats,
 ) -> None: ...
+def find_turns(
+    curve: Curve,
+    halves: Floats,
+    parts: Floats,
+    rates: Floats,
+    room: int,
+    interval: Integers,
+    sigma: Floats,
+    is_max: Integers,
+) -> int: ...
+def choose_extrema(
+    curve: Curve, n: int, interval: Integers, sigma: Floats, is_max: Integers, value: Floats, chosen: Integers
+) -> int: ...
+def transfer_values(
+    starts: Floats,
+    lengths: Floats,
+    segment: Integers,
+    n: int,
+    base: Floats,
+    m: int,
+    durations: Floats,
+    old_starts: Floats,
+    old_lengths: Floats,
+    old_last: Integers,
+    old_base: Floats,
+    old_barycentric: Floats,
+    old_m: int,
+    old_durations: Floats,
+    values: Floats,
+    n_values: int,
+    times: Floats,
+    owner: Integers,
+    sigma: Floats,
+    weights: Floats,
+    result: Floats,
+) -> None: ...
+def cut_piece(
+    edges: Floats,
+    heights: Floats,
+    n: int,
+    start: float,
+    end: float,
+    most: int,
+    grid: Floats,
+    totals: Floats,
+    cuts: Floats,
+) -> int: ...

@@ -14,11 +14,12 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.collocation import make_basis
+from pddecont.collocation import MeshPoints, make_basis
 from pddecont.delay import FullWeights
 from pddecont.orbit.orbit import Orbit
 
 Array = NDArray[np.float64]
+Ints = NDArray[np.intp]
 # A state that swings by less than this part of its modulus counts by its modulus: rounding leaves no digits of so small
 # a swing.
 STILL = 1e-5
@@ -32,19 +33,27 @@ def estimate_interval_errors(orbit: Orbit) -> Array:
 
 
 def _interval_errors(orbit: Orbit) -> Array:
-    mesh, basis = orbit.mesh, orbit.mesh.basis
-    sigma, weights = _defect_points(mesh.degree)
-    reads = orbit.read(mesh.grid(sigma))
-    slope = np.einsum("cb,jbn->jcn", basis.lagrange(sigma) @ basis.differentiate, orbit.values[mesh.base_index])
+    mesh, (sigma, weights, slopes) = orbit.mesh, _defect_points(orbit.mesh.degree)
+    points = mesh.always("defect points", lambda: mesh.grid(sigma))
+    reads = orbit.read(points)
+    slope = np.einsum("cb,jbn->jcn", slopes, orbit.values[mesh.base_index])
     defect = np.empty_like(slope)
-    modes = np.array([orbit.signature.segments[s].mode for s in mesh.segment])
-    for mode in dict.fromkeys(modes.tolist()):
-        inside = np.flatnonzero(np.repeat(modes == mode, len(sigma)))
+    for mode, intervals, inside in mesh.always(("defects", orbit.signature), lambda: _group_intervals(orbit, points)):
         f = orbit.numeric.mode(mode).value(reads.t[inside], reads.x[:, inside], reads.xd[:, inside], orbit.parameters)
-        intervals = modes == mode
-        defect[intervals] = slope[intervals] - reads.h[intervals, None, None] * f.T.reshape(-1, len(sigma), f.shape[0])
+        f = f.T.reshape(-1, len(sigma), f.shape[0])
+        defect[intervals] = slope[intervals] - reads.h[intervals, None, None] * f
     scale = measure_states(orbit.values)
     return np.asarray(np.max(np.abs(defect) * weights[None, :, None] / scale, axis=(1, 2)))
+
+
+def _group_intervals(orbit: Orbit, points: MeshPoints) -> list[tuple[str, Ints, Ints]]:
+    """Return each mode of an orbit with the intervals that run in it and those of some points that lie there."""
+    modes = np.array([segment.mode for segment in orbit.signature.segments])[orbit.mesh.segment]
+    of_points = modes[points.interval]
+    return [
+        (mode, np.flatnonzero(modes == mode), np.flatnonzero(of_points == mode))
+        for mode in dict.fromkeys(modes.tolist())
+    ]
 
 
 def estimate_rounding_error(orbit: Orbit) -> float:
@@ -53,7 +62,7 @@ def estimate_rounding_error(orbit: Orbit) -> float:
     A chain of order 3 or more magnifies frequencies near its own by |sum (i w delta)^k / k!|^(-n), at order 4 by up to
     2^n.
     """
-    operators = orbit.problem.make_operators(orbit.theta, orbit.mesh.equation_points)
+    operators = orbit.equation_reads.operators[: len(orbit.numeric.model.delays)]
     full = [op.weights.amplification for op in operators if isinstance(op.weights, FullWeights)]
     return float(np.finfo(float).eps * max(full, default=0.0))
 
@@ -63,24 +72,31 @@ def measure_states(values: Array) -> Array:
 
     A state that hardly moves counts by its largest modulus; one that stays at zero, to rounding, has size one.
     """
-    largest = np.max(np.abs(values), axis=0)
+    low, high = np.min(values, axis=0), np.max(values, axis=0)
+    largest = np.maximum(np.abs(low), np.abs(high))
     fallback = np.where(largest > ZERO, largest, 1.0)
-    return np.where(find_still_states(values), fallback, 0.5 * np.ptp(values, axis=0))
+    return np.where(_are_still(low, high, largest), fallback, 0.5 * (high - low))
 
 
 def find_still_states(values: Array) -> NDArray[np.bool_]:
     """Return which states hardly move along an orbit, or stay at zero, to rounding; shape (n_states,)."""
-    swing, largest = 0.5 * np.ptp(values, axis=0), np.max(np.abs(values), axis=0)
-    still: NDArray[np.bool_] = (swing <= STILL * largest) | (largest <= ZERO)
+    low, high = np.min(values, axis=0), np.max(values, axis=0)
+    return _are_still(low, high, np.maximum(np.abs(low), np.abs(high)))
+
+
+def _are_still(low: Array, high: Array, largest: Array) -> NDArray[np.bool_]:
+    """Return of each state whether it hardly moves between its extremes, ``largest`` of which is the larger modulus."""
+    still: NDArray[np.bool_] = (0.5 * (high - low) <= STILL * largest) | (largest <= ZERO)
     return still
 
 
 @cache
-def _defect_points(degree: int) -> tuple[Array, Array]:
-    """Return where the defect is measured and what turns it into an error."""
-    nodes = make_basis(degree).nodes
+def _defect_points(degree: int) -> tuple[Array, Array, Array]:
+    """Return where the defect is measured, what turns it into an error, and from base values to slopes there."""
+    basis = make_basis(degree)
+    nodes = basis.nodes
     sigma = np.array([0.5 * nodes[0], 1.0 - 0.5 * nodes[0]])
     omega = np.polynomial.Polynomial.fromroots(nodes)
     inside = np.concatenate([nodes, [1.0]])
     largest = np.max(np.abs(omega.integ()(inside)))
-    return sigma, largest / np.abs(omega(sigma))
+    return sigma, largest / np.abs(omega(sigma)), basis.lagrange(sigma) @ basis.differentiate

@@ -16,6 +16,7 @@ from pddecont.model import combine_differences, list_alternatives, list_differen
 from pddecont.orbit.error import measure_states
 from pddecont.orbit.orbit import Orbit
 from pddecont.orbit.signature import Signature
+from pddecont.orbit.starts import read_starts
 from pddecont.reasons import Reason, make_reason
 
 Array = NDArray[np.float64]
@@ -44,10 +45,10 @@ def evaluate_after(orbit: Orbit, s: int, exprs: Sequence[sympy.Expr]) -> tuple[A
     The size is what one changes by when states, delayed values and time move by their sizes.
     """
     numeric, following = orbit.numeric, (s + 1) % len(orbit.signature)
-    start = orbit.event_times[[following]]
-    reads = orbit.read(orbit.mesh.locate(orbit.theta, start, segment=following)[0])
+    reads, at = read_starts(orbit), [following]
     function = numeric.function(exprs)
-    found, where = function.derivatives(reads.t, reads.x, reads.xd, orbit.parameters), function.structure()
+    found = function.derivatives(reads.t[at], reads.x[:, at], reads.xd[:, at], orbit.parameters)
+    where = function.structure()
     sizes = measure_states(orbit.values)
     delayed = np.array([sizes[read.state] / orbit.period**read.derivative for read in numeric.model.delayed])
     integrals = orbit.equation_reads.xd[len(delayed) :]

@@ -10,6 +10,7 @@ from pddecont.model import find_rate, may_slide, vanishes_identically
 from pddecont.orbit.event_profiles import find_event_profile
 from pddecont.orbit.orbit import Orbit
 from pddecont.orbit.signature import Signature
+from pddecont.orbit.starts import read_starts
 from pddecont.reasons import Reason, make_reason
 
 
@@ -33,10 +34,9 @@ def find_leaving_rate(orbit: Orbit, s: int) -> float:
     """
     following = (s + 1) % len(orbit.signature)
     event, mode = orbit.signature.segments[s].event, orbit.signature.segments[following].mode
-    start = orbit.event_times[[following]]
-    reads = orbit.read(orbit.mesh.locate(orbit.theta, start, segment=following)[0])
+    reads, at = read_starts(orbit), [following]
     rate = orbit.numeric.function((find_rate(orbit.numeric.model, event, mode),))
-    leaves = float(rate.value(reads.t, reads.x, reads.xd, orbit.parameters)[0, 0])
+    leaves = float(rate.value(reads.t[at], reads.x[:, at], reads.xd[:, at], orbit.parameters)[0, 0])
     return leaves if find_event_profile(orbit, event).end_slope(s) > 0.0 else -leaves
 
 

@@ -58,13 +58,15 @@ def _extend(degree: int, values: Array) -> Array:
 
     The result has shape (n, n_parts, 1 + N_COEFFICIENTS, n_columns).
     """
-    sizes = np.max(np.abs(values), axis=(0, 1), initial=0.0)
+    # What all intervals miss is one product.
+    side_by_side = values.transpose(1, 0, 2).reshape(degree + 1, -1)
+    allowed = ROUNDING * np.max(np.abs(values), axis=(0, 1), initial=0.0)
     for parts in PARTS:
         matrix, missed = _fit(degree, parts)
         if degree <= SIMULATED_DEGREE or parts == PARTS[-1]:
             break
-        worst = np.max(np.abs(missed @ values), axis=(0, 1), initial=0.0)
-        if np.all(worst <= ROUNDING * sizes):
+        worst = np.max(np.abs(missed @ side_by_side), axis=0, initial=0.0)
+        if np.all(worst.reshape(len(values), -1) <= allowed):
             break
     result: Array = matrix.reshape(-1, degree + 1) @ values
     return result.reshape(len(values), *matrix.shape[:2], values.shape[2])

@@ -51,8 +51,12 @@ class Pieces:
 def find_pieces(problem: OrbitProblem, theta: Array, degree: int, orbit: Orbit | None = None) -> Pieces:
     """Return the pieces that the mesh of an orbit has at ``theta``, in order of time.
 
-    Breaking points behind delays that vary are found on ``orbit``, and left out without one.
+    Breaking points behind delays that vary are found on ``orbit``, and left out without one. An orbit of the problem at
+    ``theta`` has those of its mesh, as long as they are in their order.
     """
+    own = orbit is not None and orbit.problem is problem and orbit.theta is theta and orbit.mesh.degree == degree
+    if own and orbit is not None and keeps_its_order(orbit):
+        return Pieces(list(orbit.mesh.pieces), theta, distinct=True)
     sources, n = _find_sources(problem), len(problem.signature)
     theta = theta[: n + len(problem.numeric.model.delays)]
     if orbit is None or sources.are_sums or not problem.signature.has_events:
@@ -150,7 +154,7 @@ def _keeps_its_pieces(orbit: Orbit) -> bool:
     if orbit.numeric.model.varying and mesh.reference_lags is None:
         return False
     try:
-        if _breaking_times_are_known(orbit) or _keeps_its_order(orbit):
+        if _breaking_times_are_known(orbit) or keeps_its_order(orbit):
             return True
         now = find_pieces(orbit.problem, orbit.theta, mesh.degree, orbit)
     except ConvergenceError:
@@ -172,7 +176,7 @@ def _reads_in_place(orbit: Orbit) -> bool:
 def anchor_mesh(orbit: Orbit) -> Orbit:
     """Return an orbit on its own mesh, whose breaking points it keeps, reading the past where it lies now."""
     mesh = orbit.mesh.anchor(orbit.theta)
-    if _keeps_its_order(orbit):
+    if keeps_its_order(orbit):
         mesh.once(DISTINCT, lambda: True)
     return settle_reads(Orbit(replace(orbit.problem, mesh=mesh), orbit.x))
 
@@ -185,12 +189,16 @@ def _are_same(pieces: Sequence[Piece], others: Sequence[Piece]) -> bool:
     )
 
 
-def _keeps_its_order(orbit: Orbit) -> bool:
+def keeps_its_order(orbit: Orbit) -> bool:
     """Return whether an orbit's breaking points, sums of delays after events, are the mesh's edges in their order.
 
     Where all of them are edges, none of two that count as one, and their order is still that of the mesh, none has
     passed an event, and there are no others. False says that they have to be found to know.
     """
+    return orbit.once("keeps its order", lambda: _keeps_its_order(orbit))
+
+
+def _keeps_its_order(orbit: Orbit) -> bool:
     mesh, sources, theta = orbit.mesh, orbit.signature.discontinuity_sources, orbit.theta
     made_for, n = mesh.reference_theta, mesh.n_segments
     if made_for is None or not sources.are_sums or not orbit.problem.delay.tracks_breaking_points:

@@ -43,7 +43,7 @@ def restart_motion(
     number = simulator.tables.add_mode(mode)
     events = [simulator.tables.add_event(event) for _, event in pending]
     system = simulator.system
-    values, _ = simulator.reached.fit(values, make_state(system, values))
+    values = simulator.reached.fit_values(values)
     kept = simulator.past_columns
     used = len(past.time) if len(kept) else 0
     state = make_state(system, values, max(used, len(pending)) + 3)

@@ -1,15 +1,21 @@
 """What equations are put together with: compiled and as plain Python, against array code."""
 
 import importlib
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 import scipy.sparse as sp
 
+from pddecont.collocation import make_basis
 from pddecont.native import compiled_assembly, unite
+from pddecont.orbit import Profile
 
-PARTS = ("lagrange", "location", "reading", "entries", "sparse", "lagged")
+PARTS = (
+    *("lagrange", "location", "reading", "residual", "entries", "sparse"),
+    *("lagged", "turning", "extrema", "transfer", "cutting"),
+)
 RNG = np.random.default_rng(7)
 
 
@@ -20,6 +26,13 @@ class Plain:
         modules = (importlib.import_module(f"pddecont.native.assembly.{part}") for part in PARTS)
         function = next(getattr(m, name) for m in modules if hasattr(m, name))
         return lambda *args: function(*(a.reshape(-1) if isinstance(a, np.ndarray) else a for a in args))
+
+
+def make_sine(waves, n, degree, *, closed):
+    """Return a profile of so many waves of a sine that begins at a tenth of its period."""
+    start = np.arange(n) / n
+    values = np.sin(2 * np.pi * (waves * (start[:, None] + make_basis(degree).base / n) + 0.1))
+    return Profile(degree, values, np.zeros(n, dtype=int), start, np.full(n, 1 / n), closed)
 
 
 @pytest.fixture(params=[compiled_assembly, Plain()], ids=["compiled", "plain"])
@@ -173,3 +186,21 @@ def test_a_row_is_appended_with_a_place_for_each_entry(native):
     whole = sp.csc_matrix((data, indices, starts), shape=(6, 6))
     assert np.array_equal(whole.toarray(), np.vstack([matrix.toarray(), row]))
     assert whole.nnz == n
+
+
+@pytest.mark.parametrize("closed", [True, False])
+def test_a_curve_turns_where_its_slope_changes_sign(native, monkeypatch, closed):
+    """Five waves on four intervals: five maxima and minima a quarter of a wave apart, some at ends and on edges."""
+    monkeypatch.setattr("pddecont.orbit.extrema.compiled_assembly", native)
+    found = make_sine(5, 4, 20, closed=closed).extrema
+    times = (0.15 + 0.5 * np.arange(10)) / 5
+    assert [e.time for e in found] == pytest.approx(times, abs=1e-9)
+    assert [e.is_max for e in found] == [True, False] * 5
+    assert [e.value for e in found] == pytest.approx([1.0, -1.0] * 5, abs=1e-9)
+
+
+def test_what_does_not_change_or_is_no_number_has_no_turns(native, monkeypatch):
+    monkeypatch.setattr("pddecont.orbit.extrema.compiled_assembly", native)
+    profile = make_sine(1, 6, 7, closed=True)
+    assert replace(profile, values=np.full((6, 8), 0.43008067)).extrema == []
+    assert replace(profile, values=np.full((6, 8), np.nan)).extrema == []

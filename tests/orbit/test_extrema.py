@@ -6,7 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pddecont.collocation import make_basis
-from pddecont.orbit import Extremum, Profile
+from pddecont.native.assembly.extrema import find_slope_beside
+from pddecont.orbit import Profile
 
 
 def wave(frequencies, amplitudes, phases, degree, n, *, closed):
@@ -72,8 +73,8 @@ def test_a_slope_is_looked_at_across_short_intervals(thin, away):
     values = np.sin(2 * np.pi * (cuts[:-1, None] + make_basis(9).base * h[:, None]))
     profile = Profile(9, values, np.zeros(5, dtype=int), cuts[:-1], h, True)
     j = int(np.searchsorted(cuts, 0.25)) - 1
-    top = Extremum(0, j, (0.25 - cuts[j]) / h[j], 0.25, 1.0, True)
-    assert profile.slope_beside(top, away) == pytest.approx(2 * np.pi * np.cos(2 * np.pi * (0.25 + away)), abs=1e-5)
+    found = find_slope_beside(profile.make_curve(), j, (0.25 - cuts[j]) / h[j], away)
+    assert found == pytest.approx(2 * np.pi * np.cos(2 * np.pi * (0.25 + away)), abs=1e-5)
 
 
 def test_an_open_segment_has_none_at_its_ends():

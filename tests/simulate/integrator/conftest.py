@@ -9,6 +9,7 @@ import importlib
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from pddecont.codegen import ModelFunctions, machine_code
@@ -53,7 +54,7 @@ class Interpreted:
         values = make_values(numeric, reached.tables, delay or Direct(), method, p, longest)
         state, work = integrator.make_state(system, values), integrator.make_workspace(system)
         log = integrator.make_log(system.n, steps, events)
-        core = make_core(system, values, state, log, work)
+        core = make_plain_core(system, values, state, log, work)
         return SimpleNamespace(
             numeric=numeric, system=system, values=values, state=state, work=work, log=log, core=core
         )
@@ -64,6 +65,12 @@ class Interpreted:
         run.state.y[: run.system.n] = states
         self.advance.initialise(run.core, t, mode)
         return run
+
+
+def make_plain_core(*records):
+    """Return an integration for plain Python, with arrays whose entries are numbered through."""
+    core = make_core(*records)
+    return core._make(part.reshape(-1) if isinstance(part, np.ndarray) else part for part in core)
 
 
 def number_of(source):

@@ -6,8 +6,9 @@ import pytest
 from pddecont.delay import Chain, Direct
 from pddecont.native.integrator import N_STEPS, Status, T
 from pddecont.simulate import Simulator, simulate
-from pddecont.simulate.integrator import enlarge, make_core
+from pddecont.simulate.integrator import enlarge
 from tests.conftest import numeric_from
+from tests.simulate.integrator.conftest import make_plain_core
 from tests.simulate.motions import TIGHT
 
 BOUNCING = (
@@ -29,10 +30,11 @@ def test_machine_code_does_what_its_source_does(interpreted, delay):
     run = interpreted.start(BOUNCING, [0.0, 1.0, 0.0], delay=delay)
     state = run.state
     state.y[:] = simulator.start(values).y
-    while (
-        status := interpreted.advance.run(make_core(run.system, run.values, state, run.log, run.work), 3.0, 1 << 40)
-    ) == Status.CAPACITY:
+    status = interpreted.advance.run(run.core, 3.0, 1 << 40)
+    while status == Status.CAPACITY:
         state = enlarge(state)
+        core = make_plain_core(run.system, run.values, state, run.log, run.work)
+        status = interpreted.advance.run(core, 3.0, 1 << 40)
     assert status == Status.REACHED
     assert list(state.segment_counts) == list(compiled.segment_counts) != [0, 0]
     assert state.count[N_STEPS] == compiled.count[N_STEPS]

@@ -1,0 +1,20 @@
+"""An orbit where its segments begin."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pddecont.collocation import MeshPoints
+from pddecont.orbit.orbit import Orbit, Reads
+
+
+def read_starts(orbit: Orbit) -> Reads:
+    """Return what an orbit is where each of its segments begins, after the reset."""
+
+    def find() -> Reads:
+        mesh, times = orbit.mesh, orbit.event_times
+        found = [mesh.locate(orbit.theta, times[[s]], segment=s)[0] for s in range(len(orbit.signature))]
+        interval = np.concatenate([points.interval for points in found])
+        return orbit.read(MeshPoints(interval, np.concatenate([points.sigma for points in found])))
+
+    return orbit.once("starts", find)
