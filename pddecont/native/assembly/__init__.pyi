@@ -1,0 +1,3 @@
+from .curve import TOGETHER as TOGETHER
+from .curve import Curve as Curve
+from .turning import MAX_HALVINGS as MAX_HALVINGS
