@@ -30,7 +30,7 @@ ALLOWED = {
     "native.integrator": {"native"},
     "simulate.integrator": {"native", "native.integrator"},
     "simulate": {"native.integrator", "simulate.integrator", "codegen", "delay", "model"},
-    "orbit": {"codegen", "collocation", "continuation", "delay", "model", "native", "simulate"},
+    "orbit": {"codegen", "collocation", "continuation", "delay", "model", "native", "native.assembly", "simulate"},
     "stability": {"collocation", "continuation", "delay", "native", "orbit"},
     "equilibrium": {"codegen", "collocation", "continuation", "delay", "intervals", "model"},
     "bifurcation": {"collocation", "continuation", "equilibrium", "model", "orbit", "stability"},

@@ -81,7 +81,8 @@ class Examination:
         if self.driven:
             return make_past(orbit, 0.0, 2.0 * orbit.period, delayed=True)
         longest = find_reach(orbit)
-        return make_past(orbit, -longest * (1.0 + REACH), 2.0 * orbit.period)
+        # Windows begin within the first period.
+        return make_past(orbit, -longest * (1.0 + REACH), orbit.period)
 
     @cached_property
     def started(self) -> list[tuple[float, float, str]]:

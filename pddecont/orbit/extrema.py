@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from pddecont.codegen import ArrayFunction
 from pddecont.collocation import make_basis
 from pddecont.native import compiled_assembly
-from pddecont.native.assembly.curve import TOGETHER, Curve
-from pddecont.native.assembly.turning import MAX_HALVINGS
+from pddecont.native.assembly import MAX_HALVINGS, TOGETHER, Curve
 from pddecont.orbit.orbit import Orbit
 from pddecont.orbit.smooth_subintervals import find_smooth_subintervals
 

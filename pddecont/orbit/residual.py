@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.native import compiled_assembly
-from pddecont.native.assembly.residual import Equations
+from pddecont.native.assembly import Equations
 from pddecont.orbit.orbit import Orbit
 from pddecont.orbit.problem import OrbitProblem
 from pddecont.orbit.signature import DelayedEventLink

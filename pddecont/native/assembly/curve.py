@@ -42,7 +42,8 @@ def evaluate_series(series: Floats, first: int, n: int, place: float) -> float:
         here = series[first + k] + 2.0 * place * last - before
         before = last
         last = here
-    return series[first] + place * last - before
+    total: float = series[first] + place * last - before
+    return total
 
 
 def find_slope(curve: Curve, j: int, sigma: float) -> float:
@@ -52,18 +53,21 @@ def find_slope(curve: Curve, j: int, sigma: float) -> float:
 
 def find_time(curve: Curve, j: int, sigma: float) -> float:
     """Return the time at ``sigma`` of interval ``j``."""
-    return curve.start[j] + sigma * curve.h[j]
+    time: float = curve.start[j] + sigma * curve.h[j]
+    return time
 
 
 def find_value(curve: Curve, j: int, sigma: float) -> float:
     """Return the value at ``sigma`` of interval ``j``: Berrut, Trefethen, SIAM Review 46 (2004), eq. (4.2)."""
     m = curve.degree + 1
-    above = 0.0
-    below = 0.0
+    above: float = 0.0
+    below: float = 0.0
     for k in range(m):
         gap = sigma - curve.base[k]
         if gap == 0.0:
-            return curve.values[j * m + k]
+            above = curve.values[j * m + k]
+            below = 1.0
+            break
         above += curve.barycentric[k] / gap * curve.values[j * m + k]
         below += curve.barycentric[k] / gap
     return above / below

@@ -25,7 +25,8 @@ def find_slope_beside(curve: Curve, j: int, sigma: float, away: float) -> float:
         else:
             at = (curve.h[other] + at * curve.h[j]) / curve.h[other]
         j = other
-    return find_slope(curve, j, at) / curve.h[j]
+    slope: float = find_slope(curve, j, at) / curve.h[j]
+    return slope
 
 
 def is_at_end(curve: Curve, j: int, sigma: float) -> bool:
@@ -38,13 +39,15 @@ def is_at_end(curve: Curve, j: int, sigma: float) -> bool:
     while last + 1 < curve.n and curve.segment[last + 1] == curve.segment[j]:
         last += 1
     near = TOGETHER * curve.h[j]
-    return time - curve.start[first] < near or find_time(curve, last, 1.0) - time < near
+    found: bool = time - curve.start[first] < near or find_time(curve, last, 1.0) - time < near
+    return found
 
 
 def are_together(curve: Curve, j: int, sigma: float, other_j: int, other_sigma: float, later: float) -> bool:
     """Return whether two places are one, the second of them moved ``later``."""
     apart = find_time(curve, other_j, other_sigma) + later - find_time(curve, j, sigma)
-    return curve.segment[j] == curve.segment[other_j] and abs(apart) < TOGETHER * curve.h[j]
+    found: bool = curve.segment[j] == curve.segment[other_j] and abs(apart) < TOGETHER * curve.h[j]
+    return found
 
 
 def drop_ends(curve: Curve, n: int, interval: Integers, sigma: Floats, is_max: Integers) -> int:

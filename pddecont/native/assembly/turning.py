@@ -26,7 +26,8 @@ def outweighs(series: Floats, first: int, n: int) -> bool:
     rest = 0.0
     for k in range(1, n):
         rest += abs(series[first + k])
-    return abs(series[first]) > OUTWEIGH * rest
+    found: bool = abs(series[first]) > OUTWEIGH * rest
+    return found
 
 
 def differentiate(series: Floats, first: int, n: int, out: Floats) -> None:

@@ -1,0 +1,4 @@
+from .curve import TOGETHER as TOGETHER
+from .curve import Curve as Curve
+from .residual import Equations as Equations
+from .turning import MAX_HALVINGS as MAX_HALVINGS
