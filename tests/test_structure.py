@@ -24,7 +24,7 @@ ALLOWED = {
     "data": {},
     "intervals": {},
     "codegen": {"model"},
-    "delay": {"collocation", "model"},
+    "delay": {"collocation", "model", "native"},
     "native": {},
     "native.assembly": {"native"},
     "native.integrator": {"native"},

@@ -8,8 +8,11 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
+from pddecont.codegen import NumericModel
 from pddecont.collocation import make_basis
+from pddecont.model import parse_document, parse_model
 from pddecont.native import compiled_assembly, unite
+from pddecont.native.assembly import Equations
 from pddecont.orbit import Profile
 
 PARTS = (
@@ -17,6 +20,20 @@ PARTS = (
     *("lagged", "turning", "extrema", "transfer", "cutting"),
 )
 RNG = np.random.default_rng(7)
+MODEL = """
+name: impacts
+parameters: {k: 0.3, tau: 1.0}
+states: [x, v]
+modes:
+  m: {x': v, v': -x + k*x(t - tau) - v**3}
+events:
+  e: x - k
+resets:
+  r: {v: -k*v}
+segments:
+  s: {mode: m, event: e, direction: rising, reset: r, to: m}
+initial: {x: 0, v: 0}
+"""
 
 
 class Plain:
@@ -204,3 +221,93 @@ def test_what_does_not_change_or_is_no_number_has_no_turns(native, monkeypatch):
     profile = make_sine(1, 6, 7, closed=True)
     assert replace(profile, values=np.full((6, 8), 0.43008067)).extrema == []
     assert replace(profile, values=np.full((6, 8), np.nan)).extrema == []
+
+
+def test_values_are_interpolated_in_their_intervals(native):
+    """The same sums as array code makes of the gathered base values."""
+    base_index = np.array([[0, 1, 2], [2, 3, 4], [5, 6, 7]])
+    values, weights = RNG.normal(size=(8, 2)), RNG.normal(size=(5, 3))
+    interval, result = np.array([2, 0, 1, 1, 2]), np.empty((5, 2))
+    native.interpolate(weights, interval, base_index, 5, 3, values, 2, result)
+    assert result == pytest.approx(np.einsum("ik,ikq->iq", weights, values[base_index[interval]]), abs=1e-15)
+
+
+def test_where_points_read(native):
+    """Places are those of the times read; one without length, or a time that is none, is told."""
+    starts, lengths = np.array([0.0, 0.5, 2.0]), np.array([0.5, 1.5, 1.0])
+    interval, place = np.array([0, 1, 2, 2]), np.array([0.5, 0.2, 0.0, 1.0])
+    wraps, read = np.array([1, 0, 0, 0]), np.array([2, 0, 1, 1])
+    lags, basis = np.array([0.0, 0.1, 0.0, 0.3]), make_basis(4)
+    sigma, weights = np.empty(4), np.empty((4, 5))
+
+    def weigh(lengths, lags):
+        return native.weigh_reads(
+            *(starts, lengths, interval, place, 4, 0.7, lags, 3.0, wraps, read),
+            *(basis.base, basis.barycentric, 5, sigma, weights),
+        )
+
+    times = starts[interval] + place * lengths[interval] - 0.7 - lags + 3.0 * wraps
+    assert weigh(lengths, lags) == pytest.approx(np.max(np.abs((times - starts[read]) / lengths[read])))
+    assert starts[read] + sigma * lengths[read] == pytest.approx(times, abs=1e-15)
+    assert np.array_equal(weights, basis.lagrange(sigma))
+    assert weigh(np.array([0.5, 0.0, 1.0]), lags) == -1.0
+    assert weigh(lengths, np.array([0.0, np.nan, 0.0, 0.0])) == np.inf
+
+
+def test_how_reads_move(native):
+    """What is read moves as central differences say, to their error."""
+    basis, n, m, n_theta = make_basis(5), 3, 6, 3
+    start, stretch = RNG.uniform(size=(2, n_theta)), RNG.uniform(1.0, 2.0, size=(2, n_theta))
+    times, theta, read = RNG.uniform(size=(n, n_theta)), np.array([1.0, 0.7, 0.4]), np.array([1, 0, 1])
+    columns = np.array([[6, 7, 8, 9, 10, 11], [0, 1, 2, 3, 4, 5], [6, 7, 8, 9, 10, 11]])
+    values, which, result = RNG.normal(size=(12, 2)), np.array([2, 0]), np.empty((n, 2, 2))
+
+    def find_places(theta):
+        return (times @ theta - start[read] @ theta) / (stretch[read] @ theta)
+
+    def value(theta):
+        return np.einsum("ik,ikq->iq", basis.lagrange(find_places(theta)), values[columns])
+
+    sigma = find_places(theta)
+    native.move_reads(
+        *(basis.lagrange(sigma), columns, n, m, basis.differentiate, values, 2, times, start, stretch, n_theta),
+        *(which, 2, read, sigma, stretch @ theta, np.empty(m), result),
+    )
+    for k, component in enumerate(which):
+        step = 1e-6 * np.eye(n_theta)[component]
+        assert result[:, :, k] == pytest.approx((value(theta + step) - value(theta - step)) / 2e-6, rel=1e-7, abs=1e-7)
+
+
+def test_residuals_are_those_of_array_code(native):
+    """Collocation, resets and events of a model, each by its machine code, against its functions over arrays."""
+    model = NumericModel(parse_model(parse_document(MODEL, "model"))[0])
+    degree, n_intervals, n_segments = 3, 4, 2
+    basis, p = make_basis(degree), model.parameter_values
+    base_index = degree * np.arange(n_intervals)[:, None] + np.array([0, 0, 1, 1])[:, None] + np.arange(degree + 1)
+    n_points, next_base = n_intervals * degree + n_segments, np.array([7, 0])
+    (field,), (reset,), (event,) = (
+        model.locate_code(kind, (name,)) for kind, name in (("fields", "m"), ("resets", "r"), ("events", "e"))
+    )
+    codes = np.array([field] * (n_points - n_segments) + [reset] * 2 + [event, (0, 0)], dtype=np.int64)
+    values, h = RNG.normal(size=(14, 2)), RNG.uniform(1.0, 2.0, n_intervals)
+    t, x, xd = RNG.uniform(size=n_points), RNG.normal(size=(n_points, 2)), RNG.normal(size=(n_points, 1))
+    address, which = codes.T.copy()
+    result = np.full(n_points * 2 + n_segments, 7.0)
+    equations = Equations(
+        degree, n_intervals, n_segments, 2, 1, base_index.ravel(), basis.slopes.ravel(), next_base, address, which
+    )
+    native.fill_residual(equations, values, h, t, x, xd, p, np.empty(2), result)
+    inner = slice(0, n_points - n_segments)
+    slopes = np.einsum("ib,jbn->jin", basis.slopes, values[base_index]).reshape(-1, 2)
+    f = model.mode("m").value(t[inner], x[inner].T, xd[inner].T, p).T
+    assert result[: 2 * n_intervals * degree].reshape(-1, 2) == pytest.approx(
+        slopes - np.repeat(h, degree)[:, None] * f, abs=1e-13
+    )
+    ends = slice(n_points - n_segments, None)
+    g = model.reset("r").value(t[ends], x[ends].T, xd[ends].T, p).T
+    assert result[2 * n_intervals * degree : 2 * n_points].reshape(-1, 2) == pytest.approx(
+        values[next_base] - g, abs=1e-13
+    )
+    first = slice(n_points - n_segments, n_points - n_segments + 1)
+    assert result[-2] == pytest.approx(model.event("e").value(t[first], x[first].T, xd[first].T, p)[0, 0], abs=1e-13)
+    assert result[-1] == 7.0
