@@ -6,12 +6,15 @@ OUT := out
 # So many random models are tried; `make random-models` begins with seed FIRST, `make reliability` with PDDECONT_SEED where it is set.
 MODELS ?= 90
 FIRST ?= 1000
+# The version that branches are timed against: the last one whose branches were assembled by Python alone.
+BEFORE ?= 0d30e19
+LARGE ?=
 
-.PHONY: setup demo figures test reliability random-models random-delays stress packages check docs reference layers bench cost tracking chain-order schema clean \
+.PHONY: setup demo figures test reliability random-models random-delays stress packages check docs reference layers bench versions cost tracking chain-order schema clean \
   distclean
 setup: $(ENV)/ready
 
-$(ENV)/ready: pyproject.toml setup.py $(wildcard pddecont/native/*.py pddecont/native/*/*.py pddecont/native/*/*.pxi)
+$(ENV)/ready: pyproject.toml setup.py $(wildcard pddecont/native/*.py pddecont/native/*.pxi pddecont/native/*/*.py pddecont/native/*/*.pxi)
 	$(PYTHON) -m venv $(ENV)
 	$(BIN)/python -m pip install --quiet --upgrade pip
 	$(BIN)/python -m pip install --quiet -e ".[dev]"
@@ -62,6 +65,15 @@ bench: setup         ## ratios, each measured in one process
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.delays
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.simulator
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.effects
+	$(MAKE) versions
+
+versions: setup      ## branches of this version and of BEFORE in turns; LARGE=--large adds 100 and 200 states
+	rm -rf $(OUT)/before
+	mkdir -p $(OUT)/before/source
+	git archive $(BEFORE) | tar -x -C $(OUT)/before/source
+	$(PYTHON) -m venv $(OUT)/before/env
+	$(OUT)/before/env/bin/python -m pip install --quiet $(OUT)/before/source
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.versions $(OUT)/before/env/bin/python $(LARGE)
 
 cost: setup          ## what accuracy costs: every method, degree and mesh; a picture in out/
 	mkdir -p $(OUT)

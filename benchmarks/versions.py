@@ -1,0 +1,104 @@
+"""This version's branches against those of an earlier one, in turns: part of ``make bench``.
+
+Takes the Python of the earlier version (``make bench`` installs one), how often each takes its turn, and with
+``--large`` adds chains of 100 and 200 states with multipliers. Prints the least CPU milliseconds a point, and how far
+special points that both find are apart. For scale, figures of others as they were taken with Octave on two cores, a
+point with multipliers: PWSDDE-cont, DDE-BIFTOOL and COCO, 400 to 6500 ms.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from benchmarks.continuation import BRANCH, ROOT, delays
+from models.oscillator_chain import chain
+
+TIMES = Path(__file__).with_name("branch_times.py")
+DELAYS = """run:
+  mesh: {degree: 6, intervals: 160}
+  steps:
+    - {name: transient, simulate: {t_end: 60*2*pi/1.3}}
+    - {name: orbit, orbit: {from: transient}}
+    - name: branch
+      continue: {from: orbit, free: [K], range: {K: [0.3, 0.5]}, max_points: 8, stability: true, direction: up}
+"""
+CHAIN = """run:
+  mesh: {degree: 6, tol: 1.0e-6}
+  steps:
+    - {name: transient, simulate: {t_end: 60*2*pi/omega}}
+    - {name: orbit, orbit: {from: transient}}
+    - name: branch
+      continue: {from: orbit, free: [K], range: {K: [0.0, 2.0]}, stability: true, max_points: 3, direction: up}
+"""
+SHIPPED = {
+    "mackey_glass": "in_delay",
+    "wall_oscillator": "in_wall",
+    "gear_backlash": "in_frequency",
+    "dry_friction": "in_frequency",
+    "den_hartog": "in_friction",
+}
+
+
+def list_cases(*, large):
+    """Return the cases: branches of models that are shipped, the impact oscillator's with its delay, and large ones."""
+    run = BRANCH.format(degree=8, tol=1e-9, step="step: {max: 0.1}")
+    cases = {
+        "impact oscillator": make_case(run, "plain", ROOT / "configs" / "bench.yaml"),
+        "impact oscillator, multipliers": make_case(run, "stable", ROOT / "configs" / "bench.yaml"),
+    }
+    for name, step in SHIPPED.items():
+        path = ROOT / "models" / f"{name}.yaml"
+        cases[name] = make_case(path.read_text(encoding="utf-8"), step, path)
+    cases["eight delays"] = make_case(delays(8) + DELAYS, "branch", "delays.yaml")
+    for n in (50, 100) if large else ():
+        text = chain(n).split("\nrun:")[0] + "\n" + CHAIN
+        cases[f"chain of {2 * n} states"] = make_case(text, "branch", "chain.yaml")
+    return cases
+
+
+def make_case(text, step, source):
+    """Return a case as ``branch_times`` takes it."""
+    return {"text": text, "step": step, "source": str(source)}
+
+
+def run(python, case, folder):
+    """Return what one version takes for a case, in a process of its own."""
+    path = Path(folder) / "case.json"
+    path.write_text(json.dumps(case), encoding="utf-8")
+    done = subprocess.run([python, str(TIMES), str(path)], capture_output=True, text=True, cwd=folder, check=True)
+    return json.loads(done.stdout)
+
+
+def main():
+    """Print the least time a point of each version, and their ratio."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("before")
+    parser.add_argument("--turns", type=int, default=3)
+    parser.add_argument("--large", action="store_true")
+    options = parser.parse_args()
+    print("CPU milliseconds a point, the least of the turns; how far special points are apart at most")
+    with tempfile.TemporaryDirectory() as folder:
+        for name, case in list_cases(large=options.large).items():
+            best, found = {}, {}
+            for _ in range(options.turns):
+                for version, python in (("before", str(Path(options.before).absolute())), ("now", sys.executable)):
+                    found[version] = run(python, case, folder)
+                    spent = 1e3 * found[version]["seconds"] / found[version]["points"]
+                    best[version] = min(best.get(version, spent), spent)
+            one, other = (found[version]["special"] for version in ("before", "now"))
+            apart = max((abs(one[label] - other[label]) for label in one.keys() & other.keys()), default=0.0)
+            labels = "" if one.keys() == other.keys() else f"; labels {sorted(one)} and {sorted(other)}"
+            ratio = best["before"] / best["now"]
+            print(
+                f"  {name:32} {best['before']:8.1f} {best['now']:8.1f}  ratio {ratio:.2f}  {apart:.1e}{labels}",
+                flush=True,
+            )
+
+
+if __name__ == "__main__":
+    main()
