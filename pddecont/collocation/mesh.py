@@ -258,6 +258,11 @@ class Mesh:
         """Coefficients of the times of all equation points, shape (n_equation_points, n_theta)."""
         return self.times(self.equation_points)
 
+    @property
+    def base_points(self) -> MeshPoints:
+        """The base points interval by interval; neighbours inside a segment each have the one between them."""
+        return self.always("base points", lambda: self.grid(self.basis.base))
+
     def grid(self, sigma: Array, intervals: Ints | None = None) -> MeshPoints:
         """Return the points at the same ``sigma`` (k,) of every interval, or of some ``intervals``."""
         chosen = np.arange(self.n_intervals) if intervals is None else intervals
@@ -288,7 +293,7 @@ class Mesh:
 
     def period(self, theta: Array) -> float:
         """Return the sum of the segment durations."""
-        return float(np.sum(theta[: self.n_segments]))
+        return float(theta[: self.n_segments].sum())
 
     def locate(
         self, theta: Array, times: Array, *, choose_by: Array | None = None, segment: int | None = None

@@ -72,7 +72,7 @@ def measure_states(values: Array) -> Array:
 
     A state that hardly moves counts by its largest modulus; one that stays at zero, to rounding, has size one.
     """
-    low, high = np.min(values, axis=0), np.max(values, axis=0)
+    low, high = values.min(axis=0), values.max(axis=0)
     largest = np.maximum(np.abs(low), np.abs(high))
     fallback = np.where(largest > ZERO, largest, 1.0)
     return np.where(_are_still(low, high, largest), fallback, 0.5 * (high - low))
@@ -80,7 +80,7 @@ def measure_states(values: Array) -> Array:
 
 def find_still_states(values: Array) -> NDArray[np.bool_]:
     """Return which states hardly move along an orbit, or stay at zero, to rounding; shape (n_states,)."""
-    low, high = np.min(values, axis=0), np.max(values, axis=0)
+    low, high = values.min(axis=0), values.max(axis=0)
     return _are_still(low, high, np.maximum(np.abs(low), np.abs(high)))
 
 

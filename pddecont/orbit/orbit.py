@@ -140,7 +140,7 @@ class Orbit:
         """What is read of the past at the base points, shape (n_base, n_reads)."""
         mesh = self.mesh
         result = np.empty((mesh.n_base, len(self.numeric.model.read_symbols)))
-        result[mesh.base_index.ravel()] = self.read(mesh.grid(mesh.basis.base)).xd.T
+        result[mesh.base_index.ravel()] = self.read(mesh.base_points).xd.T
         return result
 
     def read(self, points: MeshPoints, *, delays: bool = True, integrals: bool = True) -> Reads:
