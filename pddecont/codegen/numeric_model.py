@@ -157,7 +157,7 @@ class NumericModel:
 
         ``history`` replaces the model's.
         """
-        # The compiler is imported by those who simulate, and by no others.
+        # The compiler is imported by those who compute, and by no others.
         from pddecont.codegen.machine_code import ModelFunctions
 
         return self._machine_code.setdefault(history, ModelFunctions(self.model, history))

@@ -129,7 +129,9 @@ def make_mesh(
     found = find_pieces(problem, theta, rule.degree, orbit)
     pieces = cut_pieces(found.pieces, found.theta, rule, density)
     mesh = Mesh(rule.degree, len(problem.signature), tuple(pieces), found.theta.copy(), found.breaking)
-    mesh.once(DISTINCT, lambda: found.distinct)
+    if problem.delay.tracks_breaking_points:
+        # Of another mesh this is found where it is asked for: its pieces are those of another way.
+        mesh.once(DISTINCT, lambda: found.distinct)
     return mesh
 
 

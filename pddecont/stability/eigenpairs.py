@@ -38,6 +38,8 @@ HISTORIES, SMALL_PART, PERIODS = 4, 1e-3, 64
 PAYS = 0.8
 # What is this much smaller than the largest a map makes is nothing: well below rounding, which eigenvalues may magnify.
 NOTHING = float(np.finfo(float).eps) / 8.0
+# Of a map so large that this would hide more, nothing is left out.
+HIDDEN = 1e-3
 
 
 def find_all_outside(monodromy: MonodromyOperator, n: int, radius: float, least: float = 0.0) -> list[Refined] | None:
@@ -90,7 +92,7 @@ def find_inside(matrix: Array) -> tuple[Array, Array]:
         factors, order, scales, _, _ = lapack.dgeqp3(inside)
         heights = np.abs(np.diag(factors))
         k = max(1, int(np.count_nonzero(heights > NOTHING * heights[0])))
-        if k > PAYS * len(inside):
+        if k > PAYS * len(inside) or NOTHING * heights[0] > HIDDEN:
             break
         columns, _, _ = lapack.dorgqr(factors[:, :k], scales[:k])
         # The first columns are their own product with the identity.

@@ -35,6 +35,17 @@ def test_ways_that_do_not_track_have_one_piece_a_segment(method):
     assert len(find_pieces(problem, np.array([6.0, 6.0, 1.0]), 5).pieces) == 2
 
 
+def test_a_mesh_that_did_not_track_is_none_for_a_way_that_does():
+    """Its one piece was no mesh with breaking points, in whatever order they are."""
+    orbit = hard_wall()
+    rough = adapt_mesh(Orbit(replace(orbit.problem, delay=Direct(track=False)), orbit.x), RULE)
+    assert len(rough.mesh.pieces) == 1
+    tracked = Orbit(replace(rough.problem, delay=orbit.problem.delay), rough.x)
+    expected = find_pieces(orbit.problem, orbit.theta, RULE.degree).pieces
+    mesh = make_mesh(tracked.problem, tracked.theta, RULE, orbit=tracked)
+    assert [piece.start.tolist() for piece in mesh.pieces] == [piece.start.tolist() for piece in expected]
+
+
 def test_a_mesh_knows_what_it_was_made_for():
     orbit = hard_wall()
     mesh = make_mesh(orbit.problem, orbit.theta, RULE)

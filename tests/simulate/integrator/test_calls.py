@@ -5,7 +5,8 @@ import ctypes
 import numpy as np
 import pytest
 
-from pddecont.native.integrator import calls
+from pddecont.native import calls
+from pddecont.native.integrator.calls import factorise, solve_factorised
 
 POINTER = ctypes.POINTER(ctypes.c_double)
 
@@ -31,11 +32,11 @@ def test_a_linear_system_is_solved_in_place():
     rng = np.random.default_rng(0)
     matrix, right, pivots = rng.normal(size=(4, 4)), rng.normal(size=4), np.zeros(4, np.int64)
     factors, solution = matrix.ravel().copy(), right.copy()
-    assert calls.factorise(factors, pivots, 4)
-    calls.solve_factorised(factors, pivots, 4, solution)
+    assert factorise(factors, pivots, 4)
+    solve_factorised(factors, pivots, 4, solution)
     assert matrix @ solution == pytest.approx(right, abs=1e-13)
 
 
 @pytest.mark.filterwarnings("ignore")
 def test_a_singular_matrix_has_no_factors():
-    assert not calls.factorise(np.zeros(9), np.zeros(3, np.int64), 3)
+    assert not factorise(np.zeros(9), np.zeros(3, np.int64), 3)
