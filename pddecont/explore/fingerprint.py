@@ -100,15 +100,15 @@ def _summarise(lengths: Array, states: Array, period: float) -> Fingerprint:
     return Fingerprint(period, np.stack([flat.min(axis=0), flat.max(axis=0), mean, deviation]))
 
 
-def are_multiples(period: float, other: float, error: float = 0.0) -> bool:
-    """Return whether of two periods one is a multiple of the other; both are 0 of what rests.
+def is_multiple(period: float, of: float, error: float = 0.0) -> bool:
+    """Return whether a period is a multiple of another, or that; both are 0 of what rests.
 
     ``error`` is how wrong one of them may be, relative to it.
     """
-    if period == 0.0 or other == 0.0:
-        return period == other
-    ratio = max(period, other) / min(period, other)
-    return abs(ratio - round(ratio)) < (SAME_PERIOD + error) * round(ratio)
+    if period == 0.0 or of == 0.0:
+        return period == of
+    ratio = period / of
+    return ratio > 0.5 and abs(ratio - round(ratio)) < (SAME_PERIOD + error) * round(ratio)
 
 
 IMAGES: dict[str, Callable[[Fingerprint], Fingerprint]] = {"": lambda one: one, "mirrored": Fingerprint.mirror}

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
-from pddecont.explore.fingerprint import IMAGES, Fingerprint, are_multiples, fingerprint_orbits
+from pddecont.explore.fingerprint import IMAGES, Fingerprint, fingerprint_orbits, is_multiple
 from pddecont.results import Step
 
 Array = NDArray[np.float64]
@@ -105,7 +105,8 @@ class RecordedBranch:
         if np.any(np.abs(motion.values - expected.values) > allowed):
             return False
         relative = SLACK * periods_apart / expected.period if expected.period > 0.0 else 0.0
-        return are_multiples(motion.period, expected.period, relative)
+        # A branch may be written with several periods of its orbits; a motion has its own.
+        return is_multiple(expected.period, motion.period, relative)
 
     def _interpolate(self, k: int, value: float) -> tuple[float, Array]:
         """Return where between two points the parameter has a value, from 0 to 1, and what is expected there (4, n)."""

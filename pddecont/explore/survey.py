@@ -55,8 +55,9 @@ class Pilot:
 class Survey:
     """What a few motions tell: where others are to start (n_states,) twice, how long they settle, where returns are.
 
-    ``event`` is an event of the model that they keep meeting ("": none), ``level`` the state and the numbers c of the
-    level ``c[0] + c[1:] . parameters`` through which it goes again and again.
+    ``event`` is an event of the model that they keep meeting ("": none), ``state`` one that goes through a level again
+    and again, ``level`` the numbers c of that, ``c[0] + c[1:] . parameters``. ``phase`` is the part of a forcing period
+    after which no event comes.
     """
 
     low: Array
@@ -65,6 +66,7 @@ class Survey:
     event: str
     state: int
     level: Array
+    phase: float
 
 
 def fly_pilots(
@@ -126,7 +128,23 @@ def make_survey(numeric: NumericModel, pilots: Sequence[Pilot], free: Sequence[i
         max(events, key=lambda name: events[name], default=""),
         state,
         level,
+        _find_phase(numeric, pilots) if numeric.model.forced else 0.0,
     )
+
+
+def _find_phase(numeric: NumericModel, pilots: Sequence[Pilot]) -> float:
+    """Return the part of a forcing period amid the longest time in which no motion has an event; 0 without events."""
+    found = [
+        pilot.trajectory.events.t[pilot.trajectory.events.t > 0.5 * pilot.time]
+        / float(numeric.period.value(pilot.parameters)[0])
+        for pilot in pilots
+    ]
+    phases = np.sort(np.concatenate([np.zeros(0), *found]) % 1.0)
+    if not len(phases):
+        return 0.0
+    gaps = np.diff(phases, append=phases[0] + 1.0)
+    widest = int(np.argmax(gaps))
+    return float((phases[widest] + 0.5 * gaps[widest]) % 1.0)
 
 
 def _list_late_events(numeric: NumericModel, pilot: Pilot) -> set[str]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from pddecont.explore import Fingerprint, RecordedBranch, are_multiples
+from pddecont.explore import Fingerprint, RecordedBranch, is_multiple
 from pddecont.reasons import Reason
 from pddecont.steps.execution.explore_leads import DOUBLING, Lead
 
@@ -57,7 +57,7 @@ class Diagram:
             other = entry.lead
             if other.label == lead.label and entry.branch is not None and _is_near(lead, other.value, entry.branch):
                 for image in (other.motion, other.motion.mirror()):
-                    if entry.branch.is_alike(lead.motion, image) and are_multiples(image.period, lead.motion.period):
+                    if entry.branch.is_alike(lead.motion, image) and is_multiple(image.period, lead.motion.period):
                         return entry.branch.name
         for branch in self.branches:
             if branch.name != lead.step and _leads_to(branch, lead):
@@ -89,6 +89,6 @@ def _leads_to(branch: RecordedBranch, lead: Lead) -> bool:
                 continue
             # Beyond a period doubling the period is twice as long; where orbits are born they have none yet.
             twice = lead.label != DOUBLING or image.period > 1.5 * lead.motion.period
-            if twice and (lead.motion.period == 0.0 or are_multiples(image.period, lead.motion.period)):
+            if twice and (lead.motion.period == 0.0 or is_multiple(image.period, lead.motion.period)):
                 return True
     return False

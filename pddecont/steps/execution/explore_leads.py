@@ -95,8 +95,8 @@ def plan_sweep(
         "max_period": body.max_period,
         "transient": _choose_transient(plan, settings, survey),
     }
-    section = _choose_section(plan, settings, survey)
-    return {"name": name, "set": dict(slice_), "sweep": sweep | ({} if section is None else {"section": section})}
+    sweep["section"] = _choose_section(plan, settings, survey)
+    return {"name": name, "set": dict(slice_), "sweep": sweep}
 
 
 def _choose_transient(plan: Plan, settings: ExploreSettings, survey: Survey) -> str | float:
@@ -107,11 +107,11 @@ def _choose_transient(plan: Plan, settings: ExploreSettings, survey: Survey) -> 
     return _round(survey.transient)
 
 
-def _choose_section(plan: Plan, settings: ExploreSettings, survey: Survey) -> dict[str, Any] | None:
+def _choose_section(plan: Plan, settings: ExploreSettings, survey: Survey) -> dict[str, Any]:
     if settings.body.section is not None:
         return dict(settings.body.section.model_dump(exclude_none=True))
     if plan.model.forced:
-        return None
+        return {"phase": _round(survey.phase) % 1.0}
     if survey.event:
         return {"event": survey.event}
     terms = [f"({_round(c)})*{name}" for c, name in zip(survey.level[1:], settings.over, strict=False)]
