@@ -260,6 +260,8 @@ def _list_pilots(plan: Plan, step: PlannedStep[ExploreSettings], at: Mapping[str
 
 def _record(context: Context, step: PlannedStep[ExploreSettings], exploration: _Exploration) -> None:
     """Write what came of an exploration; one that time ended is not done, and goes on when it is resumed."""
+    # Those who listen hear of this step again, after those that it planned.
+    context.reporter.step(step.name, step.kind)
     ending = make_ending(exploration.diagram, exploration.looks, exploration.stopped, exploration.number)
     out_of_time = ending.values["stopped"] == "time"
     meta: dict[str, Any] = {"free": list(step.settings.over), "directions": 2 if out_of_time else 1}

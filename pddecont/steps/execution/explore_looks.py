@@ -27,6 +27,8 @@ from pddecont.steps.execution.attractor_rows import attractor_from_row
 Array = NDArray[np.float64]
 # Returns of a motion without period that are looked at.
 IRREGULAR_RETURNS = 40
+# Returns in which the period of a motion is looked for that settles slowly.
+SLOW_RETURNS = 140
 # A motion that covers less than this part of its place, or of how far motions of the model go, is at rest.
 STILL = 1e-5
 # A motion that is farther than so many times what motions of the model cover goes away.
@@ -125,31 +127,44 @@ def _judge(plan: Plan, attractor: Attractor, trajectory: Trajectory, survey: Sur
         # Its returns were looked at for a period.
         return LookCode.IRREGULAR, whole
     try:
-        cycle = detect_period(plan.numeric, attractor.p, trajectory)
+        return _find_period(plan, attractor.p, trajectory)
     except SignatureError:
         return LookCode.IRREGULAR, whole
+
+
+def _find_period(plan: Plan, p: Array, trajectory: Trajectory) -> tuple[LookCode, Fingerprint]:
+    """Return what a motion looks like that repeats itself; raise SignatureError if it does not."""
+    cycle = detect_period(plan.numeric, p, trajectory)
     begin, end = float(cycle.times[0]), float(cycle.times[-1])
     return LookCode.PERIODIC, fingerprint_trajectory(trajectory, end - begin, begin, end)
 
 
 def name_irregular(plan: Plan, recorded: Step, look: Look) -> Look:
-    """Return what a motion without period is, by its largest Lyapunov exponent: chaos, a torus, or not decided."""
+    """Return what a motion without period is, by its largest Lyapunov exponent.
+
+    It is chaos, a torus, or a periodic motion that others near to it settle to so slowly that it was not seen yet.
+    """
     task = read_task(plan, recorded)
-    if task.method.stiff or task.method.stick:
+    attractor = attractor_from_row(recorded, look.row)
+    is_late = attractor.failure is not None and attractor.failure.reason == FailureReason.NOT_SETTLED
+    if task.method.stiff or task.method.stick or (attractor.failure is not None and not is_late):
         return look
     simulator = task.make_simulator()
-    attractor = attractor_from_row(recorded, look.row)
-    if attractor.failure is not None and attractor.failure.reason != FailureReason.NOT_SETTLED:
-        return look
     settling = plan.find_step(recorded.name).settings.settling
-    duration = settling.make_return_settings(plan.numeric, attractor.p).transient
+    duration = float(settling.make_return_settings(plan.numeric, attractor.p).transient)
     values = simulator.values(attractor.p)
     exponent = find_lyapunov_exponent(simulator, values, replace(attractor, failure=None), duration)
     between = float(np.mean(np.diff(attractor.times))) if len(attractor.times) > 1 else 1.0
-    least = max(NEUTRAL / between, UNCERTAINTIES * exponent.uncertainty)
-    code = look.code if attractor.failure is None else LookCode.UNSETTLED
-    if exponent.value > least:
-        code = LookCode.CHAOS
-    elif abs(exponent.value) <= least and attractor.failure is None:
-        code = LookCode.TORUS
-    return replace(look, code=code, exponent=exponent)
+    doubt = UNCERTAINTIES * exponent.uncertainty
+    look = replace(look, exponent=exponent)
+    if exponent.value > max(NEUTRAL / between, doubt):
+        return replace(look, code=LookCode.CHAOS)
+    try:
+        trajectory = follow_attractor(
+            simulator, attractor, SLOW_RETURNS * between, recorded.name, after=LONGER * duration
+        )
+        code, motion = _find_period(plan, attractor.p, trajectory)
+    except (ConvergenceError, SignatureError):
+        is_torus = exponent.value >= -doubt and attractor.failure is None
+        return replace(look, code=LookCode.TORUS if is_torus else LookCode.UNSETTLED)
+    return replace(look, code=code, motion=motion)
