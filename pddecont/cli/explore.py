@@ -57,6 +57,8 @@ def command(
     scheduler: str | None,
     quiet: bool,
     as_json: bool,
+    time: float | None,
+    max_branches: int | None,
     **limits: Any,
 ) -> None:
     """Compute the whole diagram of MODEL over a parameter: all that is found, followed both ways.
@@ -67,6 +69,7 @@ def command(
     from pddecont.api import compute, plan
     from pddecont.cli.run import read_assignment
     from pddecont.runfile import Overrides
+    from pddecont.steps import Budget
     from pddecont.tables import describe_exploration_lines
 
     if resume and overwrite:
@@ -81,7 +84,14 @@ def command(
     progress = Progress(quiet or as_json)
     try:
         results = compute(
-            checked, path, progress, resume=resume, overwrite=overwrite, workers=workers, scheduler=scheduler
+            checked,
+            path,
+            progress,
+            resume=resume,
+            overwrite=overwrite,
+            workers=workers,
+            scheduler=scheduler,
+            budget=Budget(time, max_branches),
         )
     finally:
         progress.stop()

@@ -46,7 +46,6 @@ class Explore(Integration):
     max_period: int = Field(32, ge=1, le=256, description="longest period, in returns, that is told from no period")
     max_branches: int = Field(40, ge=1, le=10_000, description="most branches that are begun")
     depth: int = Field(4, ge=0, le=64, description="most period doublings one after another that are followed")
-    time: float | None = Field(None, gt=0, description="seconds after which no further step is begun")
     step: StepSize = Field(default_factory=lambda: StepSize.model_validate({"max": LONGEST_STEP}))
     max_points: int = Field(300, ge=1, le=1_000_000, description="most points of a branch in each direction")
 

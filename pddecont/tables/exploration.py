@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -24,9 +25,11 @@ LOOKS = {
     "away": "going away without bound",
     "halted": "halted",
 }
+# Motions of one look whose places are said.
+MAX_PLACES = 8
 STOPS = {
     "time": "the time was over: --resume goes on",
-    "max_branches": "'max_branches' was reached: raise it for more",
+    "max_branches": "as many branches as allowed were begun: --resume with more goes on",
     "depth": "beyond 'depth'",
 }
 
@@ -39,7 +42,7 @@ def list_branches(step: Step) -> list[Row]:
         if reason.code not in OF_LEADS:
             continue
         v = reason.values
-        row: Row = {"branch": v.get("step", ""), "from": v["origin"], "depth": v["depth"]}
+        row: Row = {"branch": v.get("step", ""), "from": v["origin"], "depth": v["depth"], "curve": v.get("curve", "")}
         row |= {"low": v.get("low"), "high": v.get("high"), "points": v.get("n_points"), "stable": v.get("n_stable")}
         row |= {"special": v.get("special", ""), "outcome": describe_lead(reason)}
         rows.append(row)
@@ -56,7 +59,11 @@ def list_motions(step: Step) -> list[Row]:
         v, p = reason.values, step.points
         row: Row = {"label": step.labels[i]}
         row |= {name: float(x) for name, x in zip(step.meta["parameters"], p["parameters"][i], strict=True)}
-        row |= {"branch": v.get("branch", ""), "look": LOOKS.get(str(v["look"]), str(v["look"]))}
+        row |= {
+            "branch": v.get("branch", ""),
+            "motion": v.get("motion", ""),
+            "look": LOOKS.get(str(v["look"]), str(v["look"])),
+        }
         row |= {"period": float(p["period"][i]), "lyapunov": float(p["lyapunov"][i])}
         row |= {"lyapunov_error": float(p["lyapunov_error"][i])}
         for name, low, high in zip(step.meta["states"], p["lowest"][i], p["highest"][i], strict=True):
@@ -68,6 +75,12 @@ def list_motions(step: Step) -> list[Row]:
 def list_unexplained(step: Step) -> list[Row]:
     """Return the rows of :func:`list_motions` that settle, and lie on no branch."""
     return [row for row in list_motions(step) if row["label"]]
+
+
+def name_settled(reason: Reason) -> str:
+    """Return in a few words what a motion at a place of the plane settled to."""
+    motion = str(reason.values.get("motion", ""))
+    return LOOKS.get(motion, motion).partition(":")[0]
 
 
 def describe_lead(reason: Reason) -> str:
@@ -90,7 +103,8 @@ def describe_lead(reason: Reason) -> str:
 def describe_exploration(step: Step, ending: Reason) -> str:
     """Return what an exploration came to, in a sentence."""
     v = ending.values
-    text = f"{v['n_branches']} branches; {v['n_explained']} of {v['n_motions']} motions that settle lie on them"
+    curves = f", {v['n_curves']} curves" if v["n_curves"] else ""
+    text = f"{v['n_branches']} branches{curves}; {v['n_explained']} of {v['n_motions']} motions that settle lie on them"
     looks = Counter(str(step.reason(i).values["look"]) for i in range(len(step)) if step.labels[i])
     if looks:
         counts = ", ".join(f"{n} {LOOKS.get(look, look).partition(':')[0]}" for look, n in looks.items())
@@ -104,16 +118,36 @@ def describe_exploration(step: Step, ending: Reason) -> str:
 def describe_exploration_lines(step: Step) -> list[str]:
     """Return an exploration in a sentence a branch, and one a kind of motion that lies on none."""
     (name, *_) = step.meta["free"]
-    lines = []
+    lines, left = [], Counter[str]()
     for row in list_branches(step):
         if row["points"] is None:
-            lines.append(f"{row['branch'] or '-'}, from {row['from']}: {row['outcome']}")
+            if row["branch"]:
+                lines.append(f"{row['branch']}, from {row['from']}: {row['outcome']}")
+            else:
+                left[row["outcome"]] += 1
             continue
         special = f"; {row['special']}" if row["special"] else ""
+        if row["curve"]:
+            where = f"curve of {row['curve']} points, {name} {row['low']:.6g} to {row['high']:.6g}"
+            lines.append(f"{row['branch']}, from {row['from']}: {where}{special}; {row['outcome']}")
+            continue
         where = f"{name} {row['low']:.6g} to {row['high']:.6g}, {row['stable']} of {row['points']} points stable"
         lines.append(f"{row['branch']}, from {row['from']}: {where}{special}; {row['outcome']}")
+    lines += [f"{n} more to follow were {outcome}" for outcome, n in left.items()]
+    lines += [f"curves meet at {' = '.join(points)}" for points in step.meta.get("meetings", ())]
+    alike: dict[str, list[Row]] = {}
     for row in list_unexplained(step):
-        where = ", ".join(f"{key} = {row[key]:.6g}" for key in step.meta["free"])
-        exponent = f", Lyapunov exponent {row['lyapunov']:.3g}" if np.isfinite(row["lyapunov"]) else ""
-        lines.append(f"{row['label']}, not explained, {where}: {row['look']}{exponent}")
+        alike.setdefault(row["look"], []).append(row)
+    lines += [_describe_alike(step, look, rows) for look, rows in alike.items()]
     return lines
+
+
+def _describe_alike(step: Step, look: str, rows: Sequence[Row]) -> str:
+    """Return what motions look like that lie on no branch, where they are, and their exponents."""
+    places = []
+    for row in rows[:MAX_PLACES]:
+        where = ", ".join(f"{key} = {row[key]:.6g}" for key in step.meta["free"])
+        exponent = f", exponent {row['lyapunov']:.3g}" if np.isfinite(row["lyapunov"]) else ""
+        places.append(f"{row['label']} ({where}{exponent})")
+    more = f" and {len(rows) - MAX_PLACES} more" if len(rows) > MAX_PLACES else ""
+    return f"on no branch, {look}: {', '.join(places)}{more}"

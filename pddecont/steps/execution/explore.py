@@ -5,8 +5,7 @@ What is planned next depends on nothing but what the file holds, so that a run t
 
 from __future__ import annotations
 
-import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -21,6 +20,15 @@ from pddecont.runfile import Plan, PlannedStep, extend_plan
 from pddecont.simulate import Method
 from pddecont.steps.context import Context
 from pddecont.steps.execution.ending import report_done
+from pddecont.steps.execution.explore_curves import (
+    MEETING,
+    Curve,
+    find_meetings,
+    list_curve_leads,
+    list_meeting_leads,
+    plan_curve,
+    read_curve,
+)
 from pddecont.steps.execution.explore_diagram import Diagram, Entry
 from pddecont.steps.execution.explore_leads import (
     Lead,
@@ -35,7 +43,7 @@ from pddecont.steps.execution.explore_leads import (
     plan_sweep,
 )
 from pddecont.steps.execution.explore_looks import Look, LookCode, look_at_sweep, name_irregular
-from pddecont.steps.execution.explore_record import entry_to_row, look_to_row, make_ending
+from pddecont.steps.execution.explore_record import entry_to_row, look_to_row, make_ending, settled_to_row
 from pddecont.steps.execution.one_step import do_step
 from pddecont.steps.explore import ExploreSettings
 from pddecont.steps.registry import list_step_kinds
@@ -60,11 +68,13 @@ class _Exploration:
     settings: ExploreSettings
     survey: Survey
     prefix: str
-    deadline: float
     at: dict[str, float]
     diagram: Diagram = field(default_factory=Diagram)
     leads: list[Lead] = field(default_factory=list)
     looks: list[Look] = field(default_factory=list)
+    curves: list[Curve] = field(default_factory=list)
+    curve_entries: list[Entry] = field(default_factory=list)
+    plane: list[Look] = field(default_factory=list)
     failures: list[str] = field(default_factory=list)
     n_begun: int = 0
 
@@ -91,9 +101,10 @@ class _Exploration:
     @property
     def stopped(self) -> str:
         """What allows no further branch: "time", "max_branches", or nothing."""
-        if time.monotonic() > self.deadline:
+        if self.context.budget.is_over:
             return "time"
-        return "max_branches" if self.n_begun >= self.settings.body.max_branches else ""
+        most = self.context.budget.max_branches or self.settings.body.max_branches
+        return "max_branches" if self.n_begun >= most else ""
 
     def do(self, fields: Mapping[str, Any]) -> Step:
         """Plan a step and do it; return what the file holds of it then."""
@@ -186,6 +197,54 @@ class _Exploration:
         self.diagram.entries.append(Entry(lead, followed, branch))
         self.leads += list_switch_leads(branch, lead.depth)
 
+    def follow_curves(self) -> None:
+        """Follow special points of all branches in two parameters, and what goes on where curves meet."""
+        waiting: list[tuple[Lead, Array, bool]] = [
+            (lead, place, False)
+            for entry in self.diagram.entries
+            if entry.branch is not None
+            for lead, place in list_curve_leads(entry.branch, self.settings, entry.lead.depth)
+        ]
+        waiting.sort(key=lambda one: one[0].depth)
+        while waiting:
+            lead, place, switch = waiting.pop(0)
+            same_kind = [curve for curve in self.curves if curve.kind == lead.label]
+            if lead.label not in MEETING and any(curve.passes(place) for curve in same_kind):
+                continue
+            if lead.label in MEETING and any(
+                curve.step.name != lead.step and curve.passes(place) for curve in self.curves
+            ):
+                continue
+            if self.stopped:
+                self.curve_entries.append(Entry(lead, make_reason("left", origin=lead.origin, why=self.stopped)))
+                continue
+            waiting += self._follow_curve(lead, switch)
+
+    def _follow_curve(self, lead: Lead, switch: bool) -> Iterator[tuple[Lead, Array, bool]]:
+        """Follow a special point in two parameters; return what goes on from its curve."""
+        self.n_begun += 1
+        name = f"{self.prefix}curve_{self.n_begun}"
+        recorded = self.try_to_do(plan_curve(self.settings, lead, name, switch=switch))
+        if recorded is None:
+            failed = make_reason("failed", step=name, origin=lead.origin, why=self.failures[-1])
+            self.curve_entries.append(Entry(lead, failed))
+            return iter(())
+        curve = read_curve(recorded, self.settings)
+        low, high = self.settings.over[self.parameter]
+        branch = read_branch(recorded, self.parameter, high - low, self.scale)
+        self.curves.append(curve)
+        self.curve_entries.append(Entry(lead, make_reason("followed", step=name, origin=lead.origin), branch))
+        return list_meeting_leads(curve, branch)
+
+    def look_at_plane(self) -> None:
+        """See what motions settle to at random places of the plane."""
+        body = self.settings.body
+        fields = plan_sweep(
+            self.plan, self.settings, self.survey, f"{self.prefix}plane", {}, 2 * body.check, body.seed + 2
+        )
+        recorded = self.do(fields)
+        self.plane = look_at_sweep(self.plan, recorded, self.survey)
+
     def name_unexplained(self) -> None:
         """Find out what motions without period are that lie on no branch."""
         assert self.context.file is not None, "a run has a file"
@@ -209,6 +268,10 @@ def run_explore(context: Context, step: PlannedStep[ExploreSettings], recorded: 
             exploration.sweep("check", step.settings.body.check, step.settings.body.seed + 1)
             exploration.follow_all()
         exploration.name_unexplained()
+        if len(step.settings.over) == 2:
+            exploration.follow_curves()
+            if step.settings.body.check and exploration.stopped != "time":
+                exploration.look_at_plane()
     finally:
         context.plan = before
     _record(context, step, exploration)
@@ -227,10 +290,9 @@ def _begin(context: Context, step: PlannedStep[ExploreSettings]) -> _Exploration
     survey = make_survey(plan.numeric, pilots, free[:1], own)
     n_explorations = sum(other.kind == step.kind for other in plan.steps)
     prefix = f"{step.name}_" if n_explorations > 1 or len(plan.steps) > 1 else ""
-    deadline = np.inf if body.time is None else time.monotonic() + body.time
     # Steps that it plans are done in this process: others hold the plan as it was at first.
     inner = context if context.elsewhere is None else _leave_elsewhere(context)
-    return _Exploration(inner, settings, survey, prefix, deadline, at)
+    return _Exploration(inner, settings, survey, prefix, at)
 
 
 def _leave_elsewhere(context: Context) -> Context:
@@ -259,15 +321,20 @@ def _list_pilots(plan: Plan, step: PlannedStep[ExploreSettings], at: Mapping[str
 
 
 def _record(context: Context, step: PlannedStep[ExploreSettings], exploration: _Exploration) -> None:
-    """Write what came of an exploration; one that time ended is not done, and goes on when it is resumed."""
+    """Write what came of an exploration; one whose budget was spent is not done, and goes on when it is resumed."""
     # Those who listen hear of this step again, after those that it planned.
     context.reporter.step(step.name, step.kind)
-    ending = make_ending(exploration.diagram, exploration.looks, exploration.stopped, exploration.number)
-    out_of_time = ending.values["stopped"] == "time"
-    meta: dict[str, Any] = {"free": list(step.settings.over), "directions": 2 if out_of_time else 1}
-    rows = [entry_to_row(entry, context.plan) for entry in exploration.diagram.entries]
+    ending = make_ending(
+        exploration.diagram, exploration.curve_entries, exploration.looks, exploration.stopped, exploration.number
+    )
+    meta: dict[str, Any] = {"free": list(step.settings.over), "directions": 2 if ending.values["stopped"] else 1}
+    entries = [*exploration.diagram.entries, *exploration.curve_entries]
+    meta["meetings"] = [list(meeting.points) for meeting in find_meetings(exploration.curves)]
+    rows = [entry_to_row(entry, context.plan) for entry in entries]
     n, number = len(context.plan.model.states), exploration.number
     rows += [look_to_row(look, exploration.diagram, number, n) for look in exploration.looks]
+    assert context.file is not None, "a run has a file"
+    rows += [settled_to_row(look, context.file, n) for look in exploration.plane]
     with context.open_step(step, EXPLORE, meta, capacity=max(1, len(rows))) as writer:
         for points, reason in rows:
             writer.append(points, {}, reason)

@@ -78,13 +78,14 @@ def plan_sweep(
     number: int,
     seed: int,
 ) -> dict[str, Any]:
-    """Return a sweep of so many motions over all parameters but those of a slice, from the box."""
+    """Return a sweep of so many motions over all parameters but those of a slice, which begin in the box."""
     body, own = settings.body, list_own_states(plan)
     names = list(plan.model.states)
     box = {name: [_round(survey.low[names.index(name)]), _round(survey.high[names.index(name)])] for name in own}
     box |= {name: list(limits) for name, limits in settings.box.items()}
     over = {key: list(limits) for key, limits in settings.over.items() if key not in slice_}
-    counts = [number] if len(over) == 1 else [number, 1]
+    # Of a Sobol sequence the product alone counts, but each range must have two ends.
+    counts = [number] if len(over) == 1 else [-(-number // 2), 2]
     how: dict[str, Any] = {"rtol": body.rtol, "atol": body.atol, "method": body.method, "stick": dict(body.stick)}
     how |= {} if body.max_step is None else {"max_step": body.max_step}
     sweep: dict[str, Any] = {

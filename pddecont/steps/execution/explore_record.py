@@ -8,9 +8,11 @@ from typing import Any
 import numpy as np
 
 from pddecont.reasons import Reason, Scalar, make_reason
+from pddecont.results import Results
 from pddecont.runfile import Plan
 from pddecont.steps.execution.explore_diagram import Diagram, Entry
 from pddecont.steps.execution.explore_looks import Look, LookCode
+from pddecont.tables import name_motion
 
 # Labels of motions that lie on no branch: U1, U2, ...
 KIND = "U"
@@ -34,8 +36,9 @@ def entry_to_row(entry: Entry, plan: Plan) -> Row:
             "high": float(np.max(branch.parameter)),
             "n_stable": int(np.sum(step.points["stable"] == 1)),
             "special": " ".join(labels),
-            "holds": step.kind,
         }
+        if step.meta.get("curve"):
+            values["curve"] = str(step.meta["curve"])
         for ending in step.endings:
             values["up" if ending.values.get("direction") == 1 else "down"] = ending.code
     points = {
@@ -83,18 +86,31 @@ def find_explanation(look: Look, diagram: Diagram, number: int) -> tuple[str, st
     return None if found is None else (found[0].name, found[1])
 
 
-def make_ending(diagram: Diagram, looks: Sequence[Look], stopped: str, number: int) -> Reason:
+def settled_to_row(look: Look, file: Results, n: int) -> Row:
+    """Return the row of a motion at a place of the plane, with what it settles to in words of names and counts."""
+    recorded = file.step(look.sweep)
+    motion = name_motion(recorded, look.row) if look.can_start_orbit else str(look.code)
+    points, reason = look_to_row(look, Diagram(), 0, n)
+    values = {key: value for key, value in reason.values.items() if key not in ("branch", "way")}
+    code = "halted" if reason.code == "halted" else "settled"
+    return {**points, "kind": b""}, Reason(code, {**values, "motion": motion})
+
+
+def make_ending(diagram: Diagram, curves: Sequence[Entry], looks: Sequence[Look], stopped: str, number: int) -> Reason:
     """Return how an exploration ended: what it counts, and what stopped it."""
     codes = [entry.reason.code for entry in diagram.entries]
-    waiting = any(entry.reason.values.get("why") in ("time", "max_branches") for entry in diagram.entries)
+    of_curves = [entry.reason.code for entry in curves]
+    everything = [*diagram.entries, *curves]
+    waiting = any(entry.reason.values.get("why") in ("time", "max_branches") for entry in everything)
     explained = [find_explanation(look, diagram, number) is not None for look in looks]
     settled = [look.motion is not None and look.code != LookCode.AWAY for look in looks]
     return make_reason(
         "explored",
         stopped=stopped if waiting or stopped == "time" else "",
         n_branches=codes.count("followed"),
-        n_failed=codes.count("failed"),
-        n_left=codes.count("left"),
+        n_curves=of_curves.count("followed"),
+        n_failed=[*codes, *of_curves].count("failed"),
+        n_left=[*codes, *of_curves].count("left"),
         n_motions=sum(settled),
         n_explained=sum(explained),
         n_halted=len(looks) - sum(settled),
