@@ -10,9 +10,6 @@ import click
 from pddecont.cli.completion import complete_file
 from pddecont.cli.console import Progress, print_json, printable, say
 
-# The name of the step that explores.
-STEP = "explore"
-
 
 @click.command("explore")
 @click.argument("model", shell_complete=complete_file)
@@ -66,7 +63,7 @@ def command(
     MODEL is a path, '-' for standard input, or the name of a shipped model; of its run block delay, mesh and monitors
     count, and not the steps. The results are ordinary steps, which 'plot', 'report', 'info' and 'export' show.
     """
-    from pddecont.api import compute, plan
+    from pddecont.api import EXPLORATION, compute, plan_exploration
     from pddecont.cli.run import read_assignment
     from pddecont.runfile import Overrides
     from pddecont.steps import Budget
@@ -74,10 +71,10 @@ def command(
 
     if resume and overwrite:
         raise click.UsageError("--resume and --overwrite exclude each other")
-    fields: dict[str, Any] = {"over": dict(map(_read_range, ranges)), "box": dict(map(_read_range, boxes))}
-    fields |= {name: value for name, value in limits.items() if value is not None}
+    settings = {name: value for name, value in limits.items() if value is not None}
     overrides = Overrides(tuple(map(read_assignment, assignments)), without)
-    checked = plan(model, steps=[{"name": STEP, "explore": fields}], overrides=overrides)
+    over, box = (dict(map(_read_range, texts)) for texts in (ranges, boxes))
+    checked = plan_exploration(model, over, overrides, box=box, **settings)
     for warning in checked.warnings:
         say(f"{warning} (warning)")
     path = output or Path("run.h5" if model == "-" else f"{Path(model).stem}_explore.h5")
@@ -98,7 +95,7 @@ def command(
     if as_json:
         print_json({"output": str(path), **results.summary()})
     elif not quiet:
-        for line in describe_exploration_lines(results[STEP].step):
+        for line in describe_exploration_lines(results[EXPLORATION].step):
             click.echo(printable(line))
         say(f"results: {path}")
 
