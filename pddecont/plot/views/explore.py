@@ -8,6 +8,7 @@ import numpy as np
 
 from pddecont.errors import ResultsError
 from pddecont.plot.axis_labels import format_axis_label
+from pddecont.plot.branch_colours import assign_kind_colours
 from pddecont.plot.columns import find_state, list_free_parameters, read_parameter
 from pddecont.plot.heights import choose_state
 from pddecont.plot.layouts import finish_figure, make_axes
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
 
 # Motions that lie on a branch, and those that lie on none.
 ON_BRANCH, ON_NONE = "0.72", "0.25"
+# Labels of special points up to which all are written; of more those beside which something is stable.
+MAX_LABELS = 24
 # Marks of motions in the plane, when the colours are used up.
 PLANE_MARKERS = ("o", "s", "^", "v")
 DOT, CROSS = 5.5, 5.0
@@ -44,8 +47,21 @@ def draw_figure(steps: list[Step], request: ViewRequest) -> Figure:
     handles = draw_motions(axes, exploration, x, y) if y in exploration.meta["states"] else []
     if not branches:
         return finish_figure(figure, axes, handles=handles)
-    labels, of_branches = draw_diagram(axes, branches, x, y)
+    labels, of_branches = draw_diagram(axes, branches, x, y, assign_kind_colours(branches))
+    if len(labels) > MAX_LABELS:
+        beside_stable = {key for step in branches for key in list_beside_stable(step, x)}
+        labels = [label for label in labels if (label.text, label.x) in beside_stable]
     return finish_figure(figure, axes, labels, [*of_branches, *handles])
+
+
+def list_beside_stable(step: Step, x: str) -> list[tuple[str, float]]:
+    """Return the labels of points beside which a branch is stable, each with the point's parameter."""
+    xs, stable = read_parameter(step, x), step.points["stable"][step.order] == 1
+    found = []
+    for k, row in enumerate(step.order):
+        if step.labels[row] and stable[max(0, k - 1) : k + 2].any():
+            found.append((step.labels[row], float(xs[row])))
+    return found
 
 
 def draw_two_parameters(curves: list[Step], exploration: Step) -> Figure:

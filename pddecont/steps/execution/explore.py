@@ -13,10 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.errors import ConvergenceError, RunError, SignatureError
-from pddecont.explore import Survey, fly_pilots, make_survey, read_branch
+from pddecont.explore import Survey, fingerprint_orbits, fly_pilots, make_survey, read_branch
+from pddecont.orbit import count_repetitions
 from pddecont.reasons import make_reason
-from pddecont.results import EXPLORE, Step
-from pddecont.runfile import Plan, PlannedStep, extend_plan
+from pddecont.results import EXPLORE, ORBIT, Step
+from pddecont.runfile import Plan, PlannedStep, Source, extend_plan
 from pddecont.simulate import Method
 from pddecont.steps.context import Context
 from pddecont.steps.execution.ending import report_done
@@ -45,6 +46,7 @@ from pddecont.steps.execution.explore_leads import (
 from pddecont.steps.execution.explore_looks import Look, LookCode, look_at_sweep, name_irregular
 from pddecont.steps.execution.explore_record import entry_to_row, look_to_row, make_ending, settled_to_row
 from pddecont.steps.execution.one_step import do_step
+from pddecont.steps.execution.recorded_orbits import find_orbit
 from pddecont.steps.explore import ExploreSettings
 from pddecont.steps.registry import list_step_kinds
 
@@ -179,8 +181,11 @@ class _Exploration:
         recorded = None
         for fields in steps:
             recorded = self.try_to_do(fields)
-            if recorded is None:
-                failed = make_reason("failed", step=name, origin=lead.origin, why=self.failures[-1])
+            why = self.failures[-1] if recorded is None else self._find_objection(recorded)
+            if why:
+                if recorded is not None:
+                    self.context.drop_step(recorded.name)
+                failed = make_reason("failed", step=name, origin=lead.origin, why=why)
                 self.diagram.entries.append(Entry(lead, failed))
                 return
         assert recorded is not None, "there is a step at least"
@@ -244,6 +249,19 @@ class _Exploration:
         )
         recorded = self.do(fields)
         self.plane = look_at_sweep(self.plan, recorded, self.survey)
+
+    def _find_objection(self, recorded: Step) -> str:
+        """Return why the orbit of a step is not followed: it is on a branch, or another several times over."""
+        if recorded.kind != ORBIT.kind:
+            return ""
+        (motion,) = fingerprint_orbits(recorded, np.array([0]))
+        known = self.diagram.find(motion, float(recorded.points["parameters"][0, self.number]))
+        if known is not None:
+            return f"its orbit lies on {known[0].name}"
+        source = Source.model_validate({"step": recorded.name})
+        orbit = find_orbit(self.context, self.plan.find_step(recorded.name), source)
+        n = count_repetitions(orbit)
+        return f"its orbit is one of period {orbit.period / n:.10g}, {n} times over" if n > 1 else ""
 
     def name_unexplained(self) -> None:
         """Find out what motions without period are that lie on no branch."""

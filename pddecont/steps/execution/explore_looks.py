@@ -37,8 +37,8 @@ FAR = 10.0
 LONGER = 3.0
 # The part of the time to settle for which a motion that does not come back to the section is followed on.
 FURTHER = 0.1
-# An exponent that is smaller than this in one return, or than so many of its uncertainties, is zero.
-NEUTRAL, UNCERTAINTIES = 1e-2, 3.0
+# An exponent that is surely smaller than this in one return is zero; it is known to so many of its uncertainties.
+NEUTRAL, UNCERTAINTIES = 2e-2, 3.0
 
 
 class LookCode(StrEnum):
@@ -165,6 +165,8 @@ def name_irregular(plan: Plan, recorded: Step, look: Look) -> Look:
         )
         code, motion = _find_period(plan, attractor.p, trajectory)
     except (ConvergenceError, SignatureError):
-        is_torus = exponent.value >= -doubt and attractor.failure is None
-        return replace(look, code=LookCode.TORUS if is_torus else LookCode.UNSETTLED)
+        if attractor.failure is not None or exponent.value < -doubt:
+            return replace(look, code=LookCode.UNSETTLED)
+        # An exponent that is not known to be small does not tell a torus from weak chaos.
+        return replace(look, code=LookCode.TORUS if abs(exponent.value) + doubt < NEUTRAL / between else look.code)
     return replace(look, code=code, motion=motion)
