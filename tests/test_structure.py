@@ -34,7 +34,7 @@ ALLOWED = {
     "stability": {"collocation", "continuation", "delay", "orbit"},
     "equilibrium": {"codegen", "collocation", "continuation", "delay", "intervals", "model"},
     "bifurcation": {"collocation", "continuation", "equilibrium", "model", "orbit", "stability"},
-    "explore": {"codegen", "collocation", "delay", "results", "simulate"},
+    "exploration": {"codegen", "collocation", "delay", "results", "simulate"},
     "runfile": {"codegen", "collocation", "data", "delay", "model", "orbit"},
     "steps": {
         "bifurcation",
@@ -55,7 +55,7 @@ ALLOWED = {
         "continuation",
         "delay",
         "equilibrium",
-        "explore",
+        "exploration",
         "model",
         "orbit",
         "results",

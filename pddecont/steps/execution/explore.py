@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.errors import ConvergenceError, RunError, SignatureError
-from pddecont.explore import Survey, fingerprint_orbits, fly_pilots, make_survey, read_branch
+from pddecont.exploration import Survey, fingerprint_orbits, fly_pilots, make_survey, read_branch
 from pddecont.orbit import count_repetitions
 from pddecont.reasons import make_reason
 from pddecont.results import EXPLORE, ORBIT, Step

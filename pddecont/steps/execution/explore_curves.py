@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.bifurcation import find_kind
-from pddecont.explore import RecordedBranch
+from pddecont.exploration import RecordedBranch
 from pddecont.results import Step
 from pddecont.steps.execution.explore_leads import Lead, LeadKind
 from pddecont.steps.explore import ExploreSettings

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from pddecont.explore import Fingerprint, RecordedBranch, is_multiple
+from pddecont.exploration import Fingerprint, RecordedBranch, is_multiple
 from pddecont.reasons import Reason
 from pddecont.steps.execution.explore_leads import DOUBLING, Lead
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from pddecont.explore import Fingerprint, RecordedBranch, Survey, fingerprint_orbits
+from pddecont.exploration import Fingerprint, RecordedBranch, Survey, fingerprint_orbits
 from pddecont.model import parse_document, write_formula
 from pddecont.results import Step
 from pddecont.runfile import Plan

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.errors import ConvergenceError, SignatureError
-from pddecont.explore import Fingerprint, Survey, fingerprint_rest, fingerprint_trajectory
+from pddecont.exploration import Fingerprint, Survey, fingerprint_rest, fingerprint_trajectory
 from pddecont.results import Step
 from pddecont.runfile import Plan
 from pddecont.simulate import (

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pddecont.delay import Direct
-from pddecont.explore import Fingerprint, fingerprint_orbits, fingerprint_rest, fingerprint_trajectory, is_multiple
+from pddecont.exploration import Fingerprint, fingerprint_orbits, fingerprint_rest, fingerprint_trajectory, is_multiple
 from pddecont.simulate import Method, simulate
 from tests.conftest import numeric_from, shipped
 from tests.runs import run

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pddecont.explore import fingerprint_orbits, fingerprint_rest, read_branch
+from pddecont.exploration import fingerprint_orbits, fingerprint_rest, read_branch
 from tests.runs import run
 
 PITCHFORK = {

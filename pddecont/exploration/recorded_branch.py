@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
-from pddecont.explore.fingerprint import IMAGES, Fingerprint, fingerprint_orbits, is_multiple
+from pddecont.exploration.fingerprint import IMAGES, Fingerprint, fingerprint_orbits, is_multiple
 from pddecont.results import Step
 
 Array = NDArray[np.float64]

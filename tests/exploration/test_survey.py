@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pddecont.delay import Direct
-from pddecont.explore import fly_pilots, make_survey
+from pddecont.exploration import fly_pilots, make_survey
 from pddecont.simulate import Method
 from tests.conftest import numeric_from, shipped
 
