@@ -25,8 +25,12 @@ ASIDE = 0.1
 STILL = 1e-5
 # Times that long for motions to settle: of those with turns, and of those that come to rest.
 TURNING, RESTING = 10.0, 4.0
+# The longest time for those that rest, by that of those with turns.
+LATER = 4.0
 # By how much the box is wider than what motions were seen to cover, on either side.
 MARGIN = 0.1
+# A state that is as little beyond zero as this part of what it covers is not beyond it.
+ROUNDING = 1e-9
 # The box of a model whose motions were all seen to stay where they begin, on either side.
 BESIDE = 1.0
 
@@ -118,18 +122,31 @@ def make_survey(numeric: NumericModel, pilots: Sequence[Pilot], free: Sequence[i
     width = high - low
     width = np.where(width > 0.0, width, BESIDE / MARGIN * (1.0 + np.abs(high)))
     moving = [pilot for pilot in pilots if pilot.moves]
-    times = [(TURNING if pilot.moves else RESTING) * pilot.time for pilot in pilots if pilot.has_time]
     events = Counter(event for pilot in moving for event in _list_late_events(numeric, pilot))
     state, level = _find_level(moving or pilots, free, own)
+    # What was never negative (a population, a height above the ground), or never positive, does not become so.
+    least, most = low - MARGIN * width, high + MARGIN * width
+    moves = high > low
+    lowest = np.where(moves & (low >= -ROUNDING * width), np.maximum(least, 0.0), least)
+    highest = np.where(moves & (high <= ROUNDING * width), np.minimum(most, 0.0), most)
     return Survey(
-        low - MARGIN * width,
-        high + MARGIN * width,
-        max(times, default=1.0),
+        lowest,
+        highest,
+        _choose_transient(pilots),
         max(events, key=lambda name: events[name], default=""),
         state,
         level,
         _find_phase(numeric, pilots) if numeric.model.forced else 0.0,
     )
+
+
+def _choose_transient(pilots: Sequence[Pilot]) -> float:
+    """Return how long motions settle; where some go on turning, one that rests late is not waited for too long."""
+    turning = [TURNING * pilot.time for pilot in pilots if pilot.has_time and pilot.moves]
+    resting = [RESTING * pilot.time for pilot in pilots if pilot.has_time and not pilot.moves]
+    if not turning:
+        return max(resting, default=1.0)
+    return max(turning) if not resting else max(max(turning), min(max(resting), LATER * max(turning)))
 
 
 def _find_phase(numeric: NumericModel, pilots: Sequence[Pilot]) -> float:
