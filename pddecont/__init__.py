@@ -1,6 +1,7 @@
 """Bifurcation analysis of piecewise-smooth delay differential equations.
 
-``pddecont.run`` does a run and ``pddecont.load`` reads its results, in Python as on the command line.
+``pddecont.run`` does a run, ``pddecont.explore`` a whole diagram, and ``pddecont.load`` reads results, in Python as on
+the command line.
 """
 
 from __future__ import annotations
@@ -13,10 +14,11 @@ from pddecont.version import __version__
 if TYPE_CHECKING:
     from pddecont.api import RunResults as RunResults
     from pddecont.api import StepResults as StepResults
+    from pddecont.api import explore as explore
     from pddecont.api import load as load
     from pddecont.api import run as run
 
-__all__ = ["RunResults", "StepResults", "__version__", "load", "run"]
+__all__ = ["RunResults", "StepResults", "__version__", "explore", "load", "run"]
 
 
 def __getattr__(name: str) -> Any:

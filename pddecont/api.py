@@ -22,12 +22,15 @@ from numpy.typing import NDArray
 from pddecont.errors import ResultsError
 from pddecont.results import Results, Step, read_results
 from pddecont.runfile import Overrides, Plan, write_run
-from pddecont.steps import Reporter, load_run_plan
+from pddecont.steps import Budget, Reporter, load_run_plan
 from pddecont.steps.execution import execute
 from pddecont.tables import make_arrays, make_dataset, make_orbit_arrays, make_table, summarise
 
 if TYPE_CHECKING:
     import xarray
+
+# The name of the step that explores.
+EXPLORATION = "explore"
 
 
 @dataclass(frozen=True, eq=False)
@@ -247,6 +250,60 @@ def run(
         "workers": workers,
         "scheduler": scheduler,
     }
+    if output is not None:
+        return compute(checked, Path(output), reporter, **options)
+    with tempfile.TemporaryDirectory(prefix="pddecont-") as folder:
+        return compute(checked, Path(folder) / "results.h5", reporter, **options)
+
+
+def plan_exploration(
+    model: str | Path | Mapping[str, Any],
+    over: Mapping[str, Sequence[str | float]],
+    overrides: Overrides | None = None,
+    **settings: Any,
+) -> Plan:
+    """Return the checked run that :func:`explore` does; raise ModelError or RunError with all that is wrong."""
+    fields = {"over": {name: list(limits) for name, limits in over.items()}, **settings}
+    return plan(model, steps=[{"name": EXPLORATION, "explore": fields}], overrides=overrides)
+
+
+def explore(
+    model: str | Path | Mapping[str, Any],
+    over: Mapping[str, Sequence[str | float]],
+    *,
+    output: str | Path | None = None,
+    set: Mapping[str, str | float] | None = None,
+    without: Sequence[str] = (),
+    time: float | None = None,
+    max_branches: int | None = None,
+    resume: bool = False,
+    overwrite: bool = False,
+    workers: int = 1,
+    scheduler: str | None = None,
+    reporter: Reporter | None = None,
+    **settings: Any,
+) -> RunResults:
+    """Compute a whole diagram as ``pddecont explore`` does; return its results, step ``explore`` with all the others.
+
+    Parameters
+    ----------
+    model
+        As for :func:`run`; the run's own steps are not done.
+    over
+        One or two parameters with their lowest and highest value.
+    time, max_branches
+        Seconds after which no step is begun, and most branches; what was left goes on with ``resume``.
+    **settings
+        Other keys of an ``explore`` step: ``box``, ``transient``, ``starts``, ``check``, ``depth`` and so on.
+
+    The other parameters, errors and warnings are those of :func:`run`.
+    """
+    values = tuple((name, str(value)) for name, value in (set or {}).items())
+    checked = plan_exploration(model, over, Overrides(values, tuple(without)), **settings)
+    for warning in checked.warnings:
+        warnings.warn(str(warning), stacklevel=2)
+    options: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "workers": workers, "scheduler": scheduler}
+    options["budget"] = Budget(time, max_branches)
     if output is not None:
         return compute(checked, Path(output), reporter, **options)
     with tempfile.TemporaryDirectory(prefix="pddecont-") as folder:

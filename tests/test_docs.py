@@ -17,7 +17,7 @@ import pytest
 import yaml
 
 from pddecont.cli import COMMANDS
-from pddecont.results import BASIN, CONTINUE, ORBIT, PRECISION, SIMULATE, SWEEP, read_results
+from pddecont.results import BASIN, CONTINUE, EXPLORE, ORBIT, PRECISION, SIMULATE, SWEEP, read_results
 from pddecont.results.format import FORMAT_VERSION
 from tests.cli.test_cli import call
 from tests.conftest import MODELS, ROOT
@@ -173,7 +173,9 @@ def test_every_folder_is_in_the_picture_of_layers_and_in_the_list():
     assert sorted(listed) == sorted(name.replace(".", "/") for name in drawn if name != "api")
 
 
-@pytest.mark.parametrize("step_format", [SIMULATE, ORBIT, CONTINUE, SWEEP, BASIN, PRECISION], ids=lambda f: f.kind)
+@pytest.mark.parametrize(
+    "step_format", [SIMULATE, ORBIT, CONTINUE, SWEEP, BASIN, PRECISION, EXPLORE], ids=lambda f: f.kind
+)
 def test_every_column_of_results_files_is_described(step_format):
     page = (DOCS / "results.md").read_text()
     assert f"HDF5, format {FORMAT_VERSION}." in page

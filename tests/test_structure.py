@@ -34,6 +34,7 @@ ALLOWED = {
     "stability": {"collocation", "continuation", "delay", "native", "orbit"},
     "equilibrium": {"codegen", "collocation", "continuation", "delay", "intervals", "model"},
     "bifurcation": {"collocation", "continuation", "equilibrium", "model", "orbit", "stability"},
+    "exploration": {"codegen", "collocation", "delay", "results", "simulate"},
     "runfile": {"codegen", "collocation", "data", "delay", "model", "orbit"},
     "steps": {
         "bifurcation",
@@ -54,6 +55,7 @@ ALLOWED = {
         "continuation",
         "delay",
         "equilibrium",
+        "exploration",
         "model",
         "orbit",
         "results",

@@ -18,6 +18,7 @@ if "OMP_NUM_THREADS" not in os.environ:
 COMMANDS = {
     "new": "Write a model to start from.",
     "run": "Do the steps of a run file (or of a model's own run block).",
+    "explore": "Compute the whole diagram of a model over a parameter.",
     "plot": "Draw what a results file holds.",
     "check": "Report every problem in model and run files.",
     "info": "Say what is in a model, a run file or a results file.",

@@ -71,7 +71,7 @@ def command(
 
     if resume and overwrite:
         raise click.UsageError("--resume and --overwrite exclude each other")
-    checked = plan(file, overrides=Overrides(tuple(map(_assignment, assignments)), without, accuracy))
+    checked = plan(file, overrides=Overrides(tuple(map(read_assignment, assignments)), without, accuracy))
     for warning in checked.warnings:
         say(f"{warning} (warning)")
     has_name = file != "-" and not Path(checked.source).is_fifo()
@@ -99,7 +99,8 @@ def command(
         say(f"results: {path}")
 
 
-def _assignment(text: str) -> tuple[str, str]:
+def read_assignment(text: str) -> tuple[str, str]:
+    """Return the name and the value of NAME=VALUE."""
     name, equals, value = text.partition("=")
     if not equals or not name.strip() or not value.strip():
         raise click.UsageError(f"--set takes NAME=VALUE, found '{text}'")

@@ -53,6 +53,16 @@ def assign_branch_colours(steps: Sequence[Step], palette: Sequence[str] = COLOUR
     return BranchColours(of_parts, list(zip(names, colours.values(), strict=True)))
 
 
+def assign_kind_colours(steps: Sequence[Step], palette: Sequence[str] = COLOURS) -> BranchColours:
+    """Return the colours of many branches: of equilibria, and of orbits by their number of periods."""
+    pairs = list(dict.fromkeys((step.name, part.family) for step in steps for part in split_branch(step)))
+    kinds = sorted({0 if family.rests else family.n_periods for _, family in pairs})
+    colours = {kind: palette[k % len(palette)] for k, kind in enumerate(kinds)}
+    of_parts = {(name, family): colours[0 if family.rests else family.n_periods] for name, family in pairs}
+    names = {kind: f"orbits of {kind} period{'s'[: kind - 1]}" if kind else "equilibria" for kind in kinds}
+    return BranchColours(of_parts, [(names[kind], colours[kind]) for kind in kinds])
+
+
 def name_families(steps: Sequence[Step], families: Sequence[Family]) -> list[str]:
     """Return how a legend calls each family: its signature as it is first found, and its periods where they differ."""
     signatures: dict[Family, str] = {}

@@ -43,6 +43,11 @@ def choose_height(steps: Sequence[Step]) -> str:
     """Return what stands over parameters: a monitor or, where equilibria are among ``steps``, a state that varies."""
     if not any(holds_equilibria(step) for step in steps):
         return choose_monitor(steps[-1])
+    return choose_state(steps)
+
+
+def choose_state(steps: Sequence[Step]) -> str:
+    """Return the first state that varies."""
     states: list[str] = list(steps[-1].meta["states"])
     return next((name for name in states if _varies(steps, name)), states[0])
 

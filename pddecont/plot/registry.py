@@ -17,6 +17,7 @@ KINDS_BY_INTEREST = (
     ("continue", "equilibria"),
     ("sweep",),
     ("precision",),
+    ("explore",),
 )
 
 
@@ -99,6 +100,14 @@ register_view(
         "pddecont.plot.views.sweep:DRAWING",
         places={"sweep": 0},
         together=("sweep",),
+    )
+)
+register_view(
+    View(
+        "explore",
+        "a whole diagram: all branches that were found, and in grey where motions settled",
+        "pddecont.plot.views.explore:DRAWING",
+        places={"explore": 0},
     )
 )
 register_view(

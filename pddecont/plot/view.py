@@ -62,7 +62,8 @@ class Drawing:
     check_steps
         Raises :class:`ResultsError` if steps that were named do not go together.
     pick_steps
-        Stands in place of all checks where steps of other kinds may be named too: returns those that are drawn.
+        Stands in place of all checks where steps of other kinds may be named too, or others of the file go with them:
+        returns those that are drawn.
     """
 
     draw: Callable[[list[Step], ViewRequest], Figure | Animation]
@@ -70,7 +71,7 @@ class Drawing:
     stands_alone: Callable[[Step], bool] = accept_step
     choose_steps: Callable[[list[Step], Results, ViewRequest], list[Step]] | None = None
     check_steps: Callable[[list[Step]], None] = accept_steps
-    pick_steps: Callable[[list[Step]], list[Step]] | None = None
+    pick_steps: Callable[[list[Step], Results], list[Step]] | None = None
 
 
 @dataclass(frozen=True)

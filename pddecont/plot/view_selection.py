@@ -37,7 +37,7 @@ def _select_of_steps(results: Results, request: ViewRequest) -> tuple[View, list
     name = request.view or next((view.name for view in find_views(steps[-1])), "")
     view = VIEWS.get(name)
     if view and view.drawing.pick_steps:
-        return view, view.drawing.pick_steps(steps)
+        return view, view.drawing.pick_steps(steps, results)
     for step in steps:
         if not len(step):
             raise ResultsError(f"step '{step.name}' has no points yet")

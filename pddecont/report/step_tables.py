@@ -17,6 +17,7 @@ SHOWN_TABLES = {
     "continue": [("special", "Special points")],
     "equilibria": [("special", "Special points")],
     "equilibrium": [("points", "Equilibria"), ("roots", "Characteristic roots")],
+    "explore": [("branches", "Branches"), ("unexplained", "Motions that lie on no branch")],
     "precision": [("precision", "Settings compared")],
 }
 WITHOUT_TABLE = ("simulate",)

@@ -11,6 +11,7 @@ from .step_formats import BASIN as BASIN
 from .step_formats import CONTINUE as CONTINUE
 from .step_formats import EQUILIBRIA as EQUILIBRIA
 from .step_formats import EQUILIBRIUM as EQUILIBRIUM
+from .step_formats import EXPLORE as EXPLORE
 from .step_formats import ORBIT as ORBIT
 from .step_formats import PRECISION as PRECISION
 from .step_formats import SIMULATE as SIMULATE

@@ -208,7 +208,22 @@ PRECISION = StepFormat(
     (("time", "states"),),
     check=_check_precision,
 )
-_FORMATS = {f.kind: f for f in (SIMULATE, EQUILIBRIUM, ORBIT, EQUILIBRIA, CONTINUE, SWEEP, BASIN, PRECISION)}
+# A row a branch, then a row a motion that was compared with the branches; ``reason`` says what became of each.
+EXPLORE = StepFormat(
+    "explore",
+    {
+        "kind": KIND,
+        "parameters": PARAMETERS,
+        "period": FLOAT,
+        "lowest": STATES,
+        "highest": STATES,
+        "lyapunov": FLOAT,
+        "lyapunov_error": FLOAT,
+    },
+    {"reason": REASON},
+    name_lists={"free": (1, 2)},
+)
+_FORMATS = {f.kind: f for f in (SIMULATE, EQUILIBRIUM, ORBIT, EQUILIBRIA, CONTINUE, SWEEP, BASIN, PRECISION, EXPLORE)}
 
 
 def register_format(step_format: StepFormat) -> None:

@@ -1,5 +1,6 @@
 from .checker import Checker as Checker
 from .checker import Path as Path
+from .extension import extend_plan as extend_plan
 from .fields import DEFAULT_ORDER as DEFAULT_ORDER
 from .fields import DEFAULT_POINTS as DEFAULT_POINTS
 from .fields import DEFAULT_STEPS as DEFAULT_STEPS

@@ -38,7 +38,7 @@ def write_run(
         return _parse(merged, str(folder / SOURCE))
     block = data.get("run") or {}
     merged = {**(block if isinstance(block, dict) else {}), **changes}
-    if isinstance(model, Mapping) or _is_text(model):
+    if isinstance(model, Mapping) or _is_text(model) or not Path(document.path).is_file():
         return _parse({**data, "run": merged}, SOURCE)
     # A model in a file stays there: what is wrong in it is reported at its own lines.
     return _parse({"model": str(Path(document.path).resolve()), **merged}, str(find_folder(document) / SOURCE))

@@ -97,7 +97,7 @@ def make_plan(
     _check_durations(checker, run, overrides, values)
     check_new_names(checker, ("monitors",), run.monitors, "monitor")
     monitors = resolve_monitors(checker, ("monitors",), run.monitors, numeric)
-    planner = _StepPlanner(checker, run, kinds, numeric, values, monitors, text.folder)
+    planner = StepPlanner(checker, run, kinds, numeric, values, monitors, text.folder)
     steps = [planner.plan_step(i) for i in range(len(run.steps))]
     if checker.errors:
         raise RunError(checker.errors)
@@ -213,7 +213,7 @@ def check_new_names(
 
 
 @dataclass(frozen=True, eq=False)
-class _StepPlanner:
+class StepPlanner:
     """Resolves the steps of a run, one after another."""
 
     checker: Checker

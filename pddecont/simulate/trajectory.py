@@ -87,7 +87,7 @@ class Trajectory:
     def __call__(self, t: float | Array) -> Array:
         """Return the states at ``t``, shape (n_states,) or (n_times, n_states); at an event those after it."""
         times = np.atleast_1d(np.asarray(t, dtype=float))
-        found = self._evaluate(
+        found = self.evaluate_steps(
             times, np.clip(np.searchsorted(self.time, times, side="right") - 1, 0, len(self.time) - 1)
         )
         if len(self.events) and self.events.t[-1] >= self.t_end:
@@ -103,7 +103,7 @@ class Trajectory:
         if first == last:
             # Between two events at one moment there is an arc of no length.
             return np.repeat(self.events.after[self.events.arc == arc][:1], len(t), axis=0)
-        return self._evaluate(
+        return self.evaluate_steps(
             t, np.clip(first + np.searchsorted(self.time[first:last], t, side="right") - 1, first, last - 1)
         )
 
@@ -111,8 +111,8 @@ class Trajectory:
         """Return the mode of an arc."""
         return self.mode[min(int(np.searchsorted(self.arc, arc)), len(self.mode) - 1)]
 
-    def _evaluate(self, t: Array, step: NDArray[np.intp]) -> Array:
-        """Return the continuous extensions of steps at times ``t``, shape (n_times, n_states)."""
+    def evaluate_steps(self, t: Array, step: NDArray[np.intp]) -> Array:
+        """Return the continuous extensions of steps, one a time, at times ``t``, shape (n_times, n_states)."""
         s = ((t - self.time[step]) / self.length[step])[:, None]
         y = np.zeros((len(t), self.value.shape[1]))
         for i in range(self.coefficients.shape[1] - 1, -1, -1):
@@ -147,7 +147,7 @@ class Trajectory:
         shown = np.ones(times.shape, dtype=bool)
         shown[1:, 0] = self.arc[1:] != self.arc[:-1]
         times, steps = times[shown], steps[shown]
-        return times, self._evaluate(times, steps), [self.mode[i] for i in steps]
+        return times, self.evaluate_steps(times, steps), [self.mode[i] for i in steps]
 
     def sample_every(self, interval: float, t_from: float) -> tuple[Array, Array, list[str]]:
         """Return times from ``t_from`` on that are ``interval`` apart, states (n_times, n_states) and modes."""
@@ -155,4 +155,4 @@ class Trajectory:
             t_from + interval * np.arange(int((self.t_end - t_from) / interval * (1 + ROUNDING)) + 1), dtype=np.float64
         )
         steps = np.clip(np.searchsorted(self.time, times, side="right") - 1, 0, len(self.time) - 1)
-        return times, self._evaluate(times, steps), [self.mode[i] for i in steps]
+        return times, self.evaluate_steps(times, steps), [self.mode[i] for i in steps]

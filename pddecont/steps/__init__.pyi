@@ -1,3 +1,4 @@
+from .budget import Budget as Budget
 from .context import Context as Context
 from .kind import Sharing as Sharing
 from .kind import StepKind as StepKind

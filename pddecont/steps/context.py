@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from pddecont.results import Results, RowWriter, Step, StepWriter, drop_steps, read_results
 from pddecont.runfile import Plan, PlannedStep, Source
+from pddecont.steps.budget import Budget
 from pddecont.steps.reporter import Reporter
 
 if TYPE_CHECKING:
@@ -26,7 +27,8 @@ class Context:
     """State of a run in progress.
 
     ``file`` is what the results file holds, to which nobody else writes meanwhile (None: no file yet). ``make_writer``
-    makes what takes a step's rows; ``elsewhere`` is where parts of a step are begun early (None: nowhere).
+    makes what takes a step's rows; ``elsewhere`` is where parts of a step are begun early (None: nowhere); ``budget``
+    is what explorations may spend.
     """
 
     plan: Plan
@@ -37,6 +39,7 @@ class Context:
     file: Results | None = None
     make_writer: Callable[..., RowWriter] = StepWriter
     elsewhere: Elsewhere | None = None
+    budget: Budget = field(default_factory=Budget)
 
     def read_source(self, source: Source) -> tuple[Results, Step]:
         """Return the recorded step that ``source`` names, in this run's file or another, and that file."""

@@ -8,6 +8,7 @@ from pddecont.results import forget_format, register_format
 from pddecont.steps.basin import BASIN_STEP
 from pddecont.steps.continuation import CONTINUE_STEP
 from pddecont.steps.equilibrium import EQUILIBRIUM_STEP
+from pddecont.steps.explore import EXPLORE_STEP
 from pddecont.steps.kind import StepKind
 from pddecont.steps.orbit import ORBIT_STEP
 from pddecont.steps.precision import PRECISION_STEP
@@ -22,6 +23,7 @@ BUILTIN: tuple[StepKind[Any, Any], ...] = (
     ORBIT_STEP,
     CONTINUE_STEP,
     PRECISION_STEP,
+    EXPLORE_STEP,
 )
 _REGISTERED: dict[str, StepKind[Any, Any]] = {}
 

@@ -93,7 +93,7 @@ def resolve_settling(given: StepInput[Any], body: Settling) -> SettlingSettings:
     section = body.section or Section.model_validate({"phase": 0.0})
     return SettlingSettings(
         method,
-        _resolve_section(given, section, is_default=body.section is None),
+        resolve_section(given, section, is_default=body.section is None),
         section.phase,
         transient,
         body.max_period,
@@ -103,7 +103,8 @@ def resolve_settling(given: StepInput[Any], body: Settling) -> SettlingSettings:
     )
 
 
-def _resolve_section(given: StepInput[Any], section: Section, *, is_default: bool) -> ReturnSection:
+def resolve_section(given: StepInput[Any], section: Section, *, is_default: bool) -> ReturnSection:
+    """Return where returns are counted; note what is wrong with it, or with the ``is_default`` that a step leaves."""
     model = given.model
     if section.phase is not None:
         if not model.forced:

@@ -33,6 +33,13 @@ class Scatter(Strict):
     number: int = Field(ge=1, le=100_000, description="how many")
     seed: int = Field(1, ge=0, description="start of the random numbers")
     box: dict[Identifier, Range] = Field(min_length=1, description="lowest and highest value of each state that varies")
+    spread: Literal["same", "sobol"] = Field(
+        "same",
+        description=(
+            "same: the same initial states at every parameter point of the grid; sobol: parameters and initial states "
+            "together are points of a Sobol sequence, as many as the grid has points"
+        ),
+    )
 
 
 class Sweep(Settling):
@@ -58,11 +65,15 @@ class Sweep(Settling):
 
 @dataclass(frozen=True, eq=False)
 class ScatterSettings:
-    """Initial states at random in a box: their number, the seed, lowest and highest value of states by index."""
+    """Initial states at random in a box: their number, the seed, lowest and highest value of states by index.
+
+    Where they are ``spread`` the parameters are too, and each point has initial states of its own.
+    """
 
     number: int
     seed: int
     box: Mapping[int, tuple[ParameterFormula, ParameterFormula]]
+    spread: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,7 +147,10 @@ def _resolve_scatter(given: StepInput[Sweep], random: Scatter) -> ScatterSetting
         if ends[0] > ends[1]:
             given.add_error(here, f"the range is empty: {ends[0]:g} is not below {ends[1]:g}")
         box[list(states).index(name)] = (low, high)
-    return ScatterSettings(random.number, random.seed, box)
+    spread = random.spread == "sobol"
+    if spread and given.body.carry != "none":
+        given.add_error(("carry",), "points of a Sobol sequence have no order to be carried along; leave 'carry' out")
+    return ScatterSettings(random.number, random.seed, box, spread)
 
 
 def list_sweep_names(body: Sweep) -> Iterator[Any]:

@@ -13,6 +13,9 @@ from .endings import register_ending as register_ending
 from .equilibria import holds_equilibria as holds_equilibria
 from .equilibria import read_roots as read_roots
 from .equilibrium_endings import describe_switchings as describe_switchings
+from .exploration import describe_exploration_lines as describe_exploration_lines
+from .exploration import list_branches as list_branches
+from .exploration import name_settled as name_settled
 from .orbits import find_signature as find_signature
 from .orbits import has_multipliers as has_multipliers
 from .orbits import read_multipliers as read_multipliers

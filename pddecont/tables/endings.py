@@ -16,6 +16,7 @@ from pddecont.tables.branch_endings import describe_direction, list_rows_along
 from pddecont.tables.equilibria import holds_equilibria, list_doubts
 from pddecont.tables.equilibrium_branch_endings import UNSTATED_ROOTS, describe_equilibrium_branch
 from pddecont.tables.equilibrium_endings import describe_equilibrium_step
+from pddecont.tables.exploration import describe_exploration
 from pddecont.tables.orbits import find_signature
 from pddecont.tables.precision import describe_cheapest, describe_reference
 from pddecont.tables.words import describe_reason
@@ -213,4 +214,5 @@ _BY_KIND: dict[str, Callable[[Step, Reason], str]] = {
     "sweep": _describe_sweep,
     "basin": _describe_basin,
     "precision": _describe_precision,
+    "explore": describe_exploration,
 }

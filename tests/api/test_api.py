@@ -260,3 +260,11 @@ def test_the_examples_in_docstrings_work():
 def test_the_pages_examples_run_as_written(text, in_folder):
     exec(compile(text, "python.md", "exec"), {})
     assert "impact.png" not in text or (in_folder / "impact.png").exists()
+
+
+def test_a_diagram_is_explored_as_by_the_command_again_and_again(tmp_path):
+    model = {"name": "p", "states": ["x"], "parameters": {"a": 1}, "modes": {"free": {"x'": "a*x - x**3"}}}
+    for n in (1, 2):
+        results = pddecont.explore(model, {"a": [-1, 2]}, starts=4, check=0, max_branches=n)
+        assert results["explore"].kind == "explore"
+        assert [name for name in results if name.startswith("branch")] == [f"branch_{k + 1}" for k in range(n)]

@@ -268,3 +268,26 @@ def test_histories_of_a_sweep_are_one(tmp_path):
     text = change(FIG4_1, "steps.0.sweep.initial.0", {"x": 0, "history": {"x": 1}})
     with pytest.raises(RunError, match="share one history"):
         plan(text)
+
+
+def test_points_of_a_sobol_sequence_have_parameters_and_states_of_their_own():
+    over = {"G": [0.4, 1.2, 8]}
+    random = {"number": 2, "seed": 3, "box": {"y": [0, 2], "v": ["-G", "G"]}, "spread": "sobol"}
+    data = {
+        "model": "bouncing_ball",
+        "steps": [{"name": "s", "sweep": {"over": over, "random": random, "transient": 100}}],
+    }
+    checked = plan(data)
+    points = [p for _, chunk in sweep_step.list_chunks(checked, checked.steps[0].settings) for p in chunk.points]
+    values = np.array([p.p[0] for p in points])
+    states = np.array([[start.states for start in p.starts] for p in points])
+    assert states.shape == (8, 2, 2)
+    # One point in each eighth of every range: what a Sobol sequence is for.
+    for column, low, width in (
+        (values, 0.4, 0.8),
+        *((states[:, k, 0], 0.0, 2.0) for k in range(2)),
+        *((states[:, k, 1], -values, 2 * values) for k in range(2)),
+    ):
+        assert sorted(np.floor(8 * (column - low) / width)) == list(range(8))
+    with pytest.raises(RunError, match="no order to be carried along"):
+        plan(change(data, "steps.0.sweep", {**data["steps"][0]["sweep"], "carry": "up"}))

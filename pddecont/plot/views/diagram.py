@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from pddecont.plot.axis_labels import format_axis_label
 from pddecont.plot.births import find_birth
-from pddecont.plot.branch_colours import assign_branch_colours, make_style_handles
+from pddecont.plot.branch_colours import BranchColours, assign_branch_colours, make_style_handles
 from pddecont.plot.branch_lines import draw_birth, draw_parts
 from pddecont.plot.branch_parts import Family
 from pddecont.plot.columns import keep_comparable, list_free_parameters, read_column
@@ -43,16 +43,18 @@ def choose_steps(steps: list[Step], results: Results, request: ViewRequest) -> l
     return keep_comparable([step for step in steps if len(list_free_parameters(step)) == 1] or steps)
 
 
-def draw_diagram(axes: Axes, steps: Sequence[Step], x: str, y: str) -> tuple[list[PointLabel], list[Artist]]:
-    """Draw branches: unstable parts dashed, those that are not admissible dotted, each signature in its colour.
+def draw_diagram(
+    axes: Axes, steps: Sequence[Step], x: str, y: str, colours: BranchColours | None = None
+) -> tuple[list[PointLabel], list[Artist]]:
+    """Draw branches: unstable parts dashed, not admissible ones dotted, in ``colours`` or those of signatures.
 
     Where ``y`` is a state equilibria are one line, and orbits two: the state's largest and its smallest value. Returns
     the labels of special points, which go in last, and the handles of the legend.
     """
-    colours = assign_branch_colours(steps)
+    chosen = colours or assign_branch_colours(steps)
 
     def find_colour(step: Step, family: Family) -> str:
-        return colours.of_parts[step.name, family]
+        return chosen.of_parts[step.name, family]
 
     labels: list[PointLabel] = []
     columns, heights = [read_column(step, x) for step in steps], [read_heights(step, y) for step in steps]
@@ -67,7 +69,7 @@ def draw_diagram(axes: Axes, steps: Sequence[Step], x: str, y: str) -> tuple[lis
     widen_for_columns(axes, steps, {"x": columns, "y": heights})
     axes.set_xlabel(format_axis_label(steps, x))
     axes.set_ylabel(format_axis_label(steps, y))
-    return labels, [*colours.make_handles(), *make_style_handles(steps)]
+    return labels, [*chosen.make_handles(), *make_style_handles(steps)]
 
 
 DRAWING = Drawing(draw_figure, choose_steps=choose_steps)

@@ -57,10 +57,10 @@ def choose_steps(steps: list[Step], results: Results, request: ViewRequest) -> l
     """Return the sweeps over the last one's parameters, after the branches that may be drawn over them."""
     free = list_free_parameters(steps[-1])
     sweeps = [step for step in steps if list_free_parameters(step) == free]
-    return pick_steps([*(step for step in results.steps.values() if step.kind == "continue"), *sweeps])
+    return pick_steps([*(step for step in results.steps.values() if step.kind == "continue"), *sweeps], results)
 
 
-def pick_steps(steps: list[Step]) -> list[Step]:
+def pick_steps(steps: list[Step], results: Results) -> list[Step]:
     """Return the sweeps among ``steps``, after the branches in the same parameter that may be drawn over them."""
     sweeps = [s for s in steps if s.kind == "sweep" and len(s)]
     if not sweeps:

@@ -13,7 +13,9 @@ from pddecont.errors import Problem, ResultsError
 from pddecont.results import Step
 from pddecont.runfile import Checker, Delay, Path, Plan, Source, StepInput, make_step_type
 from pddecont.simulate import (
+    Attractor,
     MotionTask,
+    Simulator,
     Trajectory,
     find_longest_lag,
     find_restart_time,
@@ -60,16 +62,32 @@ def continue_attractor(context: Context, recorded: Step, source: Source) -> tupl
     if recorded.meta["model"] != plan.model.name or recorded.meta["parameters"] != list(plan.model.parameters):
         raise ResultsError(f"step '{source.step}' comes from another model, '{recorded.meta['model']}'")
     _check_effects(plan, recorded, source)
-    simulator = _read_task(plan, recorded).make_simulator()
+    longest = find_longest_lag(plan.numeric, attractor.p)
+    duration = max(TURNS, LEAST / attractor.period) * attractor.turn + longest
+    simulator = read_task(plan, recorded).make_simulator()
+    return follow_attractor(simulator, attractor, duration, recorded.name), attractor.p
+
+
+def follow_attractor(
+    simulator: Simulator, attractor: Attractor, duration: float, name: str, *, after: float = 0.0
+) -> Trajectory:
+    """Return the motion of an attractor that step ``name`` recorded, from where it stood, for a time.
+
+    It begins some time ``after`` that.
+
+    Raises
+    ------
+    ResultsError
+        If what is recorded is no motion of the model.
+    """
     values = simulator.values(attractor.p)
     try:
         state = unpack_motion(simulator.reached, values, attractor.packed_state)
     except ValueError as exc:
-        raise ResultsError(f"step '{source.step}': {exc}; the file is damaged or was made by a changed model") from exc
-    state = shift_time(state, find_restart_time(plan.numeric, attractor.p, attractor.p, read_time(state)))
-    longest = find_longest_lag(plan.numeric, attractor.p)
-    duration = max(TURNS, LEAST / attractor.period) * attractor.turn + longest
-    return record_trajectory(simulator, attractor.p, state, read_time(state) + duration), attractor.p
+        raise ResultsError(f"step '{name}': {exc}; the file is damaged or was made by a changed model") from exc
+    state = shift_time(state, find_restart_time(simulator.numeric, attractor.p, attractor.p, read_time(state)))
+    begin = read_time(state) + after
+    return record_trajectory(simulator, attractor.p, state, begin + duration, keep_from=begin)
 
 
 def _check_effects(plan: Plan, recorded: Step, source: Source) -> None:
@@ -86,7 +104,7 @@ def _check_effects(plan: Plan, recorded: Step, source: Source) -> None:
         )
 
 
-def _read_task(plan: Plan, recorded: Step) -> MotionTask:
+def read_task(plan: Plan, recorded: Step) -> MotionTask:
     """Return how motions of a recorded step were computed, from its settings."""
     kinds = list_step_kinds()
     try:

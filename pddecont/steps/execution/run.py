@@ -17,6 +17,7 @@ from pddecont.output import refuse_link
 from pddecont.results import Results, create_results, hold_lock, read_results, upgrade_results
 from pddecont.runfile import Plan, PlannedStep
 from pddecont.simulate import Workers
+from pddecont.steps.budget import Budget
 from pddecont.steps.context import Context
 from pddecont.steps.execution.all_steps import do_steps
 from pddecont.steps.execution.sources import check_sources
@@ -37,6 +38,7 @@ def execute(
     until: str | None = None,
     workers: int = 1,
     scheduler: str | None = None,
+    budget: Budget | None = None,
 ) -> None:
     """Do the steps of ``plan`` and keep their results in the file at ``path``.
 
@@ -63,6 +65,7 @@ def execute(
             create_results(path, plan.model_text, plan.run_text, source, versions, overwrite=overwrite)
         file = kept or read_results(path)
         context = Context(plan, path, reporter or Silent(), Workers(workers, scheduler), file=file)
+        context.budget = budget or Budget()
         with _sparing_collections():
             do_steps(context, steps)
 

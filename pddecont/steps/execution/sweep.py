@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import itertools
+import math
+from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
@@ -65,16 +67,23 @@ def list_chunks(plan: Plan, settings: SweepSettings) -> list[tuple[int, SweepChu
     Each part is a direction (+1 up, -1 down, 0 not carried) and a chunk.
     """
     names, grids, exponents = list(settings.grids), list(settings.grids.values()), settings.settling.lyapunov
+    n_points = math.prod(map(len, grids))
+    sequence = draw_sequence(settings, n_points)
 
-    def make_point(index: int, values: tuple[float, ...]) -> ParameterPoint:
+    def make_point(index: int, values: Sequence[float]) -> ParameterPoint:
         p = settings.parameters.copy()
         for name, value in zip(names, values, strict=True):
             p[plan.numeric.parameter_index(name)] = value
         p = plan.numeric.with_fixed(p)
-        return ParameterPoint(
-            index, p, settings.settling.make_return_settings(plan.numeric, p), make_starts(plan, settings, p)
-        )
+        shares = None if sequence is None else sequence[index, len(names) :]
+        starts = make_starts(plan, settings, p, shares)
+        return ParameterPoint(index, p, settings.settling.make_return_settings(plan.numeric, p), starts)
 
+    if sequence is not None:
+        low, high = np.transpose([(grid[0], grid[-1]) for grid in grids])
+        places = low + (high - low) * sequence[:, : len(names)]
+        points = [make_point(i, place.tolist()) for i, place in enumerate(places)]
+        return share_out(points, exponents)
     # The first parameter runs fastest, so that one line of points is one motion carried along.
     lines = [
         [make_point(j * len(grids[0]) + i, (x, *rest)) for i, x in enumerate(grids[0])]
@@ -82,25 +91,50 @@ def list_chunks(plan: Plan, settings: SweepSettings) -> list[tuple[int, SweepChu
     ]
     if settings.ways:
         return [(way, SweepChunk(tuple(line[::way]), True, exponents)) for line in lines for way in settings.ways]
-    points = [point for line in lines for point in line]
+    return share_out([point for line in lines for point in line], exponents)
+
+
+def share_out(points: Sequence[ParameterPoint], exponents: bool) -> list[tuple[int, SweepChunk]]:
+    """Return points that are not carried along in chunks."""
     size = max(1, CHUNK // len(points[0].starts))
     return [(0, SweepChunk(tuple(points[i : i + size]), False, exponents)) for i in range(0, len(points), size)]
 
 
-def make_starts(plan: Plan, settings: SweepSettings, p: Array) -> tuple[InitialState, ...]:
+def draw_sequence(settings: SweepSettings, n_points: int) -> Array | None:
+    """Return points of a Sobol sequence, shape (n_points, n_parameters + number x n_states that vary); None for a grid.
+
+    References
+    ----------
+    Owen, J. Complexity 14 (1998) 466, for how the sequence is scrambled.
+    """
+    scatter = settings.scatter
+    if scatter is None or not scatter.spread:
+        return None
+    # Loading it takes a third of a second, which other sweeps need not wait for.
+    from scipy.stats import qmc
+
+    sequence = qmc.Sobol(len(settings.grids) + scatter.number * len(scatter.box), seed=scatter.seed)
+    # The sequence is even over powers of two.
+    return np.asarray(sequence.random_base2(math.ceil(math.log2(n_points)))[:n_points])
+
+
+def make_starts(plan: Plan, settings: SweepSettings, p: Array, shares: Array | None = None) -> tuple[InitialState, ...]:
     """Return where motions start at parameters ``p``: the states given, then those at random.
 
-    They are the same at every point.
+    They are the same at every point, unless ``shares`` says where in the box they lie, from 0 to 1.
     """
     values = plan.name_values(p)
     starts = [start.evaluate(values) for start in settings.starts]
-    if settings.scatter is None:
+    scatter = settings.scatter
+    if scatter is None:
         return tuple(starts)
-    rng = np.random.default_rng(settings.scatter.seed)
+    if shares is None:
+        shares = np.random.default_rng(scatter.seed).uniform(size=scatter.number * len(scatter.box))
     base = settings.scattered_from.evaluate(values)
-    for _ in range(settings.scatter.number):
+    for shares_of_start in shares.reshape(scatter.number, len(scatter.box)):
         states = base.states.copy()
-        for place, (low, high) in settings.scatter.box.items():
-            states[place] = rng.uniform(low.evaluate(values), high.evaluate(values))
+        for (place, (low, high)), share in zip(scatter.box.items(), shares_of_start, strict=True):
+            lowest = low.evaluate(values)
+            states[place] = lowest + (high.evaluate(values) - lowest) * share
         starts.append(InitialState(states, base.mode, base.constant))
     return tuple(starts)

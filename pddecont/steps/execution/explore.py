@@ -1,0 +1,359 @@
+"""Doing an ``explore`` step: it plans ordinary steps, one after another, and sees to it that they are done.
+
+What is planned next depends on nothing but what the file holds, so that a run that was broken off goes on where it was.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pddecont.errors import ConvergenceError, RunError, SignatureError
+from pddecont.exploration import Survey, fingerprint_orbits, fly_pilots, make_survey, read_branch
+from pddecont.orbit import count_repetitions
+from pddecont.reasons import make_reason
+from pddecont.results import EXPLORE, ORBIT, Step
+from pddecont.runfile import Plan, PlannedStep, Source, extend_plan
+from pddecont.simulate import Method
+from pddecont.steps.context import Context
+from pddecont.steps.execution.ending import report_done
+from pddecont.steps.execution.explore_curves import (
+    MEETING,
+    Curve,
+    find_meetings,
+    list_curve_leads,
+    list_meeting_leads,
+    plan_curve,
+    read_curve,
+)
+from pddecont.steps.execution.explore_diagram import Diagram, Entry
+from pddecont.steps.execution.explore_leads import (
+    Lead,
+    LeadKind,
+    list_attractor_leads,
+    list_equilibrium_leads,
+    list_own_states,
+    list_switch_leads,
+    plan_branch,
+    plan_edges,
+    plan_search,
+    plan_sweep,
+)
+from pddecont.steps.execution.explore_looks import Look, LookCode, look_at_sweep, name_irregular
+from pddecont.steps.execution.explore_record import entry_to_row, look_to_row, make_ending, settled_to_row
+from pddecont.steps.execution.one_step import do_step
+from pddecont.steps.execution.recorded_orbits import find_orbit
+from pddecont.steps.explore import ExploreSettings
+from pddecont.steps.registry import list_step_kinds
+
+Array = NDArray[np.float64]
+# Parameter values at which a few motions tell how far and how fast they go, and at which equilibria are looked for.
+N_PILOTS, N_SEARCHES = 5, 3
+# Of the motions of the first sweep such a part once more start at either end of the range.
+EDGE_PART = 4
+# States up to which all equilibria in a box are looked for.
+MOST_SEARCHED = 6
+
+
+@dataclass(eq=False)
+class _Exploration:
+    """An exploration under way.
+
+    ``leads`` are those that wait; ``prefix`` is that of its steps; ``at`` holds parameters that stay.
+    """
+
+    context: Context
+    settings: ExploreSettings
+    survey: Survey
+    prefix: str
+    at: dict[str, float]
+    diagram: Diagram = field(default_factory=Diagram)
+    leads: list[Lead] = field(default_factory=list)
+    looks: list[Look] = field(default_factory=list)
+    curves: list[Curve] = field(default_factory=list)
+    curve_entries: list[Entry] = field(default_factory=list)
+    plane: list[Look] = field(default_factory=list)
+    failures: list[str] = field(default_factory=list)
+    n_begun: int = 0
+
+    @property
+    def plan(self) -> Plan:
+        """The plan so far."""
+        return self.context.plan
+
+    @property
+    def parameter(self) -> str:
+        """The parameter that branches are in."""
+        return next(iter(self.settings.over))
+
+    @property
+    def number(self) -> int:
+        """Its number."""
+        return self.plan.numeric.parameter_index(self.parameter)
+
+    @property
+    def scale(self) -> Array:
+        """How far motions of the model go (n_states,)."""
+        return self.survey.high - self.survey.low
+
+    @property
+    def stopped(self) -> str:
+        """What allows no further branch: "time", "max_branches", or nothing."""
+        if self.context.budget.is_over:
+            return "time"
+        most = self.context.budget.max_branches or self.settings.body.max_branches
+        return "max_branches" if self.n_begun >= most else ""
+
+    def do(self, fields: Mapping[str, Any]) -> Step:
+        """Plan a step and do it; return what the file holds of it then."""
+        name = str(fields["name"])
+        self.context.plan = extend_plan(self.plan, list_step_kinds(), fields)
+        do_step(self.context, self.plan.find_step(name))
+        assert self.context.file is not None, "a run has a file"
+        return self.context.file.step(name)
+
+    def try_to_do(self, fields: Mapping[str, Any]) -> Step | None:
+        """Do a step; None, and what went wrong noted, if it fails."""
+        try:
+            return self.do(fields)
+        except (ConvergenceError, SignatureError, RunError) as exc:
+            self.failures.append(f"{fields['name']}: {exc}")
+            self.context.reporter.note(str(exc))
+            return None
+
+    def search_equilibria(self) -> None:
+        """Look for all equilibria at a few parameters, and note them as leads."""
+        model = self.plan.model
+        if model.forced or len(model.states) > MOST_SEARCHED:
+            return
+        low, high = self.settings.over[self.parameter]
+        for k, value in enumerate(np.linspace(low, high, N_SEARCHES).tolist(), 1):
+            at = {**self.at, self.parameter: value}
+            recorded = self.try_to_do(plan_search(self.plan, self.settings, self.survey, f"{self.prefix}rest_{k}", at))
+            if recorded is not None:
+                self.leads += list_equilibrium_leads(recorded, self.number)
+
+    def sweep(self, name: str, number: int, seed: int) -> dict[str, Any]:
+        """Let motions settle, look at them, and note the periodic ones as leads; return the step that did so."""
+        fields = plan_sweep(self.plan, self.settings, self.survey, f"{self.prefix}{name}", self.at, number, seed)
+        self._look_at(fields)
+        return fields
+
+    def sweep_edges(self, sweep: Mapping[str, Any]) -> None:
+        """Do the same at both ends of the range, beyond which nothing is followed."""
+        number = max(1, self.settings.body.starts // EDGE_PART)
+        self._look_at(plan_edges(sweep, f"{self.prefix}edges", self.parameter, number))
+
+    def _look_at(self, fields: Mapping[str, Any]) -> None:
+        recorded = self.do(fields)
+        looks = look_at_sweep(self.plan, recorded, self.survey)
+        self.looks += looks
+        self.leads += list_attractor_leads(looks, self.number)
+
+    def follow_all(self) -> None:
+        """Follow leads until there are none, of one rank in the order in which they were found."""
+        while self.leads:
+            lead = min(self.leads, key=lambda waiting: waiting.rank)
+            self.leads.remove(lead)
+            if self._is_known(lead):
+                continue
+            left = "depth" if lead.depth > self.settings.body.depth else self.stopped
+            if left:
+                self.diagram.entries.append(Entry(lead, make_reason("left", origin=lead.origin, why=left)))
+            else:
+                self._follow(lead)
+
+    def _is_known(self, lead: Lead) -> bool:
+        """Return whether a lead leads to a branch that is there."""
+        if lead.kind != LeadKind.SWITCH:
+            return self.diagram.find(lead.motion, lead.value) is not None
+        return self.diagram.find_joined(lead) is not None
+
+    def _follow(self, lead: Lead) -> None:
+        """Follow a lead, and note the leads from its branch."""
+        self.n_begun += 1
+        name = f"{self.prefix}branch_{self.n_begun}"
+        steps = plan_branch(self.settings, lead, f"{self.prefix}orbit_{self.n_begun}", name)
+        recorded = None
+        for fields in steps:
+            recorded = self.try_to_do(fields)
+            why = self.failures[-1] if recorded is None else self._find_objection(recorded)
+            if why:
+                if recorded is not None:
+                    self.context.drop_step(recorded.name)
+                failed = make_reason("failed", step=name, origin=lead.origin, why=why)
+                self.diagram.entries.append(Entry(lead, failed))
+                return
+        assert recorded is not None, "there is a step at least"
+        low, high = self.settings.over[self.parameter]
+        branch = read_branch(recorded, self.parameter, high - low, self.scale)
+        same = self.diagram.find_repeated(branch)
+        if same is not None:
+            for fields in reversed(steps):
+                self.context.drop_step(str(fields["name"]))
+            repeated = make_reason("repeated", step=name, origin=lead.origin, same=same)
+            self.diagram.entries.append(Entry(lead, repeated))
+            return
+        followed = make_reason("followed", step=name, origin=lead.origin)
+        self.diagram.entries.append(Entry(lead, followed, branch))
+        self.leads += list_switch_leads(branch, lead.depth)
+
+    def follow_curves(self) -> None:
+        """Follow special points of all branches in two parameters, and what goes on where curves meet."""
+        waiting: list[tuple[Lead, Array, bool]] = [
+            (lead, place, False)
+            for entry in self.diagram.entries
+            if entry.branch is not None
+            for lead, place in list_curve_leads(entry.branch, self.settings, entry.lead.depth)
+        ]
+        waiting.sort(key=lambda one: one[0].depth)
+        while waiting:
+            lead, place, switch = waiting.pop(0)
+            same_kind = [curve for curve in self.curves if curve.kind == lead.label]
+            if lead.label not in MEETING and any(curve.passes(place) for curve in same_kind):
+                continue
+            if lead.label in MEETING and any(
+                curve.step.name != lead.step and curve.passes(place) for curve in self.curves
+            ):
+                continue
+            if self.stopped:
+                self.curve_entries.append(Entry(lead, make_reason("left", origin=lead.origin, why=self.stopped)))
+                continue
+            waiting += self._follow_curve(lead, switch)
+
+    def _follow_curve(self, lead: Lead, switch: bool) -> Iterator[tuple[Lead, Array, bool]]:
+        """Follow a special point in two parameters; return what goes on from its curve."""
+        self.n_begun += 1
+        name = f"{self.prefix}curve_{self.n_begun}"
+        recorded = self.try_to_do(plan_curve(self.settings, lead, name, switch=switch))
+        if recorded is None:
+            failed = make_reason("failed", step=name, origin=lead.origin, why=self.failures[-1])
+            self.curve_entries.append(Entry(lead, failed))
+            return iter(())
+        curve = read_curve(recorded, self.settings)
+        low, high = self.settings.over[self.parameter]
+        branch = read_branch(recorded, self.parameter, high - low, self.scale)
+        self.curves.append(curve)
+        self.curve_entries.append(Entry(lead, make_reason("followed", step=name, origin=lead.origin), branch))
+        return list_meeting_leads(curve, branch)
+
+    def look_at_plane(self) -> None:
+        """See what motions settle to at random places of the plane."""
+        body = self.settings.body
+        fields = plan_sweep(
+            self.plan, self.settings, self.survey, f"{self.prefix}plane", {}, 2 * body.check, body.seed + 2
+        )
+        recorded = self.do(fields)
+        self.plane = look_at_sweep(self.plan, recorded, self.survey)
+
+    def _find_objection(self, recorded: Step) -> str:
+        """Return why the orbit of a step is not followed: it is on a branch, or another several times over."""
+        if recorded.kind != ORBIT.kind:
+            return ""
+        (motion,) = fingerprint_orbits(recorded, np.array([0]))
+        known = self.diagram.find(motion, float(recorded.points["parameters"][0, self.number]))
+        if known is not None:
+            return f"its orbit lies on {known[0].name}"
+        source = Source.model_validate({"step": recorded.name})
+        orbit = find_orbit(self.context, self.plan.find_step(recorded.name), source)
+        n = count_repetitions(orbit)
+        return f"its orbit is one of period {orbit.period / n:.10g}, {n} times over" if n > 1 else ""
+
+    def name_unexplained(self) -> None:
+        """Find out what motions without period are that lie on no branch."""
+        assert self.context.file is not None, "a run has a file"
+        for k, look in enumerate(self.looks):
+            if look.code == LookCode.IRREGULAR:
+                self.looks[k] = name_irregular(self.plan, self.context.file.step(look.sweep), look)
+
+
+def run_explore(context: Context, step: PlannedStep[ExploreSettings], recorded: Step | None) -> None:
+    """Explore, and record what came of it: a row a lead that was followed, a row a motion that was looked at."""
+    if recorded is not None:
+        context.drop_step(step.name)
+    before = context.plan
+    try:
+        exploration = _begin(context, step)
+        exploration.search_equilibria()
+        sweep = exploration.sweep("sweep", step.settings.body.starts, step.settings.body.seed)
+        exploration.sweep_edges(sweep)
+        exploration.follow_all()
+        if step.settings.body.check and exploration.stopped != "time":
+            exploration.sweep("check", step.settings.body.check, step.settings.body.seed + 1)
+            exploration.follow_all()
+        exploration.name_unexplained()
+        if len(step.settings.over) == 2:
+            exploration.follow_curves()
+            if step.settings.body.check and exploration.stopped != "time":
+                exploration.look_at_plane()
+    finally:
+        context.plan = before
+    _record(context, step, exploration)
+    report_done(context, step)
+
+
+def _begin(context: Context, step: PlannedStep[ExploreSettings]) -> _Exploration:
+    plan, settings = context.plan, step.settings
+    own = [plan.model.states.index(name) for name in list_own_states(plan)]
+    free = [plan.numeric.parameter_index(name) for name in settings.over]
+    body = settings.body
+    method = Method(body.rtol, body.atol, body.method == "stiff", dict(body.stick))
+    at = _choose_slice(plan, step)
+    points = list(_list_pilots(plan, step, at))
+    pilots = fly_pilots(plan.numeric, step.delay, method, points, own)
+    survey = make_survey(plan.numeric, pilots, free[:1], own)
+    n_explorations = sum(other.kind == step.kind for other in plan.steps)
+    prefix = f"{step.name}_" if n_explorations > 1 or len(plan.steps) > 1 else ""
+    # Steps that it plans are done in this process: others hold the plan as it was at first.
+    inner = context if context.elsewhere is None else _leave_elsewhere(context)
+    return _Exploration(inner, settings, survey, prefix, at)
+
+
+def _leave_elsewhere(context: Context) -> Context:
+    context.elsewhere = None
+    return context
+
+
+def _choose_slice(plan: Plan, step: PlannedStep[ExploreSettings]) -> dict[str, float]:
+    """Return the value of the second parameter at which branches in the first are: its own, or amid its range."""
+    p = plan.set_parameters(step, plan.parameters)
+    found = {}
+    for name, (low, high) in list(step.settings.over.items())[1:]:
+        own = float(p[plan.numeric.parameter_index(name)])
+        found[name] = own if low <= own <= high else 0.5 * (low + high)
+    return found
+
+
+def _list_pilots(plan: Plan, step: PlannedStep[ExploreSettings], at: Mapping[str, float]) -> Iterable[Array]:
+    """Yield the parameter points of the first few motions."""
+    name, (low, high) = next(iter(step.settings.over.items()))
+    for value in np.linspace(low, high, N_PILOTS):
+        p = plan.set_parameters(step, plan.parameters)
+        for key, number in {**at, name: value}.items():
+            p[plan.numeric.parameter_index(key)] = number
+        yield plan.numeric.with_fixed(p)
+
+
+def _record(context: Context, step: PlannedStep[ExploreSettings], exploration: _Exploration) -> None:
+    """Write what came of an exploration; one whose budget was spent is not done, and goes on when it is resumed."""
+    # Those who listen hear of this step again, after those that it planned.
+    context.reporter.step(step.name, step.kind)
+    ending = make_ending(
+        exploration.diagram, exploration.curve_entries, exploration.looks, exploration.stopped, exploration.number
+    )
+    meta: dict[str, Any] = {"free": list(step.settings.over), "directions": 2 if ending.values["stopped"] else 1}
+    entries = [*exploration.diagram.entries, *exploration.curve_entries]
+    meta["meetings"] = [list(meeting.points) for meeting in find_meetings(exploration.curves)]
+    rows = [entry_to_row(entry, context.plan) for entry in entries]
+    n, number = len(context.plan.model.states), exploration.number
+    rows += [look_to_row(look, exploration.diagram, number, n) for look in exploration.looks]
+    assert context.file is not None, "a run has a file"
+    rows += [settled_to_row(look, context.file, n) for look in exploration.plane]
+    with context.open_step(step, EXPLORE, meta, capacity=max(1, len(rows))) as writer:
+        for points, reason in rows:
+            writer.append(points, {}, reason)
+        writer.terminate(ending)

@@ -1,0 +1,183 @@
+"""A diagram by itself: what is known of it in closed form is found, whatever broke the run off."""
+
+import numpy as np
+import pytest
+
+from pddecont.errors import ConvergenceError, RunError
+from pddecont.results import read_results
+from pddecont.runfile import extend_plan
+from pddecont.steps import Budget, list_step_kinds
+from pddecont.steps.execution import execute
+from pddecont.steps.execution import explore as explore_step
+from pddecont.tables import describe_endings, describe_exploration_lines, list_branches, make_table
+from tests.runs import change, parameter, plan, run
+
+BALL = {
+    "model": "bouncing_ball",
+    "steps": [{"name": "all", "explore": {"over": {"G": [0.3, 1.2]}, "starts": 8, "check": 16}}],
+}
+PITCHFORK = {
+    "name": "pitchfork",
+    "states": ["x"],
+    "parameters": {"a": 1},
+    "modes": {"free": {"x'": "a*x - x**3"}},
+    "initial": {"x": 0.5},
+    "run": {"steps": [{"name": "all", "explore": {"over": {"a": [-1, 2]}, "starts": 4, "check": 8}}]},
+}
+
+
+@pytest.fixture(scope="module")
+def ball(tmp_path_factory):
+    return run(BALL, tmp_path_factory.mktemp("explore") / "a.h5")
+
+
+def find_label(results, kind):
+    """Return the values of the parameter at all points of a kind on all branches."""
+    names = [row["branch"] for row in list_branches(results.steps["all"]) if row["points"]]
+    steps = [results.steps[name] for name in names]
+    return [parameter(step, "G", label) for step in steps for label in step.labels if label.startswith(kind)]
+
+
+def holds_same(a, b):
+    """Return whether two files hold the same steps, in whatever order, with the same numbers."""
+    return sorted(a.names) == sorted(b.names) and all(
+        np.array_equal(x, y, equal_nan=x.dtype.kind == "f")
+        for name in a.names
+        for group in ("points", "orbits")
+        for x, y in zip(getattr(a.steps[name], group).values(), getattr(b.steps[name], group).values(), strict=True)
+    )
+
+
+def test_the_fold_and_the_period_doubling_of_the_ball_are_found(ball):
+    r = 0.8
+    fold = np.pi * (1 - r) / (1 + r)
+    doubling = np.sqrt(fold**2 + 4 * (1 + r**2) ** 2 / (1 + r) ** 4)
+    assert min(abs(x - fold) for x in find_label(ball, "LP")) < 1e-9
+    assert min(abs(x - doubling) for x in find_label(ball, "PD")) < 1e-9
+
+
+def test_nothing_is_followed_twice_and_all_that_settles_lies_on_a_branch(ball):
+    step = ball.steps["all"]
+    (ending,) = step.endings
+    assert ending.values["n_explained"] == ending.values["n_motions"] > 10
+    assert ending.values["stopped"] == ""
+    kept = [row["branch"] for row in list_branches(step) if row["points"]]
+    assert [name for name in ball.names if name.startswith("branch")] == kept
+    periods = [float(ball.steps[name].points["period"].min()) / (2 * np.pi) for name in kept]
+    assert len({round(x) for x in periods}) == len(periods)
+    assert make_table(step, "unexplained") == []
+
+
+def test_branches_are_ordinary_steps(ball):
+    assert ball.steps["branch_1"].kind == "continue"
+    assert ball.steps["branch_1"].done
+    assert ball.steps["sweep"].kind == "sweep"
+    assert "branches" in describe_endings(ball.steps["all"])[0]
+    assert any(
+        line.startswith("branch_1, from sweep A1: G 0.349066 to 1.2")
+        for line in describe_exploration_lines(ball.steps["all"])
+    )
+
+
+@pytest.mark.parametrize("number", [1, 3])
+def test_a_run_that_was_broken_off_goes_on_to_the_same_file(ball, number, tmp_path, monkeypatch):
+    path, whole = tmp_path / "a.h5", explore_step.do_step
+    left = [number]
+
+    def do_some(context, step):
+        if not left[0]:
+            raise KeyboardInterrupt
+        left[0] -= 1
+        whole(context, step)
+
+    monkeypatch.setattr(explore_step, "do_step", do_some)
+    with pytest.raises(KeyboardInterrupt):
+        execute(plan(BALL), path)
+    monkeypatch.setattr(explore_step, "do_step", whole)
+    assert len(read_results(path).names) == number
+    execute(plan(BALL), path, resume=True)
+    assert holds_same(read_results(path), ball)
+
+
+@pytest.mark.parametrize("budget", [Budget(seconds=0.0), Budget(max_branches=1)])
+def test_a_budget_ends_it_in_order_and_another_goes_on(ball, budget, tmp_path):
+    path = tmp_path / "a.h5"
+    execute(plan(BALL), path, budget=budget)
+    step = read_results(path).steps["all"]
+    assert not step.done
+    assert step.endings[0].values["stopped"] == ("max_branches" if budget.max_branches else "time")
+    assert any("--resume" in line for line in describe_exploration_lines(step))
+    execute(plan(BALL), path, resume=True)
+    assert holds_same(read_results(path), ball)
+
+
+def test_equilibria_are_followed_through_a_pitchfork(tmp_path):
+    results = run(PITCHFORK, tmp_path / "a.h5")
+    step = results.steps["all"]
+    assert step.endings[0].values["n_explained"] == step.endings[0].values["n_motions"] > 0
+    branches = [results.steps[row["branch"]] for row in list_branches(step) if row["points"]]
+    assert {b.kind for b in branches} == {"equilibria"}
+    states = np.concatenate([b.points["states"][:, 0] for b in branches])
+    values = np.concatenate([b.points["parameters"][:, 0] for b in branches])
+    assert states * (values - states**2) == pytest.approx(0, abs=1e-8)
+    assert max(states) == pytest.approx(np.sqrt(2))
+    assert min(states) == pytest.approx(-np.sqrt(2))
+    assert np.sum(np.abs(states) < 1e-9) > 5
+
+
+def test_chaos_is_named_and_not_explained(tmp_path):
+    settings = {"over": {"a": [0.15, 0.22]}, "starts": 4, "check": 4, "depth": 0, "transient": 400}
+    equations = {"x'": "-y - z", "y'": "x + a*y", "z'": "0.2 + z*(x - 5.7)"}
+    roessler = {"name": "r", "states": ["x", "y", "z"], "parameters": {"a": 0.2}, "modes": {"free": equations}}
+    results = run({**roessler, "run": {"steps": [{"name": "all", "explore": settings}]}}, tmp_path / "a.h5")
+    rows = make_table(results.steps["all"], "unexplained")
+    assert any("chaotic" in row["look"] and row["lyapunov"] > 0.03 for row in rows)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "message"),
+    [
+        ("over", {"H": [0, 1]}, "'H' is not a parameter"),
+        ("over", {"G": [1, 0]}, "the range is empty"),
+        ("box", {"z": [0, 1]}, "'z' is not a state"),
+        ("transient", -1, "expected a positive time"),
+        ("section", {"event": "hit"}, "'hit' is not an event"),
+    ],
+)
+def test_what_is_wrong_is_told_before_anything_is_computed(key, value, message):
+    body = {**BALL["steps"][0]["explore"], key: value}
+    with pytest.raises(RunError, match=message):
+        plan(change(BALL, "steps.0.explore", body))
+
+
+def test_a_plan_is_extended_by_a_step_as_a_file_would_say_it():
+    first = plan({"model": "wright", "steps": [{"name": "t", "simulate": {"t_end": 10}}]})
+    more = extend_plan(first, list_step_kinds(), {"name": "o", "orbit": {"from": "t", "stability": True}})
+    whole = plan(
+        {
+            "model": "wright",
+            "steps": [
+                {"name": "t", "simulate": {"t_end": 10}},
+                {"name": "o", "orbit": {"from": "t", "stability": True}},
+            ],
+        }
+    )
+    assert [step.name for step in first.steps] == ["t"]
+    assert more.describe_settings(more.steps[1]) == whole.describe_settings(whole.steps[1])
+    with pytest.raises(RunError, match=r"step 'c': .*not above"):
+        extend_plan(first, list_step_kinds(), {"name": "c", "orbit": {"from": "nothing"}})
+
+
+def test_a_step_that_fails_is_noted_and_the_others_are_done(tmp_path, monkeypatch):
+    whole = explore_step.do_step
+
+    def fail(context, step):
+        if step.name == "branch_1":
+            raise ConvergenceError("it does not converge")
+        whole(context, step)
+
+    monkeypatch.setattr(explore_step, "do_step", fail)
+    step = run(BALL, tmp_path / "a.h5").steps["all"]
+    assert step.endings[0].values["n_failed"] == 1
+    assert any("not followed: branch_1: it does not converge" in row["outcome"] for row in list_branches(step))
+    assert step.endings[0].values["n_branches"] >= 2
