@@ -39,7 +39,7 @@ def test_every_view_has_a_file_of_its_own():
 def test_every_kind_of_step_has_one_default():
     places = Counter((kind, place) for view in VIEWS.values() for kind, place in view.places.items())
     assert set(places.values()) == {1}
-    kinds = {"simulate", "orbit", "continue", "curve", "sweep", "basin", "precision"}
+    kinds = {"simulate", "orbit", "continue", "curve", "sweep", "basin", "precision", "explore"}
     kinds |= {"equilibrium", "equilibria", "equilibrium_curve"}
     assert {kind for kind, place in places if place == 0} == kinds
     assert all(set(view.together) <= set(view.places) for view in VIEWS.values())
