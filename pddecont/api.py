@@ -240,20 +240,17 @@ def run(
     """
     values = tuple((name, str(value)) for name, value in (set or {}).items())
     checked = plan(model, steps=steps, overrides=Overrides(values, tuple(without)), **run_keys)
-    for warning in checked.warnings:
-        warnings.warn(str(warning), stacklevel=2)
-    options: dict[str, Any] = {
-        "resume": resume,
-        "overwrite": overwrite,
-        "only": only,
-        "until": until,
-        "workers": workers,
-        "scheduler": scheduler,
-    }
-    if output is not None:
-        return compute(checked, Path(output), reporter, **options)
-    with tempfile.TemporaryDirectory(prefix="pddecont-") as folder:
-        return compute(checked, Path(folder) / "results.h5", reporter, **options)
+    return _compute_warning(
+        checked,
+        output,
+        reporter,
+        resume=resume,
+        overwrite=overwrite,
+        only=only,
+        until=until,
+        workers=workers,
+        scheduler=scheduler,
+    )
 
 
 def plan_exploration(
@@ -300,10 +297,22 @@ def explore(
     """
     values = tuple((name, str(value)) for name, value in (set or {}).items())
     checked = plan_exploration(model, over, Overrides(values, tuple(without)), **settings)
+    return _compute_warning(
+        checked,
+        output,
+        reporter,
+        resume=resume,
+        overwrite=overwrite,
+        workers=workers,
+        scheduler=scheduler,
+        budget=Budget(time, max_branches),
+    )
+
+
+def _compute_warning(checked: Plan, output: str | Path | None, reporter: Reporter | None, **options: Any) -> RunResults:
+    """Warn of what is suspicious in a plan, do it, and return its results; without an output no file is left."""
     for warning in checked.warnings:
-        warnings.warn(str(warning), stacklevel=2)
-    options: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "workers": workers, "scheduler": scheduler}
-    options["budget"] = Budget(time, max_branches)
+        warnings.warn(str(warning), stacklevel=3)
     if output is not None:
         return compute(checked, Path(output), reporter, **options)
     with tempfile.TemporaryDirectory(prefix="pddecont-") as folder:

@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from pddecont.cli.completion import complete_file
-from pddecont.cli.console import Progress, print_json, printable, say
+from pddecont.cli.console import print_json, printable, say
 
 
 @click.command("explore")
@@ -63,8 +63,8 @@ def command(
     MODEL is a path, '-' for standard input, or the name of a shipped model; of its run block delay, mesh and monitors
     count, and not the steps. The results are ordinary steps, which 'plot', 'report', 'info' and 'export' show.
     """
-    from pddecont.api import EXPLORATION, compute, plan_exploration
-    from pddecont.cli.run import read_assignment
+    from pddecont.api import EXPLORATION, plan_exploration
+    from pddecont.cli.run import compute_shown, read_assignment
     from pddecont.runfile import Overrides
     from pddecont.steps import Budget
     from pddecont.tables import describe_exploration_lines
@@ -75,23 +75,17 @@ def command(
     overrides = Overrides(tuple(map(read_assignment, assignments)), without)
     over, box = (dict(map(_read_range, texts)) for texts in (ranges, boxes))
     checked = plan_exploration(model, over, overrides, box=box, **settings)
-    for warning in checked.warnings:
-        say(f"{warning} (warning)")
     path = output or Path("run.h5" if model == "-" else f"{Path(model).stem}_explore.h5")
-    progress = Progress(quiet or as_json)
-    try:
-        results = compute(
-            checked,
-            path,
-            progress,
-            resume=resume,
-            overwrite=overwrite,
-            workers=workers,
-            scheduler=scheduler,
-            budget=Budget(time, max_branches),
-        )
-    finally:
-        progress.stop()
+    results = compute_shown(
+        checked,
+        path,
+        quiet=quiet or as_json,
+        resume=resume,
+        overwrite=overwrite,
+        workers=workers,
+        scheduler=scheduler,
+        budget=Budget(time, max_branches),
+    )
     if as_json:
         print_json({"output": str(path), **results.summary()})
     elif not quiet:

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from pddecont.cli.completion import complete_file
 from pddecont.cli.console import Progress, print_json, say
+
+if TYPE_CHECKING:
+    from pddecont.api import RunResults
+    from pddecont.runfile import Plan
 
 
 @click.command("run")
@@ -66,37 +70,44 @@ def command(
 
     FILE is a path, '-' for standard input, or the name of a shipped model or run.
     """
-    from pddecont.api import compute, plan
+    from pddecont.api import plan
     from pddecont.runfile import Overrides
 
     if resume and overwrite:
         raise click.UsageError("--resume and --overwrite exclude each other")
     checked = plan(file, overrides=Overrides(tuple(map(read_assignment, assignments)), without, accuracy))
-    for warning in checked.warnings:
-        say(f"{warning} (warning)")
     has_name = file != "-" and not Path(checked.source).is_fifo()
     stem = Path(checked.source).stem if has_name else "run"
     path = output or Path(f"{stem}.h5")
-    progress = Progress(quiet or as_json)
-    try:
-        results = compute(
-            checked,
-            path,
-            progress,
-            resume=resume,
-            overwrite=overwrite,
-            only=only,
-            until=until,
-            workers=workers,
-            scheduler=scheduler,
-        )
-    finally:
-        progress.stop()
+    results = compute_shown(
+        checked,
+        path,
+        quiet=quiet or as_json,
+        resume=resume,
+        overwrite=overwrite,
+        only=only,
+        until=until,
+        workers=workers,
+        scheduler=scheduler,
+    )
     if as_json:
         result: dict[str, Any] = {"output": str(path), **results.summary()}
         print_json(result)
     elif not quiet:
         say(f"results: {path}")
+
+
+def compute_shown(checked: Plan, path: Path, *, quiet: bool, **options: Any) -> RunResults:
+    """Say what is suspicious in a plan, do it with its progress shown unless ``quiet``, and return its results."""
+    from pddecont.api import compute
+
+    for warning in checked.warnings:
+        say(f"{warning} (warning)")
+    progress = Progress(quiet)
+    try:
+        return compute(checked, path, progress, **options)
+    finally:
+        progress.stop()
 
 
 def read_assignment(text: str) -> tuple[str, str]:

@@ -7,12 +7,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.collocation.basis import weigh
 from pddecont.collocation.mesh import Mesh, MeshPoints
 from pddecont.native import compiled_assembly
 
 Array = NDArray[np.float64]
-Ints = NDArray[np.intp]
 
 
 def transfer(old: Mesh, old_theta: Array, values: Array, new: Mesh, new_theta: Array) -> Array:
@@ -91,12 +89,7 @@ def raise_degree(mesh: Mesh, reference_theta: Array) -> Mesh:
 
 def resample(mesh: Mesh, values: Array, other: Mesh) -> Array:
     """Return base ``values`` (n_base, n) at the base points of a mesh with the same intervals and another degree."""
-
-    def find() -> tuple[Array, Ints]:
-        points = mesh.grid(other.basis.base)
-        return mesh.local_weights(points), mesh.base_index[points.interval]
-
-    weights, columns = mesh.always(("resampled", other.degree), find)
+    points = mesh.always(("resampled", other.degree), lambda: mesh.grid(other.basis.base))
     result = np.empty((other.n_base, values.shape[1]))
-    result[other.base_index.ravel()] = weigh(weights, columns, values)
+    result[other.base_index.ravel()] = mesh.interpolate(values, points)
     return result

@@ -40,7 +40,8 @@ EDGES = (
 class MeshPoints:
     """Points by mesh interval and sigma in [0, 1]; both of shape (n_points,).
 
-    ``weights`` (n_points, degree + 1) are those of the interval's base values, where they are known beforehand.
+    ``weights`` (n_points, degree + 1) are those of the interval's base values, ``columns`` of the same shape its base
+    points, where they are known beforehand.
     ``inward`` says, where a delayed value lies on an edge, from which side it is read: 1 for the interval after it, -1
     for the one before; by default a point reads from the side of its own interval.
     """
@@ -49,6 +50,7 @@ class MeshPoints:
     sigma: Array
     weights: Array | None = None
     inward: Array | None = None
+    columns: Ints | None = None
 
     def __len__(self) -> int:
         return len(self.sigma)
@@ -246,7 +248,7 @@ class Mesh:
         points, ends = self.grid(self.basis.nodes), np.ones(self.n_segments + self.n_breaking)
         weights = np.concatenate([self.local_weights(points), self.basis.lagrange(ends)])
         interval = np.concatenate([points.interval, self.last_interval, self.breaking_interval])
-        return MeshPoints(interval, np.concatenate([points.sigma, ends]), weights)
+        return MeshPoints(interval, np.concatenate([points.sigma, ends]), weights, columns=self.base_index[interval])
 
     @cached_property
     def n_equation_points(self) -> int:
@@ -267,7 +269,11 @@ class Mesh:
         """Return the points at the same ``sigma`` (k,) of every interval, or of some ``intervals``."""
         chosen = np.arange(self.n_intervals) if intervals is None else intervals
         n = len(chosen)
-        return MeshPoints(np.repeat(chosen, len(sigma)), np.tile(sigma, n), np.tile(self.basis.lagrange(sigma), (n, 1)))
+        weights, columns = (
+            np.tile(self.basis.lagrange(sigma), (n, 1)),
+            np.repeat(self.base_index[chosen], len(sigma), axis=0),
+        )
+        return MeshPoints(np.repeat(chosen, len(sigma)), np.tile(sigma, n), weights, columns=columns)
 
     def times(self, points: MeshPoints) -> Array:
         """Return the coefficients of the times of ``points``, shape (n_points, n_theta)."""
@@ -330,20 +336,8 @@ class Mesh:
 
     def interpolate(self, values: Array, points: MeshPoints) -> Array:
         """Return the polynomials through base ``values`` (n_base, n) at ``points``, shape (n_points, n)."""
-        if values.dtype != np.float64:
-            return weigh(self.local_weights(points), self.base_index[points.interval], values)
-        result, interval = np.empty((len(points), values.shape[1])), np.ascontiguousarray(points.interval)
-        compiled_assembly.interpolate(
-            np.ascontiguousarray(self.local_weights(points)),
-            interval,
-            self.base_index,
-            len(points),
-            self.degree + 1,
-            np.ascontiguousarray(values),
-            values.shape[1],
-            result,
-        )
-        return result
+        columns = self.base_index[points.interval] if points.columns is None else points.columns
+        return weigh(self.local_weights(points), columns, values)
 
     def interpolate_at_nodes(self, values: Array) -> Array:
         """Return the polynomials through base ``values`` (n_base, ...) at the collocation points.

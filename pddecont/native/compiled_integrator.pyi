@@ -1,16 +1,11 @@
-"""The integrator's entries as they are compiled: see the functions of the same names in its sources."""
+"""The integrator's entries as they are compiled: the functions of its sources."""
 
-from pddecont.native.arrays import Floats
-from pddecont.native.integrator.core import Core, Returns
+from pddecont.native.integrator.advance import change_parameters as change_parameters
+from pddecont.native.integrator.advance import initialise as initialise
+from pddecont.native.integrator.advance import run as run
+from pddecont.native.integrator.poincare import advance_to_return as advance_to_return
+from pddecont.native.integrator.poincare import follow_to_period as follow_to_period
+from pddecont.native.integrator.restart import begin_inside_arc as begin_inside_arc
+from pddecont.native.integrator.tangent_growth import measure_growth as measure_growth
 
 DIGEST: str
-
-def initialise(c: Core, t: float, mode: int) -> None: ...
-def change_parameters(c: Core, before: Floats) -> None: ...
-def run(c: Core, t_stop: float, most_steps: int) -> int: ...
-def begin_inside_arc(c: Core, t: float, begin: float, mode: int, arc: int) -> int: ...
-def advance_to_return(c: Core, period: float, phase: float, t_end: float, stop: Floats) -> int: ...
-def follow_to_period(
-    c: Core, r: Returns, period: float, phase: float, t_end: float, max_period: int
-) -> tuple[int, int]: ...
-def measure_growth(c: Core, interval: float, n: int, logs: Floats, done: Floats) -> int: ...

@@ -223,15 +223,6 @@ def test_what_does_not_change_or_is_no_number_has_no_turns(native, monkeypatch):
     assert replace(profile, values=np.full((6, 8), np.nan)).extrema == []
 
 
-def test_values_are_interpolated_in_their_intervals(native):
-    """The same sums as array code makes of the gathered base values."""
-    base_index = np.array([[0, 1, 2], [2, 3, 4], [5, 6, 7]])
-    values, weights = RNG.normal(size=(8, 2)), RNG.normal(size=(5, 3))
-    interval, result = np.array([2, 0, 1, 1, 2]), np.empty((5, 2))
-    native.interpolate(weights, interval, base_index, 5, 3, values, 2, result)
-    assert result == pytest.approx(np.einsum("ik,ikq->iq", weights, values[base_index[interval]]), abs=1e-15)
-
-
 def test_where_points_read(native):
     """Places are those of the times read; one without length, or a time that is none, is told."""
     starts, lengths = np.array([0.0, 0.5, 2.0]), np.array([0.5, 1.5, 1.0])

@@ -27,31 +27,6 @@ def weigh_values(
 
 
 @entry
-def interpolate(
-    weights: Floats,
-    interval: Integers,
-    base_index: Integers,
-    n: int,
-    m: int,
-    values: Floats,
-    n_values: int,
-    out: Floats,
-) -> None:
-    """Write the sums of the base ``values`` (n_base, n_values) of each point's ``interval`` (n,) times its ``weights``.
-
-    ``base_index`` (n_intervals, m) are the intervals' base points, ``weights`` (n, m); ``out`` (n, n_values).
-    """
-    for i in range(n):
-        for q in range(n_values):
-            out[i * n_values + q] = 0.0
-        for k in range(m):
-            weight = weights[i * m + k]
-            first = base_index[interval[i] * m + k] * n_values
-            for q in range(n_values):
-                out[i * n_values + q] += weight * values[first + q]
-
-
-@entry
 def weigh_reads(
     starts: Floats,
     lengths: Floats,

@@ -309,13 +309,8 @@ def _begin(context: Context, step: PlannedStep[ExploreSettings]) -> _Exploration
     n_explorations = sum(other.kind == step.kind for other in plan.steps)
     prefix = f"{step.name}_" if n_explorations > 1 or len(plan.steps) > 1 else ""
     # Steps that it plans are done in this process: others hold the plan as it was at first.
-    inner = context if context.elsewhere is None else _leave_elsewhere(context)
-    return _Exploration(inner, settings, survey, prefix, at)
-
-
-def _leave_elsewhere(context: Context) -> Context:
     context.elsewhere = None
-    return context
+    return _Exploration(context, settings, survey, prefix, at)
 
 
 def _choose_slice(plan: Plan, step: PlannedStep[ExploreSettings]) -> dict[str, float]:
