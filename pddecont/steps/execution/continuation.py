@@ -121,6 +121,8 @@ class _Branch:
         values = zip(self.settings.free, at.orbit.free, strict=True)
         shown = ", ".join(f"{name} = {value:.8g}" for name, value in values)
         self.context.reporter.progress(f"{self.writer.n} points, {shown}{f' {point.kind}' if point.kind else ''}")
+        if not point.kind:
+            self.context.budget.check()
         return float(points["error_estimate"])
 
     def follow(self, state: BranchState[Any], way: int, n_unexplained: int) -> Reason:

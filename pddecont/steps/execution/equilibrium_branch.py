@@ -90,6 +90,8 @@ class _Branch:
         values = zip(self.step.settings.free, at.x[-len(self.step.settings.free) :], strict=True)
         shown = ", ".join(f"{name} = {value:.8g}" for name, value in values)
         self.context.reporter.progress(f"{self.writer.n} points, {shown}{f' {point.kind}' if point.kind else ''}")
+        if not point.kind:
+            self.context.budget.check()
 
     def follow(self, state: BranchState[Any], way: int, *, has_passed: bool = False) -> Reason:
         """Follow one direction through all its modes; return how it ended.
