@@ -100,7 +100,9 @@ def _summarise(lengths: Array, states: Array, period: float) -> Fingerprint:
     weights = lengths[:, None] * WEIGHTS / lengths.sum()
     inner, flat = states[:, len(EVENLY) :], states.reshape(-1, states.shape[2])
     mean = np.einsum("jp,jpn->n", weights, inner)
-    deviation = np.sqrt(np.einsum("jp,jpn->n", weights, (inner - mean) ** 2))
+    # What grows without bound may be too large to be squared.
+    size = np.maximum(np.max(np.abs(flat), axis=0), np.finfo(float).tiny)
+    deviation = size * np.sqrt(np.einsum("jp,jpn->n", weights, ((inner - mean) / size) ** 2))
     return Fingerprint(period, np.stack([flat.min(axis=0), flat.max(axis=0), mean, deviation]))
 
 

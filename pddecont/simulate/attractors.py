@@ -32,6 +32,9 @@ SAME_REGION = 0.2
 # The least ratio of the standard deviations of later and earlier returns of a stationary motion; for what chance makes
 # of it see is_stationary.
 SAME_SPREAD = 0.6
+# A motion whose past, as long as delays reach back, has more steps than this is given up: it becomes slower and slower,
+# and each row of a file that keeps such a past would be hundreds of megabytes.
+MOST_PIECES = 1 << 19
 # A motion that goes no farther than so many absolute errors of a step is at rest.
 REST = 1e5
 # A motion that stays away for so many times the longest time between returns, and for the longest delay, does not come
@@ -57,7 +60,8 @@ class Attractor:
         How often segments end between the first and the last of them, by name, those that end at all; in a period of
         a motion that has one.
     packed_state
-        The state of the integration at the last return, from :func:`~pddecont.simulate.motion_row.pack_motion`.
+        The state of the integration at the last return, from :func:`~pddecont.simulate.motion_row.pack_motion`; empty
+        of a motion whose past has become too long.
     p
         The parameters.
     failure
@@ -107,10 +111,14 @@ def find_attractor(
         status = Status(number)
         if status not in (Status.CAPACITY, Status.NEW_WAY):
             break
+        if status == Status.CAPACITY and len(state.past_time) > MOST_PIECES:
+            break
         state = simulator.make_room(values, state, status)
     n_returns = int(returns.number[0])
     failure = None
-    if status not in (Status.SECTION, Status.REACHED):
+    if status == Status.CAPACITY:
+        failure = MotionFailure(FailureReason.PAST_TOO_LONG, float(state.clock[T]))
+    elif status not in (Status.SECTION, Status.REACHED):
         failure = simulator.diagnose(state, status, values.p)
     elif status == Status.REACHED and not settings.forcing_period:
         times = returns.times[np.arange(max(0, n_returns - capacity), n_returns) % capacity]
@@ -134,7 +142,7 @@ def find_attractor(
         returns.states[rows, n:],
         returns.times[rows],
         {name: int(n) for name, n in zip(simulator.tables.segments, counts, strict=True) if n},
-        pack_motion(simulator.tables, state),
+        np.zeros(0) if status == Status.CAPACITY else pack_motion(simulator.tables, state),
         values.p,
         failure,
     )

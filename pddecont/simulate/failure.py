@@ -20,6 +20,7 @@ class FailureReason(Enum):
     STEP_TOO_SMALL = "step too small"  # no step meets the tolerances
     ADVANCED = "advanced"  # a delay is below zero
     PAST_UNKNOWN = "past unknown"  # a delay reaches farther back than the past is known
+    PAST_TOO_LONG = "past too long"  # more steps in the longest delay than are kept
     SECTION_LEFT = "section left"  # it does not return to the section any more
     NO_RETURN = "no return"  # it does not return to the section in time
     NOT_SETTLED = "not settled"  # its returns still move when its time is over
@@ -40,6 +41,7 @@ HALTS = (
     FailureReason.STEP_TOO_SMALL,
     FailureReason.ADVANCED,
     FailureReason.PAST_UNKNOWN,
+    FailureReason.PAST_TOO_LONG,
 )
 
 
@@ -123,6 +125,12 @@ def describe_failure(failure: MotionFailure) -> str:
             return (
                 f"at t = {t:.12g} a delay reaches farther back than the past is known: it has grown to several times "
                 "its longest value before, or the motion began from a piece of another one"
+            )
+        case FailureReason.PAST_TOO_LONG:
+            return (
+                f"at t = {t:.12g} the motion has made so many steps within the longest delay that it is given up: "
+                "jumps of its rates, or events, come back through delays and become ever more; raise 'rtol' and "
+                "'atol', or shorten 'transient'"
             )
         case FailureReason.SECTION_LEFT:
             return f"the motion no longer returns to the section after t = {t:.6g}"

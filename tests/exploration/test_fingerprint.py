@@ -49,6 +49,16 @@ def test_an_orbit_and_the_motion_that_settled_to_it_are_one(tmp_path):
     assert orbit.period == pytest.approx(2 * np.pi)
 
 
+def test_what_grows_beyond_what_can_be_squared_has_numbers():
+    equations = {"x'": "40*x"}
+    numeric = numeric_from({"name": "o", "states": ["x"], "parameters": {}, "modes": {"free": equations}})
+    motion = simulate(numeric, np.zeros(0), Direct(), 15.0, Method(1e-6, 1e-8), initial=[1.0], mode="free")
+    found = fingerprint_trajectory(motion, np.nan, 10.0)
+    assert found.highest[0] == pytest.approx(np.exp(600.0), rel=1e-2)
+    # Of exp(40 t) over 5 the mean square is exp(1200) / 400.
+    assert found.values[3, 0] == pytest.approx(np.exp(600.0) / 20, rel=2e-2)
+
+
 def test_a_mirror_image_has_other_signs():
     rest = fingerprint_rest(np.array([1.0, -2.0]))
     assert rest.apply(Symmetry((0, 1), (-1, -1))).lowest.tolist() == [-1.0, 2.0]

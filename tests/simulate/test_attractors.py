@@ -22,6 +22,7 @@ from pddecont.simulate import (
     has_left_section,
     is_same_attractor,
 )
+from pddecont.simulate import attractors as module
 from pddecont.simulate.attractors import cover_same_region, is_stationary
 from tests.conftest import numeric_from
 from tests.simulate.motions import BALL, RELAY
@@ -152,6 +153,22 @@ def test_what_leads_to_no_attractor_has_a_reason(text, level, c, transient, reas
     assert found.failure.reason == reason
     assert not found.failure.reason.halts
     assert found.period == 0
+
+
+def test_a_motion_whose_past_has_too_many_steps_is_given_up(monkeypatch):
+    text = (
+        "name: w\nstates: [x]\nparameters: {tau: 50}\nforcing: {period: 2*pi/9}\n"
+        "modes: {m: {x': -x(t - tau) + sin(9*t)}}\ninitial: {x: 1}\n"
+    )
+    section = ReturnSection(expr=numeric_from(text).model.state_symbols[0])
+    settings = ReturnSettings(0.0, 0.0, 200.0, 4, 20)
+    assert find(text, settings, section).failure.reason != FailureReason.PAST_TOO_LONG
+    monkeypatch.setattr(module, "MOST_PIECES", 100)
+    found = find(text, settings, section)
+    assert found.failure.reason == FailureReason.PAST_TOO_LONG
+    assert found.failure.reason.halts
+    assert 0.0 < found.failure.time < 200.0
+    assert len(found.packed_state) == 0
 
 
 @pytest.mark.parametrize(

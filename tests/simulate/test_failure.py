@@ -35,6 +35,9 @@ SENTENCES = {
     "equation would read the future; let the delay stay positive",
     FailureReason.PAST_UNKNOWN: "at t = 1.23456789012 a delay reaches farther back than the past is known: it has "
     "grown to several times its longest value before, or the motion began from a piece of another one",
+    FailureReason.PAST_TOO_LONG: "at t = 1.23456789012 the motion has made so many steps within the longest delay that "
+    "it is given up: jumps of its rates, or events, come back through delays and become ever more; raise 'rtol' and "
+    "'atol', or shorten 'transient'",
     FailureReason.SECTION_LEFT: "the motion no longer returns to the section after t = 1.23457",
     FailureReason.NO_RETURN: "the motion does not come back to the section in the time of the transient",
     FailureReason.NOT_SETTLED: "the motion has not settled in the time of the transient: its last returns still move, "
