@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from pddecont.cli.completion import complete_file
+from pddecont.cli.completers import complete_effect, complete_file
 from pddecont.cli.console import print_json, printable
 
 if TYPE_CHECKING:
@@ -19,7 +19,11 @@ if TYPE_CHECKING:
 @click.command("info")
 @click.argument("file", shell_complete=complete_file)
 @click.option(
-    "--without", multiple=True, metavar="EFFECT", help="Look at the model without an effect; may be repeated."
+    "--without",
+    multiple=True,
+    metavar="EFFECT",
+    help="Look at the model without an effect; may be repeated.",
+    shell_complete=complete_effect,
 )
 @click.option(
     "--expand", is_flag=True, help="Write a model given by its equations with modes, events and segments instead."
