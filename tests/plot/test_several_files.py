@@ -8,7 +8,7 @@ import pytest
 from pddecont.errors import ResultsError
 from pddecont.plot import ViewRequest, draw_picture
 from pddecont.plot.several_files import name_files, select_steps, split_name
-from tests.plot.drawn import legend, lines
+from tests.plot.drawn import coloured, legend, lines
 
 
 def test_steps_of_both_are_drawn_and_named_with_their_file(every):
@@ -19,7 +19,9 @@ def test_steps_of_both_are_drawn_and_named_with_their_file(every):
     assert [split_name(step) for step in steps] == [("every", "in_delay"), ("other", "in_delay")]
     alone, both = draw_picture(every, request), draw_picture([every, other], request)
     assert len(lines(both.axes[0], "-")) == 2 * len(lines(alone.axes[0], "-")) > 0
-    assert {"every: in_delay", "other: in_delay"} <= set(legend(both))
+    named = legend(both)
+    assert named["every"] != named["other"] and len(both.axes) == 1
+    assert set(coloured(both.axes[0])) == {named["every"], named["other"]}
 
 
 def test_one_file_is_as_ever(every):
