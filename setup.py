@@ -1,4 +1,4 @@
-"""What pyproject.toml cannot say: how compiled parts are made of their sources, and what an index shows of the README."""
+"""What pyproject.toml cannot say: how compiled parts are made, and what an index shows of the README."""
 
 import importlib.util
 import re

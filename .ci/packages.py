@@ -2,8 +2,8 @@
 
 A source archive is made of the working tree; a wheel is made of that archive for the oldest and the newest Python that
 the metadata names, and installed into an empty environment: with the oldest libraries that the metadata allows, and
-with the newest there are. The program runs there without a home folder, and may change nothing of its installation. Last
-the archive's own tests are run on the wheel.
+with the newest there are. The program runs there without a home folder, and may change nothing of its installation.
+Last the archive's own tests are run on the wheel.
 
 PYTHONS="3.12" in the environment names other versions of Python to try.
 """
@@ -30,7 +30,7 @@ pddecont plot wall.h5 -o wall.png
 pddecont plot wall.h5 -o wall.svg
 pddecont report wall.h5 -o wall.html"""
 WRITTEN = {"wall.h5", "wall.png", "wall.svg", "wall.html"}
-# Tests that need nothing but the wheel and what tests need: of the archive's own files, the interface, the command line.
+# Of the archive itself, of the interface in Python and of the command line.
 TESTS = ("tests/test_packages.py", "tests/api", "tests/cli/test_new.py", "tests/cli/test_check.py")
 LIBRARIES = ("pytest", "hypothesis", "xarray")
 

@@ -31,6 +31,8 @@ def load_setup():
 def described(monkeypatch):
     monkeypatch.chdir(ROOT)
     pytest.importorskip("setuptools")
+    if not (ROOT / "pddecont").exists():
+        pytest.skip("a wheel is tried, whose sources are not here")
     return load_setup().describe
 
 
@@ -92,7 +94,8 @@ def test_the_metadata_names_the_pythons_that_wheels_are_built_for():
 def test_the_archive_takes_what_it_names_and_nothing_is_forgotten():
     lines = [line.split() for line in (ROOT / "MANIFEST.in").read_text().splitlines() if not line.startswith("#")]
     taken = {name for word, *names in lines if word in ("include", "graft") for name in names}
-    assert not [name for name in taken if not (ROOT / name).exists()]
+    # Where the archive's tests are run on a wheel, the package is not beside them.
+    assert not [name for name in taken - {"pddecont"} if not (ROOT / name).exists()]
     ignored = {".venv", "build", "dist", "out", ".git"}
     there = {path.name for path in ROOT.iterdir() if not path.name.endswith(("_cache", ".egg-info", ".hypothesis"))}
     assert there - ignored <= taken | {
