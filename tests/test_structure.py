@@ -34,7 +34,7 @@ ALLOWED = {
     "stability": {"collocation", "continuation", "delay", "native", "orbit"},
     "equilibrium": {"codegen", "collocation", "continuation", "delay", "intervals", "model"},
     "bifurcation": {"collocation", "continuation", "equilibrium", "model", "orbit", "stability"},
-    "exploration": {"codegen", "collocation", "delay", "results", "simulate"},
+    "exploration": {"codegen", "collocation", "delay", "model", "results", "simulate"},
     "runfile": {"codegen", "collocation", "data", "delay", "model", "orbit"},
     "steps": {
         "bifurcation",

@@ -19,6 +19,7 @@ class End(StrEnum):
     SPECIAL = "special"
     INVALID = "invalid"
     SHRINKS = "shrinks"
+    HALVED = "halved"
     CLOSED = "closed"
     ASYMPTOTE = "asymptote"
 

@@ -3,8 +3,11 @@ from .fingerprint import fingerprint_orbits as fingerprint_orbits
 from .fingerprint import fingerprint_rest as fingerprint_rest
 from .fingerprint import fingerprint_trajectory as fingerprint_trajectory
 from .fingerprint import is_multiple as is_multiple
+from .recorded_branch import Place as Place
 from .recorded_branch import RecordedBranch as RecordedBranch
 from .recorded_branch import read_branch as read_branch
 from .survey import Survey as Survey
 from .survey import fly_pilots as fly_pilots
 from .survey import make_survey as make_survey
+from .symmetry import Symmetry as Symmetry
+from .symmetry import find_symmetries as find_symmetries

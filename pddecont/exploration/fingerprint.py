@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.collocation import make_basis
+from pddecont.exploration.symmetry import Symmetry
 from pddecont.results import Step
 from pddecont.simulate import Trajectory
 
@@ -43,10 +43,14 @@ class Fingerprint:
         """The highest value of each state (n_states,)."""
         return np.asarray(self.values[1])
 
-    def mirror(self) -> Fingerprint:
-        """Return what the motion is with the signs of all states changed."""
-        lowest, highest, mean, deviation = self.values
-        return Fingerprint(self.period, np.stack([-highest, -lowest, -mean, deviation]))
+    def apply(self, symmetry: Symmetry) -> Fingerprint:
+        """Return what the image of the motion is."""
+        if symmetry.is_identity:
+            return self
+        lowest, highest, mean, deviation = self.values[:, list(symmetry.sources)]
+        turned = np.array(symmetry.signs) < 0
+        ends = np.where(turned, -highest, lowest), np.where(turned, -lowest, highest)
+        return Fingerprint(self.period, np.stack([*ends, np.where(turned, -mean, mean), deviation]))
 
     def measure_size(self, scale: Array) -> Array:
         """Return how large each state is (n_states,); ``scale`` is how far motions of the model go."""
@@ -109,6 +113,3 @@ def is_multiple(period: float, of: float, error: float = 0.0) -> bool:
         return period == of
     ratio = period / of
     return ratio > 0.5 and abs(ratio - round(ratio)) < (SAME_PERIOD + error) * round(ratio)
-
-
-IMAGES: dict[str, Callable[[Fingerprint], Fingerprint]] = {"": lambda one: one, "mirrored": Fingerprint.mirror}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,7 +10,8 @@ from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
-from pddecont.exploration.fingerprint import IMAGES, Fingerprint, fingerprint_orbits, is_multiple
+from pddecont.exploration.fingerprint import Fingerprint, fingerprint_orbits, is_multiple
+from pddecont.exploration.symmetry import Symmetry
 from pddecont.results import Step
 
 Array = NDArray[np.float64]
@@ -26,6 +28,20 @@ OTHER_COUNT = 1.3
 TINY = float(np.finfo(float).tiny)
 # Where two points of a branch are one: beside each other to this part of its length.
 SAME_PLACE = 1e-9
+# The kind of point at which a branch ends, which is special in no other way.
+END = "EP"
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a motion lies: on which branch, as the image by which symmetry, and whether the branch is stable there.
+
+    ``is_stable`` is None where that is not known.
+    """
+
+    branch: str
+    symmetry: Symmetry
+    is_stable: bool | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,6 +62,8 @@ class RecordedBranch:
         What each of its motions is (n_points).
     scale
         How far motions of the model go (n_states,).
+    symmetries
+        Those of the model, the identity first.
     """
 
     step: Step
@@ -54,33 +72,61 @@ class RecordedBranch:
     width: float
     motions: list[Fingerprint]
     scale: Array
+    symmetries: tuple[Symmetry, ...]
 
     @property
     def name(self) -> str:
         """The step's name."""
         return self.step.name
 
-    def find_way_of(self, motion: Fingerprint, value: float) -> str | None:
-        """Return in which way a motion at a value of the parameter lies on the branch; None if it does not.
+    def find_place(self, motion: Fingerprint, value: float) -> Place | None:
+        """Return where on the branch a motion at a value of the parameter lies; None if it does not.
 
-        The ways are "", as it is, and "mirrored", with the signs of all states changed.
+        Where it may be several places it is one at which the branch is stable.
         """
-        for way, change in IMAGES.items():
-            if self._holds(change(motion), value):
-                return way
-        return None
+        found = None
+        for symmetry in self.symmetries:
+            image = motion.apply(symmetry)
+            for is_stable in self._list_places(image, value):
+                if is_stable:
+                    return Place(self.name, symmetry, is_stable)
+                found = found or Place(self.name, symmetry, is_stable)
+        return found
+
+    def list_images(self) -> list[Symmetry]:
+        """Return the symmetries that make another branch of this one: those that do not leave its motions as they are.
+
+        Its motions are those amid it: where it ends or branches they may be symmetric.
+        """
+        middle = self.motions[len(self.motions) // 2]
+        return [one for one in self.symmetries[1:] if not self.is_alike(middle.apply(one), middle)]
 
     def is_alike(self, motion: Fingerprint, other: Fingerprint) -> bool:
         """Return whether two motions at one value of the parameter cover the same states, whatever their periods."""
         size = motion.measure_size(self.scale)
         return bool(np.all(np.abs(motion.values - other.values) <= ALIKE * size))
 
-    def _holds(self, motion: Fingerprint, value: float) -> bool:
+    def _list_places(self, motion: Fingerprint, value: float) -> Iterator[bool | None]:
+        """Yield for each place at which a motion lies on the branch whether the branch is stable there."""
         here, edge = self.parameter - value, SAME_VALUE * self.width
         if len(here) == 1:
-            return abs(float(here[0])) < edge and self._is_close(motion, self.motions[0], 0.0)
+            if abs(float(here[0])) < edge and self._is_close(motion, self.motions[0], 0.0):
+                yield self._is_stable(0, 0)
+            return
         between = (np.minimum(here[:-1], here[1:]) <= edge) & (np.maximum(here[:-1], here[1:]) >= -edge)
-        return any(self._holds_between(int(k), motion, value) for k in np.flatnonzero(between))
+        for k in map(int, np.flatnonzero(between)):
+            if self._holds_between(k, motion, value):
+                yield self._is_stable(k, k + 1)
+
+    def _is_stable(self, *places: int) -> bool | None:
+        """Return whether the branch is stable between two points; None if that is not known.
+
+        Stability changes at special points, which are stable themselves but for what is critical there.
+        """
+        rows = [self.rows[k] for k in places]
+        flags = [int(self.step.points["stable"][row]) for row in rows if self.step.kind_of(int(row)) in ("", END)]
+        known = [flag for flag in flags if flag >= 0]
+        return any(known) if known else None
 
     def _holds_between(self, k: int, motion: Fingerprint, value: float) -> bool:
         """Return whether a motion lies between the points ``k`` and ``k + 1``."""
@@ -127,8 +173,10 @@ class RecordedBranch:
         return (place - a) / (b - a), np.asarray(values)
 
 
-def read_branch(step: Step, parameter: str, width: float, scale: Array) -> RecordedBranch:
+def read_branch(
+    step: Step, parameter: str, width: float, scale: Array, symmetries: tuple[Symmetry, ...]
+) -> RecordedBranch:
     """Return a recorded branch over a parameter whose range has a width."""
     rows = step.order
     values = step.points["parameters"][rows, list(step.meta["parameters"]).index(parameter)]
-    return RecordedBranch(step, rows, values, width, fingerprint_orbits(step, rows), scale)
+    return RecordedBranch(step, rows, values, width, fingerprint_orbits(step, rows), scale, symmetries)

@@ -47,6 +47,7 @@ from .snapshot import pack as pack
 from .snapshot import read_time as read_time
 from .snapshot import shift_time as shift_time
 from .snapshot import unpack as unpack
+from .start_modes import read_start_modes as read_start_modes
 from .sweep import ParameterPoint as ParameterPoint
 from .sweep import SweepAttractor as SweepAttractor
 from .sweep import SweepChunk as SweepChunk

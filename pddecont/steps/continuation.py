@@ -52,6 +52,11 @@ class Continue(Strict):
     signature_change: Literal["follow", "stop"] = Field(
         "follow", description="what to do where an orbit grazes, a segment vanishes or a condition changes"
     )
+    # None, so that settings of files that were made before say the same.
+    period_halving: Literal["follow", "stop"] | None = Field(
+        None,
+        description="what to do where the two halves of an orbit become equal: go on with the single orbit (default)",
+    )
     branch: Literal["same", "switch"] = Field(
         "same",
         description="switch: onto the other branch at a PD or BP point, onto the orbits born at an HB, GH or HH point",
@@ -84,6 +89,8 @@ class ContinueSettings:
         Signs of the directions in which it is followed.
     follows_signatures
         Whether it goes on with another signature where its own ends.
+    follows_halving
+        Whether it goes on with the single orbit where both halves of its orbits become equal.
     switches
         Whether it starts on the other branch of a special point.
     signature
@@ -106,6 +113,7 @@ class ContinueSettings:
     max_points: int
     ways: tuple[int, ...]
     follows_signatures: bool
+    follows_halving: bool
     switches: bool
     signature: tuple[str, ...] | None
     detect: tuple[str, ...] | None
@@ -139,6 +147,7 @@ def resolve_continue(given: StepInput[Continue]) -> ContinueSettings:
         body.max_points,
         WAYS[body.direction],
         body.signature_change == "follow",
+        body.period_halving != "stop",
         body.branch == "switch",
         signature,
         None if body.detect is None else tuple(body.detect),

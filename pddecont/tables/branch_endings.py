@@ -26,6 +26,7 @@ BRANCH_ENDS: Ends = {
     "invalid": ("the orbit of this signature stops being a motion of the model", "start anew from a simulation beyond"),
     "closed": ("the branch is closed: it is back at its first point", ""),
     "asymptote": ("runs along an asymptote", ""),
+    "halved": ("fell onto the single orbit: both halves of the orbit are equal there", ""),
     "shrinks": ("the orbits shrink to an equilibrium", ""),
     "resonance": ("the curve ends where its pair of multipliers meets on the real axis", ""),
 }

@@ -25,6 +25,11 @@ LOOKS = {
     "away": "going away without bound",
     "halted": "halted",
 }
+# What is said of a motion that lies on a branch which is not known to be stable there.
+NOT_STABLE = {
+    "no": "as if on {}, which is not stable there",
+    "unknown": "as if on {}, of which it is not known whether it is stable there",
+}
 # Motions of one look whose places are said.
 MAX_PLACES = 8
 STOPS = {
@@ -44,7 +49,7 @@ def list_branches(step: Step) -> list[Row]:
         v = reason.values
         row: Row = {"branch": v.get("step", ""), "from": v["origin"], "depth": v["depth"], "curve": v.get("curve", "")}
         row |= {"low": v.get("low"), "high": v.get("high"), "points": v.get("n_points"), "stable": v.get("n_stable")}
-        row |= {"special": v.get("special", ""), "outcome": describe_lead(reason)}
+        row |= {"special": v.get("special", ""), "images": v.get("images", ""), "outcome": describe_lead(reason)}
         rows.append(row)
     return rows
 
@@ -60,7 +65,7 @@ def list_motions(step: Step) -> list[Row]:
         row: Row = {"label": step.labels[i]}
         row |= {name: float(x) for name, x in zip(step.meta["parameters"], p["parameters"][i], strict=True)}
         row |= {
-            "branch": v.get("branch", ""),
+            "branch": v.get("branch", "") if reason.code != "unexplained" else "",
             "motion": v.get("motion", ""),
             "look": LOOKS.get(str(v["look"]), str(v["look"])),
         }
@@ -68,7 +73,9 @@ def list_motions(step: Step) -> list[Row]:
         row |= {"lyapunov_error": float(p["lyapunov_error"][i])}
         for name, low, high in zip(step.meta["states"], p["lowest"][i], p["highest"][i], strict=True):
             row |= {f"lowest_{name}": float(low), f"highest_{name}": float(high)}
-        rows.append({**row, "found": f"{v['sweep']} {v['point']}".strip(), "note": str(v.get("detail", ""))})
+        note = NOT_STABLE[str(v["stable"])].format(v["branch"]) if "stable" in v else ""
+        row |= {"image": str(v.get("way", "")), "beside": str(v["branch"]) if "stable" in v else ""}
+        rows.append({**row, "found": f"{v['sweep']} {v['point']}".strip(), "note": note or str(v.get("detail", ""))})
     return rows
 
 
@@ -132,12 +139,13 @@ def describe_exploration_lines(step: Step) -> list[str]:
             lines.append(f"{row['branch']}, from {row['from']}: {where}{special}; {row['outcome']}")
             continue
         where = f"{name} {row['low']:.6g} to {row['high']:.6g}, {row['stable']} of {row['points']} points stable"
-        lines.append(f"{row['branch']}, from {row['from']}: {where}{special}; {row['outcome']}")
+        images = f"; and its images by {row['images']}" if row["images"] else ""
+        lines.append(f"{row['branch']}, from {row['from']}: {where}{special}{images}; {row['outcome']}")
     lines += [f"{n} more to follow were {outcome}" for outcome, n in left.items()]
     lines += [f"curves meet at {' = '.join(points)}" for points in step.meta.get("meetings", ())]
     alike: dict[str, list[Row]] = {}
     for row in list_unexplained(step):
-        alike.setdefault(row["look"], []).append(row)
+        alike.setdefault(f"{row['look']}, {row['note']}" if row["beside"] else row["look"], []).append(row)
     lines += [_describe_alike(step, look, rows) for look, rows in alike.items()]
     return lines
 

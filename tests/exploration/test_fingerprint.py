@@ -4,7 +4,14 @@ import numpy as np
 import pytest
 
 from pddecont.delay import Direct
-from pddecont.exploration import Fingerprint, fingerprint_orbits, fingerprint_rest, fingerprint_trajectory, is_multiple
+from pddecont.exploration import (
+    Fingerprint,
+    Symmetry,
+    fingerprint_orbits,
+    fingerprint_rest,
+    fingerprint_trajectory,
+    is_multiple,
+)
 from pddecont.simulate import Method, simulate
 from tests.conftest import numeric_from, shipped
 from tests.runs import run
@@ -44,10 +51,12 @@ def test_an_orbit_and_the_motion_that_settled_to_it_are_one(tmp_path):
 
 def test_a_mirror_image_has_other_signs():
     rest = fingerprint_rest(np.array([1.0, -2.0]))
-    assert rest.mirror().lowest.tolist() == [-1.0, 2.0]
+    assert rest.apply(Symmetry((0, 1), (-1, -1))).lowest.tolist() == [-1.0, 2.0]
+    assert rest.apply(Symmetry((1, 0), (1, -1))).lowest.tolist() == [-2.0, -1.0]
     motion = Fingerprint(3.0, np.array([[-1.0], [4.0], [1.0], [2.0]]))
-    assert motion.mirror().values[:, 0].tolist() == [-4.0, 1.0, -1.0, 2.0]
-    assert motion.mirror().mirror().values.tolist() == motion.values.tolist()
+    mirror = Symmetry((0,), (-1,))
+    assert motion.apply(mirror).values[:, 0].tolist() == [-4.0, 1.0, -1.0, 2.0]
+    assert motion.apply(mirror).apply(mirror).values.tolist() == motion.values.tolist()
 
 
 def test_what_is_small_is_measured_by_how_far_motions_go():

@@ -63,9 +63,18 @@ def test_nothing_is_followed_twice_and_all_that_settles_lies_on_a_branch(ball):
     assert ending.values["stopped"] == ""
     kept = [row["branch"] for row in list_branches(step) if row["points"]]
     assert [name for name in ball.names if name.startswith("branch")] == kept
-    periods = [float(ball.steps[name].points["period"].min()) / (2 * np.pi) for name in kept]
+    periods = [float(np.median(ball.steps[name].points["period"])) / (2 * np.pi) for name in kept]
     assert len({round(x) for x in periods}) == len(periods)
     assert make_table(step, "unexplained") == []
+
+
+def test_doubled_orbits_end_where_they_fall_onto_the_single_one(ball):
+    rows = list_branches(ball.steps["all"])
+    # None is followed to its end to be recognised as another only then.
+    assert not [row for row in rows if "the same as" in row["outcome"]]
+    ended = [row for row in rows if "fell onto the single orbit" in row["outcome"]]
+    singles = {round(parameter(ball.steps["branch_1"], "G", "PD1"), 9)}
+    assert {round(row["low"], 9) for row in ended if row["low"] < 1.08} <= singles
 
 
 def test_branches_are_ordinary_steps(ball):

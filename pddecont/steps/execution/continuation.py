@@ -47,7 +47,7 @@ from pddecont.orbit import (
     list_images,
     orbit_from_rows,
 )
-from pddecont.reasons import Reason
+from pddecont.reasons import NO_REASON, Reason
 from pddecont.results import CONTINUE, RowWriter, Step
 from pddecont.runfile import PlannedStep
 from pddecont.stability import Multipliers
@@ -67,6 +67,8 @@ from pddecont.tables import UNRELIABLE
 MAX_SIGNATURES = 100
 # The kind of special point at which a signature ends without a test function: a segment vanishes.
 VANISHING = "VS"
+# The kind of special point at which both halves of an orbit become equal.
+HALVING = "PD"
 # How far ahead of its first point a branch sets out, in scaled unknowns, to be known again by its direction.
 AHEAD = 1e-3
 # How a direction ended that need not be followed.
@@ -151,6 +153,8 @@ class _Branch:
             functions = make_tests(state.point.at, self.settings)
             end = follow_branch(state, boundaries, functions, step_settings, self.record, way, home, horizon)
             n_unexplained += end.n_unexplained
+            if self._is_halved(end) and not steps.follows_halving:
+                end = replace(end, end=End.HALVED, detail=NO_REASON)
             if not self._may_switch(end):
                 break
             try:
@@ -165,6 +169,10 @@ class _Branch:
         if end.end == End.SHRINKS and self.ordinary is not None:
             end = end_at_equilibrium(end, self.ordinary, self.settings, self.record, way)
         return make_branch_ending(replace(end, n_unexplained=n_unexplained), way, next_signature)
+
+    def _is_halved(self, end: Termination) -> bool:
+        """Return whether a branch ended where both halves of its orbits become equal."""
+        return end.end == End.SPECIAL and self.last is not None and self.last.kind == HALVING
 
     def _may_switch(self, end: Termination) -> bool:
         """Return whether a branch that ended so may go on with another signature."""

@@ -13,7 +13,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.errors import ConvergenceError, RunError, SignatureError
-from pddecont.exploration import Survey, fingerprint_orbits, fly_pilots, make_survey, read_branch
+from pddecont.exploration import (
+    RecordedBranch,
+    Survey,
+    Symmetry,
+    find_symmetries,
+    fingerprint_orbits,
+    fly_pilots,
+    make_survey,
+    read_branch,
+)
 from pddecont.orbit import count_repetitions
 from pddecont.reasons import make_reason
 from pddecont.results import EXPLORE, ORBIT, Step
@@ -63,12 +72,14 @@ MOST_SEARCHED = 6
 class _Exploration:
     """An exploration under way.
 
-    ``leads`` are those that wait; ``prefix`` is that of its steps; ``at`` holds parameters that stay.
+    ``symmetries`` are the model's; ``leads`` are those that wait; ``prefix`` is that of its steps; ``at`` holds
+    parameters that stay.
     """
 
     context: Context
     settings: ExploreSettings
     survey: Survey
+    symmetries: tuple[Symmetry, ...]
     prefix: str
     at: dict[str, float]
     diagram: Diagram = field(default_factory=Diagram)
@@ -168,9 +179,13 @@ class _Exploration:
                 self._follow(lead)
 
     def _is_known(self, lead: Lead) -> bool:
-        """Return whether a lead leads to a branch that is there."""
+        """Return whether a lead leads to a branch that is there.
+
+        An attractor that seems to lie where a branch is not stable may be another motion near to it.
+        """
         if lead.kind != LeadKind.SWITCH:
-            return self.diagram.find(lead.motion, lead.value) is not None
+            place = self.diagram.find(lead.motion, lead.value)
+            return place is not None and (lead.kind != LeadKind.ATTRACTOR or place.is_stable is True)
         return self.diagram.find_joined(lead) is not None
 
     def _follow(self, lead: Lead) -> None:
@@ -181,6 +196,10 @@ class _Exploration:
         recorded = None
         for fields in steps:
             recorded = self.try_to_do(fields)
+            same = None if recorded is None else self._find_branch_of(recorded)
+            if recorded is not None and same is not None:
+                self._leave_repeated(lead, name, [recorded.name], same)
+                return
             why = self.failures[-1] if recorded is None else self._find_objection(recorded)
             if why:
                 if recorded is not None:
@@ -189,18 +208,24 @@ class _Exploration:
                 self.diagram.entries.append(Entry(lead, failed))
                 return
         assert recorded is not None, "there is a step at least"
-        low, high = self.settings.over[self.parameter]
-        branch = read_branch(recorded, self.parameter, high - low, self.scale)
+        branch = self._read_branch(recorded)
         same = self.diagram.find_repeated(branch)
         if same is not None:
-            for fields in reversed(steps):
-                self.context.drop_step(str(fields["name"]))
-            repeated = make_reason("repeated", step=name, origin=lead.origin, same=same)
-            self.diagram.entries.append(Entry(lead, repeated))
+            self._leave_repeated(lead, name, [str(fields["name"]) for fields in reversed(steps)], same)
             return
         followed = make_reason("followed", step=name, origin=lead.origin)
         self.diagram.entries.append(Entry(lead, followed, branch))
         self.leads += list_switch_leads(branch, lead.depth)
+
+    def _leave_repeated(self, lead: Lead, name: str, done: list[str], same: str) -> None:
+        """Take steps out of the file again that led to a branch that is there, and note which one it is."""
+        for step in done:
+            self.context.drop_step(step)
+        self.diagram.entries.append(Entry(lead, make_reason("repeated", step=name, origin=lead.origin, same=same)))
+
+    def _read_branch(self, recorded: Step) -> RecordedBranch:
+        low, high = self.settings.over[self.parameter]
+        return read_branch(recorded, self.parameter, high - low, self.scale, self.symmetries)
 
     def follow_curves(self) -> None:
         """Follow special points of all branches in two parameters, and what goes on where curves meet."""
@@ -235,8 +260,7 @@ class _Exploration:
             self.curve_entries.append(Entry(lead, failed))
             return iter(())
         curve = read_curve(recorded, self.settings)
-        low, high = self.settings.over[self.parameter]
-        branch = read_branch(recorded, self.parameter, high - low, self.scale)
+        branch = self._read_branch(recorded)
         self.curves.append(curve)
         self.curve_entries.append(Entry(lead, make_reason("followed", step=name, origin=lead.origin), branch))
         return list_meeting_leads(curve, branch)
@@ -250,14 +274,18 @@ class _Exploration:
         recorded = self.do(fields)
         self.plane = look_at_sweep(self.plan, recorded, self.survey)
 
-    def _find_objection(self, recorded: Step) -> str:
-        """Return why the orbit of a step is not followed: it is on a branch, or another several times over."""
+    def _find_branch_of(self, recorded: Step) -> str | None:
+        """Return the branch that the orbit of a step lies on; None if it lies on none, or the step is none."""
         if recorded.kind != ORBIT.kind:
-            return ""
+            return None
         (motion,) = fingerprint_orbits(recorded, np.array([0]))
         known = self.diagram.find(motion, float(recorded.points["parameters"][0, self.number]))
-        if known is not None:
-            return f"its orbit lies on {known[0].name}"
+        return None if known is None else known.branch
+
+    def _find_objection(self, recorded: Step) -> str:
+        """Return why the orbit of a step is not followed: it is another several times over."""
+        if recorded.kind != ORBIT.kind:
+            return ""
         source = Source.model_validate({"step": recorded.name})
         orbit = find_orbit(self.context, self.plan.find_step(recorded.name), source)
         n = count_repetitions(orbit)
@@ -310,7 +338,8 @@ def _begin(context: Context, step: PlannedStep[ExploreSettings]) -> _Exploration
     prefix = f"{step.name}_" if n_explorations > 1 or len(plan.steps) > 1 else ""
     # Steps that it plans are done in this process: others hold the plan as it was at first.
     context.elsewhere = None
-    return _Exploration(context, settings, survey, prefix, at)
+    symmetries = find_symmetries(plan.numeric, np.array(points), survey.low, survey.high)
+    return _Exploration(context, settings, survey, symmetries, prefix, at)
 
 
 def _choose_slice(plan: Plan, step: PlannedStep[ExploreSettings]) -> dict[str, float]:
@@ -342,12 +371,13 @@ def _record(context: Context, step: PlannedStep[ExploreSettings], exploration: _
     )
     meta: dict[str, Any] = {"free": list(step.settings.over), "directions": 2 if ending.values["stopped"] else 1}
     entries = [*exploration.diagram.entries, *exploration.curve_entries]
+    meta["symmetries"] = [one.describe(context.plan.model.states) for one in exploration.symmetries[1:]]
     meta["meetings"] = [list(meeting.points) for meeting in find_meetings(exploration.curves)]
     rows = [entry_to_row(entry, context.plan) for entry in entries]
-    n, number = len(context.plan.model.states), exploration.number
-    rows += [look_to_row(look, exploration.diagram, number, n) for look in exploration.looks]
+    states, number = context.plan.model.states, exploration.number
+    rows += [look_to_row(look, exploration.diagram, number, states) for look in exploration.looks]
     assert context.file is not None, "a run has a file"
-    rows += [settled_to_row(look, context.file, n) for look in exploration.plane]
+    rows += [settled_to_row(look, context.file, states) for look in exploration.plane]
     with context.open_step(step, EXPLORE, meta, capacity=max(1, len(rows))) as writer:
         for points, reason in rows:
             writer.append(points, {}, reason)

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from pddecont.exploration import Fingerprint, RecordedBranch, is_multiple
+from pddecont.exploration import Fingerprint, Place, RecordedBranch, is_multiple
 from pddecont.reasons import Reason
-from pddecont.steps.execution.explore_leads import DOUBLING, Lead
+from pddecont.steps.execution.explore_leads import DOUBLING, HALVED, Lead
 
 # Two special points are one if their parameters differ by less than this part of the range.
 SAME_PLACE = 1e-4
@@ -39,24 +39,26 @@ class Diagram:
         """The branches."""
         return (entry.branch for entry in self.entries if entry.branch is not None)
 
-    def find(self, motion: Fingerprint, value: float) -> tuple[RecordedBranch, str] | None:
-        """Return the branch that a motion lies on, and in which way; None if it lies on none."""
+    def find(self, motion: Fingerprint, value: float) -> Place | None:
+        """Return where on the branches a motion lies, if it may be on one that is stable there; None if on none."""
+        found = None
         for branch in self.branches:
-            way = branch.find_way_of(motion, value)
-            if way is not None:
-                return branch, way
-        return None
+            place = branch.find_place(motion, value)
+            if place is not None and place.is_stable:
+                return place
+            found = found or place
+        return found
 
     def find_joined(self, lead: Lead) -> str | None:
         """Return what leads to the special point of a lead already: a branch, or an image of the point; None: nothing.
 
         It is a branch that ends or branches there, on the other side of the point, or one that was followed from its
-        mirror image.
+        image by a symmetry.
         """
         for entry in self.entries:
             other = entry.lead
             if other.label == lead.label and entry.branch is not None and _is_near(lead, other.value, entry.branch):
-                for image in (other.motion, other.motion.mirror()):
+                for image in (other.motion.apply(symmetry) for symmetry in entry.branch.symmetries):
                     if entry.branch.is_alike(lead.motion, image) and is_multiple(image.period, lead.motion.period):
                         return entry.branch.name
         for branch in self.branches:
@@ -69,7 +71,7 @@ class Diagram:
         inner = [k for k, row in enumerate(branch.rows) if not branch.step.kind_of(int(row))]
         chosen = [inner[int(i)] for i in np.linspace(0, len(inner) - 1, min(N_COMPARED, len(inner)))]
         for other in self.branches:
-            on_it = [other.find_way_of(branch.motions[k], float(branch.parameter[k])) is not None for k in chosen]
+            on_it = [other.find_place(branch.motions[k], float(branch.parameter[k])) is not None for k in chosen]
             if chosen and np.mean(on_it) >= REPEATED:
                 return other.name
         return None
@@ -84,11 +86,13 @@ def _leads_to(branch: RecordedBranch, lead: Lead) -> bool:
     for row, motion, value in zip(branch.rows, branch.motions, branch.parameter, strict=True):
         if not branch.step.kind_of(int(row)) or not _is_near(lead, float(value), branch):
             continue
-        for image in (motion, motion.mirror()):
+        for image in (motion.apply(symmetry) for symmetry in branch.symmetries):
             if not branch.is_alike(lead.motion, image):
                 continue
-            # Beyond a period doubling the period is twice as long; where orbits are born they have none yet.
-            twice = lead.label != DOUBLING or image.period > 1.5 * lead.motion.period
+            # Beyond a period doubling the period is twice as long, but where the doubled orbits end it is the single
+            # one's; where orbits are born they have none yet.
+            ends = branch.step.reason(int(row)).code == HALVED
+            twice = lead.label != DOUBLING or ends or image.period > 1.5 * lead.motion.period
             if twice and (lead.motion.period == 0.0 or is_multiple(image.period, lead.motion.period)):
                 return True
     return False

@@ -23,6 +23,8 @@ DIGITS = 6
 # Points at which branches of orbits and of equilibria branch.
 OF_ORBITS, OF_EQUILIBRIA = ("BP", "PD"), ("BP", "HB")
 DOUBLING = "PD"
+# What is recorded of a doubling at which a branch of doubled orbits ends.
+HALVED = "halves_equal"
 # By how many period doublings later a branch has its turn that leaves one which is unstable on both sides.
 UNSTABLE_WAITS = 2
 
@@ -33,6 +35,7 @@ class LeadKind(StrEnum):
     ATTRACTOR = "attractor"
     EQUILIBRIUM = "equilibrium"
     SWITCH = "switch"
+    SINGLE = "single"
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,7 +154,7 @@ def plan_branch(settings: ExploreSettings, lead: Lead, orbit: str, branch: str) 
     }
     if lead.kind == LeadKind.EQUILIBRIUM:
         return [{"name": branch, "continue": {"from": source, **follow}}]
-    follow |= {"stability": True}
+    follow |= {"stability": True, "period_halving": "stop"}
     if lead.kind == LeadKind.SWITCH:
         return [{"name": branch, "continue": {"from": source, "branch": "switch", **follow}}]
     return [{"name": orbit, "orbit": {"from": source}}, {"name": branch, "continue": {"from": orbit, **follow}}]
@@ -179,7 +182,10 @@ def list_switch_leads(branch: RecordedBranch, depth: int) -> Iterator[Lead]:
     stable = step.points["stable"][branch.rows] == 1
     for k, (row, motion) in enumerate(zip(branch.rows, branch.motions, strict=True)):
         kind, value = step.kind_of(int(row)), float(branch.parameter[k])
-        if kind in wanted:
+        if kind == DOUBLING and step.reason(int(row)).code == HALVED:
+            # Here the branch fell onto the single orbit, which may not be known yet.
+            yield Lead(LeadKind.SINGLE, step.name, step.labels[row], motion, value, depth)
+        elif kind in wanted:
             beside = bool(stable[max(0, k - 1) : k + 2].any())
             deeper = depth + (kind == DOUBLING)
             yield Lead(LeadKind.SWITCH, step.name, step.labels[row], motion, value, deeper, kind, beside)

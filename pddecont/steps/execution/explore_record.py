@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from pddecont.exploration import Place
 from pddecont.reasons import Reason, Scalar, make_reason
 from pddecont.results import Results
 from pddecont.runfile import Plan
@@ -37,6 +38,8 @@ def entry_to_row(entry: Entry, plan: Plan) -> Row:
             "n_stable": int(np.sum(step.points["stable"] == 1)),
             "special": " ".join(labels),
         }
+        images = [one.describe(plan.model.states) for one in branch.list_images()]
+        values |= {"images": "; ".join(images)} if images else {}
         if step.meta.get("curve"):
             values["curve"] = str(step.meta["curve"])
         for ending in step.endings:
@@ -53,9 +56,10 @@ def entry_to_row(entry: Entry, plan: Plan) -> Row:
     return points, Reason(entry.reason.code, {**entry.reason.values, **values})
 
 
-def look_to_row(look: Look, diagram: Diagram, number: int, n: int) -> Row:
-    """Return the row of a motion: the branch that it lies on, or what it looks like; the model has ``n`` states."""
-    found = find_explanation(look, diagram, number)
+def look_to_row(look: Look, diagram: Diagram, number: int, states: Sequence[str]) -> Row:
+    """Return the row of a motion: the branch that it lies on, or what it looks like; ``states`` are the model's."""
+    place, n = find_place(look, diagram, number), len(states)
+    found = place if place is not None and place.is_stable else None
     values: dict[str, Scalar] = {"sweep": look.sweep, "point": look.point, "look": str(look.code)}
     values |= {"detail": look.detail} if look.detail else {}
     motion = look.motion
@@ -72,25 +76,35 @@ def look_to_row(look: Look, diagram: Diagram, number: int, n: int) -> Row:
     }
     if not settles:
         return points, make_reason("halted", **values)
+    if place is not None:
+        values |= {"branch": place.branch, "way": place.symmetry.describe(states)}
     if found is None:
-        return points, make_reason("unexplained", **values)
-    branch, way = found
-    return points, make_reason("explained", **values, branch=branch, way=way)
+        beside = {} if place is None else {"stable": "no" if place.is_stable is False else "unknown"}
+        return points, make_reason("unexplained", **values, **beside)
+    return points, make_reason("explained", **values)
 
 
-def find_explanation(look: Look, diagram: Diagram, number: int) -> tuple[str, str] | None:
-    """Return the branch that a motion lies on, and in which way; None if it lies on none."""
+def find_place(look: Look, diagram: Diagram, number: int) -> Place | None:
+    """Return where on the branches a motion lies; None if it lies on none."""
     if look.motion is None or look.code not in (LookCode.PERIODIC, LookCode.REST):
         return None
-    found = diagram.find(look.motion, float(look.parameters[number]))
-    return None if found is None else (found[0].name, found[1])
+    return diagram.find(look.motion, float(look.parameters[number]))
 
 
-def settled_to_row(look: Look, file: Results, n: int) -> Row:
+def find_explanation(look: Look, diagram: Diagram, number: int) -> Place | None:
+    """Return where a motion lies on a branch that is stable there; None if it lies on none, or elsewhere.
+
+    An attractor that lies on an unstable orbit is none of that branch, or the stability is wrong.
+    """
+    place = find_place(look, diagram, number)
+    return place if place is not None and place.is_stable else None
+
+
+def settled_to_row(look: Look, file: Results, states: Sequence[str]) -> Row:
     """Return the row of a motion at a place of the plane, with what it settles to in words of names and counts."""
     recorded = file.step(look.sweep)
     motion = name_motion(recorded, look.row) if look.can_start_orbit else str(look.code)
-    points, reason = look_to_row(look, Diagram(), 0, n)
+    points, reason = look_to_row(look, Diagram(), 0, states)
     values = {key: value for key, value in reason.values.items() if key not in ("branch", "way")}
     code = "halted" if reason.code == "halted" else "settled"
     return {**points, "kind": b""}, Reason(code, {**values, "motion": motion})
