@@ -1,9 +1,9 @@
 """Build the archives of a release, and try them where nothing else is: ``make packages``.
 
 A source archive is made of the working tree; a wheel is made of that archive for the oldest and the newest Python that
-the metadata names, and installed into an empty environment: with the oldest libraries that the metadata allows, and
-with the newest there are. The program runs there without a home folder, and may change nothing of its installation.
-Last the archive's own tests are run on the wheel.
+the metadata names, as far as they are here, and installed into an empty environment: with the oldest libraries that the
+metadata allows, and with the newest there are. The program runs there without a home folder, and may change nothing of
+its installation. Last the archive's own tests are run on the wheel.
 
 PYTHONS="3.12" in the environment names other versions of Python to try.
 """
