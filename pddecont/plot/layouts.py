@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 # Phase plots beside a diagram at most, and panels of one figure.
 MAX_BESIDE, MAX_PANELS = 4, 6
+# The height in inches that each phase plot beside a diagram needs with its title.
+LEAST_HEIGHT = 1.35
 # Names of segments longer than this would cover a panel.
 LONGEST_NAME = 24
 
@@ -37,6 +39,15 @@ def make_figure(width: float, height: float) -> Figure:
         return Figure(figsize=(width, height))
     # Without a height the picture keeps the proportions of its view.
     return Figure(figsize=(asked[0], asked[1] or asked[0] * height / width))
+
+
+def count_beside() -> int:
+    """Return how many phase plots have room beside a diagram, in a picture of the height that was asked for."""
+    from matplotlib import rcParams, rcParamsDefault
+
+    asked = rcParams["figure.figsize"]
+    is_free = list(asked) == list(rcParamsDefault["figure.figsize"]) or not asked[1]
+    return MAX_BESIDE if is_free else min(MAX_BESIDE, int(asked[1] / LEAST_HEIGHT))
 
 
 def make_axes(width: float, height: float) -> tuple[Figure, Axes]:

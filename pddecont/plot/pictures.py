@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -90,12 +91,12 @@ def save_picture(
     ------
     ResultsError
         If the suffix is not that of such a picture, ``path`` is a link or holds something else than a picture, the
-        file cannot be written, or there is nothing to draw so.
+        file cannot be written, there is nothing to draw so, or no room for it in a picture of that ``size``.
     """
     is_moving = request.view in VIEWS and VIEWS[request.view].is_moving
     _check_suffix(path, is_moving)
     check_replaceable(path, is_picture, "a picture")
-    with replace_whole(path) as part, apply_style(style, size), _explain_errors(results):
+    with replace_whole(path) as part, apply_style(style, size), _explain_errors(results), _refuse_crowding(size):
         if is_moving:
             _save_animation(results, request, part)
         else:
@@ -136,6 +137,21 @@ def _check_suffix(path: Path, is_moving: bool) -> None:
     if suffix not in allowed:
         what = "moving pictures" if is_moving else "pictures"
         raise ResultsError(f"{path}: {what} are {', '.join(allowed)}; found '{path.suffix or 'no suffix'}'")
+
+
+@contextmanager
+def _refuse_crowding(size: PictureSize | None) -> Iterator[None]:
+    """Turn matplotlib's warning that nothing has room in a picture of a ``size`` that was asked for into an error."""
+    with warnings.catch_warnings():
+        if size is not None:
+            warnings.filterwarnings("error", message="constrained_layout not applied", category=UserWarning)
+        try:
+            yield
+        except UserWarning as exc:
+            raise ResultsError(
+                "there is no room for all this in a picture of that size; give a greater one, a width alone, or fewer "
+                "points"
+            ) from exc
 
 
 @contextmanager

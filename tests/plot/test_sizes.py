@@ -1,6 +1,8 @@
 """Sizes of pictures, and that the same contents give the same bytes with text as text."""
 
 import re
+import warnings
+from itertools import pairwise
 
 import pytest
 
@@ -45,6 +47,25 @@ def test_a_picture_has_the_size_and_nothing_hangs_out_of_it(every, text, width):
             assert box.x0 >= -1 and box.x1 <= figure.bbox.x1 + 1
         axes = figure.axes[-1] if size.width < 5 else figure.axes[0]
         assert axes.get_window_extent().width > 0.5 * figure.bbox.width
+
+
+@pytest.mark.parametrize(("text", "n_orbits"), [("170mm", 2), ("170x80mm", 2), ("170x60mm", 1), ("170x30mm", 0)])
+def test_a_low_picture_has_as_many_orbits_beside_the_diagram_as_have_room(every, text, n_orbits):
+    with apply_style(size=read_size(text)), warnings.catch_warnings():
+        warnings.simplefilter("error")
+        figure = draw_picture(every, ALL)
+        figure.draw_without_rendering()
+        assert len(figure.axes) == 1 + n_orbits
+        boxes = [axes.get_tightbbox() for axes in figure.axes[1:]]
+        assert all(above.y0 >= below.y1 - 1 for above, below in pairwise(boxes))
+
+
+def test_a_picture_without_room_for_what_was_asked_is_refused(every, tmp_path):
+    labels = [label for label in every.steps["in_gain"].labels if label][:6]
+    path = tmp_path / "a.png"
+    with pytest.raises(ResultsError, match="no room for all this"):
+        save_picture(every, ViewRequest("diagram", ("in_gain",), labels=tuple(labels)), path, size=read_size("90x30mm"))
+    assert not path.exists()
 
 
 @pytest.mark.parametrize("suffix", [".svg", ".pdf", ".png"])

@@ -12,7 +12,7 @@ from pddecont.plot.branch_lines import draw_birth, draw_parts
 from pddecont.plot.branch_parts import Family
 from pddecont.plot.columns import keep_comparable, list_free_parameters, read_column
 from pddecont.plot.heights import choose_columns, read_heights
-from pddecont.plot.layouts import MAX_BESIDE, finish_figure, make_panel_beside_orbits
+from pddecont.plot.layouts import count_beside, finish_figure, make_panel_beside_orbits
 from pddecont.plot.limits import widen_for_columns
 from pddecont.plot.point_labels import PointLabel
 from pddecont.plot.point_selection import select_orbits
@@ -33,7 +33,7 @@ WIDTH = 1.6
 def draw_figure(steps: list[Step], request: ViewRequest) -> Figure:
     """Return the diagram with phase plots of chosen or special points beside it."""
     x, y = choose_columns(steps)
-    rows = select_orbits(steps, request, MAX_BESIDE)
+    rows = select_orbits(steps, request, count_beside())
     figure, axes = make_panel_beside_orbits(steps, rows, match_diagram(steps, rows))
     return finish_figure(figure, axes, *draw_diagram(axes, steps, request.x or x, request.y or y))
 
