@@ -64,7 +64,7 @@ def _choose_columns(figure: Figure, handles: Sequence[Artist], most: int) -> int
     """Return the number of columns with which a legend is no wider than its figure, one if none is."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-    renderer = FigureCanvasAgg(figure).get_renderer()
+    renderer = FigureCanvasAgg(figure).get_renderer()  # type: ignore[no-untyped-call]
     for columns in range(min(most, len(handles)), 1, -1):
         legend = _put_legend(figure, handles, columns)
         width = legend.get_window_extent(renderer).width
