@@ -53,7 +53,7 @@ from pddecont.cli.console import print_json, printable, say
 @click.option("--check", type=click.IntRange(0), metavar="N", help="Motions compared at the end.  [default: 64]")
 @click.option("--max-branches", type=click.IntRange(1), metavar="N", help="Most branches begun.  [default: 40]")
 @click.option("--depth", type=click.IntRange(0), metavar="N", help="Most period doublings in a row.  [default: 4]")
-@click.option("--time", type=click.FloatRange(0, min_open=True), metavar="S", help="Begin no step after S seconds.")
+@click.option("--time", type=click.FloatRange(0, min_open=True), metavar="S", help="End in order after S seconds.")
 @click.option("--resume", is_flag=True, help="Go on with an output that exists.")
 @click.option("--overwrite", is_flag=True, help="Replace results that exist.")
 @click.option("--workers", type=click.IntRange(1), default=1, show_default=True, metavar="N", help="As in 'run'.")

@@ -8,6 +8,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from pddecont.errors import ConvergenceError
+
 Array = NDArray[np.float64]
 
 
@@ -39,6 +41,15 @@ class Scaling:
         return self.weight * a / self.scale**2
 
     def normalise(self, a: Array) -> Array:
-        """Return ``a`` at length one."""
-        result: Array = a / np.sqrt(self.dot(a, a))
+        """Return ``a`` at length one.
+
+        Raises
+        ------
+        ConvergenceError
+            If it has no length: of a step that rounding leaves nothing of, or a branch of one point.
+        """
+        length = self.length(a)
+        if length == 0.0:
+            raise ConvergenceError("the branch goes nowhere: a step along it is lost in rounding")
+        result: Array = a / length
         return result

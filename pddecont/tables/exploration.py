@@ -142,6 +142,8 @@ def describe_exploration_lines(step: Step) -> list[str]:
         images = f"; and its images by {row['images']}" if row["images"] else ""
         lines.append(f"{row['branch']}, from {row['from']}: {where}{special}{images}; {row['outcome']}")
     lines += [f"{n} more to follow were {outcome}" for outcome, n in left.items()]
+    if not left and any(ending.values["stopped"] == "time" for ending in step.endings):
+        lines.append(STOPS["time"])
     lines += [f"curves meet at {' = '.join(points)}" for points in step.meta.get("meetings", ())]
     alike: dict[str, list[Row]] = {}
     for row in list_unexplained(step):

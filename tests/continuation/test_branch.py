@@ -150,6 +150,14 @@ def test_a_branch_that_starts_on_the_end_of_its_range_ends_at_that_very_point():
     assert points[-1].state.x[0] == 0.0 and end.end == End.RANGE
 
 
+def test_a_range_of_one_point_leads_nowhere():
+    points, end = follow(
+        line(0.0), (0.5, 0.0), (1.0, 0.0), [Range(0, 0.5 - 1e-17, 0.5 + 1e-17)], initial=1e-20, min=1e-21
+    )
+    assert (points, end.end) == ([], End.STEP_TOO_SMALL)
+    assert "rounding" in end.detail.values["text"]
+
+
 def test_where_the_equations_fail_it_comes_near_and_says_what_fails():
     """Steps before such a boundary become no smaller than 0.02 of the first: near to it, and not beyond."""
     pole = Margins(lambda x: [0.3 - x[0]], lambda x: [[-1.0, 0.0]], Approach.TOWARDS, End.IMPOSSIBLE)

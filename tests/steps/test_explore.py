@@ -73,6 +73,7 @@ def test_doubled_orbits_end_where_they_fall_onto_the_single_one(ball):
     # None is followed to its end to be recognised as another only then.
     assert not [row for row in rows if "the same as" in row["outcome"]]
     ended = [row for row in rows if "fell onto the single orbit" in row["outcome"]]
+    assert ended
     singles = {round(parameter(ball.steps["branch_1"], "G", "PD1"), 9)}
     assert {round(row["low"], 9) for row in ended if row["low"] < 1.08} <= singles
 
@@ -104,6 +105,31 @@ def test_a_run_that_was_broken_off_goes_on_to_the_same_file(ball, number, tmp_pa
         execute(plan(BALL), path)
     monkeypatch.setattr(explore_step, "do_step", whole)
     assert len(read_results(path).names) == number
+    execute(plan(BALL), path, resume=True)
+    assert holds_same(read_results(path), ball)
+
+
+class Ticks(Budget):
+    """A budget whose time is over when it has been asked so often."""
+
+    left = 0
+
+    @property
+    def is_over(self):
+        Ticks.left -= 1
+        return Ticks.left < 0
+
+
+@pytest.mark.parametrize("ticks", [1, 2, 6, 9, 17, 40])
+def test_the_time_may_be_over_amid_any_step(ball, ticks, tmp_path, monkeypatch):
+    path = tmp_path / "a.h5"
+    monkeypatch.setattr(Ticks, "left", ticks)
+    execute(plan(BALL), path, budget=Ticks())
+    results = read_results(path)
+    assert not results.steps["all"].done
+    assert results.steps["all"].endings[0].values["stopped"] == "time"
+    assert any("--resume" in line for line in describe_exploration_lines(results.steps["all"]))
+    assert len(results.names) < len(ball.names)
     execute(plan(BALL), path, resume=True)
     assert holds_same(read_results(path), ball)
 

@@ -126,6 +126,8 @@ class _Branch:
         if point.kind in ("", END_POINT):
             self.ordinary = state
         self.context.reporter.progress(*self.covered.describe(self.writer.n, at.orbit.free, point.kind))
+        if not point.kind:
+            self.context.budget.check()
         return float(points["error_estimate"])
 
     def follow(self, state: BranchState[Any], way: int, n_unexplained: int) -> Reason:

@@ -96,6 +96,8 @@ class _Branch:
         self.last = point
         values = at.x[-len(self.step.settings.free) :]
         self.context.reporter.progress(*self.covered.describe(self.writer.n, values, point.kind))
+        if not point.kind:
+            self.context.budget.check()
 
     def follow(self, state: BranchState[Any], way: int, *, has_passed: bool = False) -> Reason:
         """Follow one direction through all its modes; return how it ended.

@@ -5,7 +5,8 @@ What is planned next depends on nothing but what the file holds, so that a run t
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+import contextlib
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -28,6 +29,7 @@ from pddecont.reasons import make_reason
 from pddecont.results import EXPLORE, ORBIT, Step
 from pddecont.runfile import Plan, PlannedStep, Source, extend_plan
 from pddecont.simulate import Method
+from pddecont.steps.budget import OutOfTimeError
 from pddecont.steps.context import Context
 from pddecont.steps.execution.ending import report_done
 from pddecont.steps.execution.explore_curves import (
@@ -53,6 +55,7 @@ from pddecont.steps.execution.explore_leads import (
     plan_sweep,
 )
 from pddecont.steps.execution.explore_looks import Look, LookCode, look_at_sweep, name_irregular
+from pddecont.steps.execution.explore_pilots import choose_slice, list_pilots
 from pddecont.steps.execution.explore_record import entry_to_row, look_to_row, make_ending, settled_to_row
 from pddecont.steps.execution.one_step import do_step
 from pddecont.steps.execution.recorded_orbits import find_orbit
@@ -60,8 +63,8 @@ from pddecont.steps.explore import ExploreSettings
 from pddecont.steps.registry import list_step_kinds
 
 Array = NDArray[np.float64]
-# Parameter values at which a few motions tell how far and how fast they go, and at which equilibria are looked for.
-N_PILOTS, N_SEARCHES = 5, 3
+# Parameter values at which equilibria are looked for.
+N_SEARCHES = 3
 # Of the motions of the first sweep such a part once more start at either end of the range.
 EDGE_PART = 4
 # States up to which all equilibria in a box are looked for.
@@ -148,6 +151,23 @@ class _Exploration:
             if recorded is not None:
                 self.leads += list_equilibrium_leads(recorded, self.number)
 
+    def explore(self) -> None:
+        """Do all that there is to do, in order; raise OutOfTimeError where the time is over amid a sweep."""
+        body = self.settings.body
+        self.search_equilibria()
+        sweep = self.sweep("sweep", body.starts, body.seed)
+        self.sweep_edges(sweep)
+        self.follow_all()
+        if body.check and self.stopped != "time":
+            self.sweep("check", body.check, body.seed + 1)
+            self.follow_all()
+        if self.stopped != "time":
+            self.name_unexplained()
+        if len(self.settings.over) == 2:
+            self.follow_curves()
+            if body.check and self.stopped != "time":
+                self.look_at_plane()
+
     def sweep(self, name: str, number: int, seed: int) -> dict[str, Any]:
         """Let motions settle, look at them, and note the periodic ones as leads; return the step that did so."""
         fields = plan_sweep(self.plan, self.settings, self.survey, f"{self.prefix}{name}", self.at, number, seed)
@@ -191,7 +211,12 @@ class _Exploration:
     def _follow(self, lead: Lead) -> None:
         """Follow a lead, and note the leads from its branch."""
         self.n_begun += 1
-        name = f"{self.prefix}branch_{self.n_begun}"
+        try:
+            self._follow_as(lead, f"{self.prefix}branch_{self.n_begun}")
+        except OutOfTimeError:
+            self.diagram.entries.append(Entry(lead, make_reason("left", origin=lead.origin, why=self.stopped)))
+
+    def _follow_as(self, lead: Lead, name: str) -> None:
         steps = plan_branch(self.settings, lead, f"{self.prefix}orbit_{self.n_begun}", name)
         recorded = None
         for fields in steps:
@@ -254,7 +279,11 @@ class _Exploration:
         """Follow a special point in two parameters; return what goes on from its curve."""
         self.n_begun += 1
         name = f"{self.prefix}curve_{self.n_begun}"
-        recorded = self.try_to_do(plan_curve(self.settings, lead, name, switch=switch))
+        try:
+            recorded = self.try_to_do(plan_curve(self.settings, lead, name, switch=switch))
+        except OutOfTimeError:
+            self.curve_entries.append(Entry(lead, make_reason("left", origin=lead.origin, why=self.stopped)))
+            return iter(())
         if recorded is None:
             failed = make_reason("failed", step=name, origin=lead.origin, why=self.failures[-1])
             self.curve_entries.append(Entry(lead, failed))
@@ -306,18 +335,9 @@ def run_explore(context: Context, step: PlannedStep[ExploreSettings], recorded: 
     before = context.plan
     try:
         exploration = _begin(context, step)
-        exploration.search_equilibria()
-        sweep = exploration.sweep("sweep", step.settings.body.starts, step.settings.body.seed)
-        exploration.sweep_edges(sweep)
-        exploration.follow_all()
-        if step.settings.body.check and exploration.stopped != "time":
-            exploration.sweep("check", step.settings.body.check, step.settings.body.seed + 1)
-            exploration.follow_all()
-        exploration.name_unexplained()
-        if len(step.settings.over) == 2:
-            exploration.follow_curves()
-            if step.settings.body.check and exploration.stopped != "time":
-                exploration.look_at_plane()
+        # The report says that the time was over, and of leads that they were left.
+        with contextlib.suppress(OutOfTimeError):
+            exploration.explore()
     finally:
         context.plan = before
     _record(context, step, exploration)
@@ -330,8 +350,8 @@ def _begin(context: Context, step: PlannedStep[ExploreSettings]) -> _Exploration
     free = [plan.numeric.parameter_index(name) for name in settings.over]
     body = settings.body
     method = Method(body.rtol, body.atol, body.method == "stiff", dict(body.stick))
-    at = _choose_slice(plan, step)
-    points = list(_list_pilots(plan, step, at))
+    at = choose_slice(plan, step)
+    points = list(list_pilots(plan, step, at))
     pilots = fly_pilots(plan.numeric, step.delay, method, points, own)
     survey = make_survey(plan.numeric, pilots, free[:1], own)
     n_explorations = sum(other.kind == step.kind for other in plan.steps)
@@ -340,26 +360,6 @@ def _begin(context: Context, step: PlannedStep[ExploreSettings]) -> _Exploration
     context.elsewhere = None
     symmetries = find_symmetries(plan.numeric, np.array(points), survey.low, survey.high)
     return _Exploration(context, settings, survey, symmetries, prefix, at)
-
-
-def _choose_slice(plan: Plan, step: PlannedStep[ExploreSettings]) -> dict[str, float]:
-    """Return the value of the second parameter at which branches in the first are: its own, or amid its range."""
-    p = plan.set_parameters(step, plan.parameters)
-    found = {}
-    for name, (low, high) in list(step.settings.over.items())[1:]:
-        own = float(p[plan.numeric.parameter_index(name)])
-        found[name] = own if low <= own <= high else 0.5 * (low + high)
-    return found
-
-
-def _list_pilots(plan: Plan, step: PlannedStep[ExploreSettings], at: Mapping[str, float]) -> Iterable[Array]:
-    """Yield the parameter points of the first few motions."""
-    name, (low, high) = next(iter(step.settings.over.items()))
-    for value in np.linspace(low, high, N_PILOTS):
-        p = plan.set_parameters(step, plan.parameters)
-        for key, number in {**at, name: value}.items():
-            p[plan.numeric.parameter_index(key)] = number
-        yield plan.numeric.with_fixed(p)
 
 
 def _record(context: Context, step: PlannedStep[ExploreSettings], exploration: _Exploration) -> None:

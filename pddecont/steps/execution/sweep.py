@@ -57,6 +57,8 @@ def run_sweep(context: Context, step: PlannedStep[SweepSettings], recorded: Step
                 writer.append({**points, **place}, rows, reason)
             done += len(chunk.points)
             context.reporter.advance(done, n_points, "parameter points")
+            if done < n_points:
+                context.budget.check()
         writer.terminate(make_reason("swept", n_cells=n_points))
     report_done(context, step)
 
