@@ -17,7 +17,7 @@ from pddecont.plot.limits import widen_for_columns
 from pddecont.plot.point_labels import PointLabel
 from pddecont.plot.point_selection import select_orbits
 from pddecont.plot.segment_colours import match_diagram
-from pddecont.plot.special_points import mark_special_points
+from pddecont.plot.special_points import mark_special_points, name_apart
 from pddecont.plot.view import Drawing, ViewRequest
 from pddecont.results import Results, Step
 
@@ -56,7 +56,7 @@ def draw_diagram(
     def find_colour(step: Step, family: Family) -> str:
         return chosen.of_parts[step.name, family]
 
-    labels: list[PointLabel] = []
+    labels: dict[str, list[PointLabel]] = {}
     columns, heights = [read_column(step, x) for step in steps], [read_heights(step, y) for step in steps]
     for step, xs, lines in zip(steps, columns, heights, strict=True):
         draw_parts(axes, step, xs, lines, find_colour, WIDTH)
@@ -65,11 +65,11 @@ def draw_diagram(
             source, row = birth
             place = float(read_column(source, x)[row]), float(read_heights(source, y)[0, row])
             draw_birth(axes, step, place, xs, lines, find_colour, WIDTH)
-        labels += mark_special_points(axes, step, xs, lines)
+        labels[step.name] = mark_special_points(axes, step, xs, lines)
     widen_for_columns(axes, steps, {"x": columns, "y": heights})
     axes.set_xlabel(format_axis_label(steps, x))
     axes.set_ylabel(format_axis_label(steps, y))
-    return labels, [*chosen.make_handles(), *make_style_handles(steps)]
+    return name_apart(labels), [*chosen.make_handles(), *make_style_handles(steps)]
 
 
 DRAWING = Drawing(draw_figure, choose_steps=choose_steps)
