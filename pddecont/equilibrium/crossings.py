@@ -24,6 +24,8 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 # Length of the steps over which Delta is differentiated along the branch, as a part of the tangent.
 DIFFERENCE = 1e-6
+# A root lies on the axis whose real part is smaller than this part of it.
+ON_AXIS = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,8 +100,10 @@ def hides_crossings(before: Counts, after: Counts) -> bool:
     rows, columns = linear_sum_assignment(misses[0] + misses[1])
     ends = np.stack([a.pairs[rows].real, b.pairs[columns].real])
     slopes = np.stack([ahead[rows].real, back[columns].real])
+    # A pair on the axis at both ends, but for rounding, is there all along, as without damping: it crosses nowhere.
+    moves = np.any(np.abs(ends) > ON_AXIS * np.abs(np.stack([a.pairs[rows], b.pairs[columns]])), axis=0)
     doubtful = np.min(np.abs(ends), axis=0) <= np.maximum(*misses)[rows, columns]
-    if np.any(doubtful & (ends[0] * ends[1] > 0.0)):
+    if np.any(moves & doubtful & (ends[0] * ends[1] > 0.0)):
         return True
-    zeros = CubicHermiteSpline([0.0, 1.0], ends, slopes).roots(extrapolate=False)
+    zeros = CubicHermiteSpline([0.0, 1.0], ends[:, moves], slopes[:, moves]).roots(extrapolate=False)
     return sum(len(of_pair) for of_pair in zeros) > abs(after[1] - before[1])

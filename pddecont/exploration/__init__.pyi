@@ -6,6 +6,8 @@ from .fingerprint import is_multiple as is_multiple
 from .recorded_branch import Place as Place
 from .recorded_branch import RecordedBranch as RecordedBranch
 from .recorded_branch import read_branch as read_branch
+from .rotation import RotationNumber as RotationNumber
+from .rotation import find_rotation_number as find_rotation_number
 from .survey import Survey as Survey
 from .survey import fly_pilots as fly_pilots
 from .survey import make_survey as make_survey

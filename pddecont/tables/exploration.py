@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,9 @@ from pddecont.tables.branch_endings import BRANCH_ENDS
 Row = dict[str, Any]
 # What becomes of a lead, and what a motion that was looked at looks like.
 OF_LEADS = ("followed", "repeated", "failed", "left")
+ON_TORUS = "on_torus"
+# Denominators of locked rotation numbers that are told.
+MAX_DENOMINATOR = 256
 LOOKS = {
     "periodic": "periodic",
     "rest": "at rest",
@@ -59,7 +63,7 @@ def list_motions(step: Step) -> list[Row]:
     rows = []
     for i in range(len(step)):
         reason = step.reason(i)
-        if reason.code in OF_LEADS:
+        if reason.code in (*OF_LEADS, ON_TORUS):
             continue
         v, p = reason.values, step.points
         row: Row = {"label": step.labels[i]}
@@ -82,6 +86,29 @@ def list_motions(step: Step) -> list[Row]:
 def list_unexplained(step: Step) -> list[Row]:
     """Return the rows of :func:`list_motions` that settle, and lie on no branch."""
     return [row for row in list_motions(step) if row["label"]]
+
+
+def list_tori(step: Step) -> list[Row]:
+    """Return one row a value of the parameter to which a torus was followed: what it has become there.
+
+    The rotation number lies between 0 and 1/2; of a torus that is locked to a period it is a fraction.
+    """
+    rows = []
+    for i in range(len(step)):
+        reason = step.reason(i)
+        if reason.code != ON_TORUS:
+            continue
+        v, p = reason.values, step.points
+        row: Row = {"torus": str(v["sweep"]), "from": str(v["origin"])}
+        row |= {name: float(x) for name, x in zip(step.meta["parameters"], p["parameters"][i], strict=True)}
+        rotation = float(v.get("rotation", np.nan))
+        locked = str(v["look"]) == "periodic" and np.isfinite(rotation)
+        row |= {"look": LOOKS.get(str(v["look"]), str(v["look"])), "rotation": rotation}
+        row |= {"rotation_error": float(v.get("rotation_error", np.nan))}
+        row |= {"locked": str(Fraction(rotation).limit_denominator(MAX_DENOMINATOR)) if locked else ""}
+        row |= {"period": float(p["period"][i]), "lyapunov": float(p["lyapunov"][i])}
+        rows.append({**row, "lyapunov_error": float(p["lyapunov_error"][i]), "point": str(v["point"])})
+    return rows
 
 
 def name_settled(reason: Reason) -> str:
@@ -145,11 +172,28 @@ def describe_exploration_lines(step: Step) -> list[str]:
     if not left and any(ending.values["stopped"] == "time" for ending in step.endings):
         lines.append(STOPS["time"])
     lines += [f"curves meet at {' = '.join(points)}" for points in step.meta.get("meetings", ())]
+    tori: dict[str, list[Row]] = {}
+    for row in list_tori(step):
+        tori.setdefault(f"{row['torus']}, from {row['from']}", []).append(row)
+    lines += [_describe_torus(name, torus, rows) for torus, rows in tori.items()]
     alike: dict[str, list[Row]] = {}
     for row in list_unexplained(step):
         alike.setdefault(f"{row['look']}, {row['note']}" if row["beside"] else row["look"], []).append(row)
     lines += [_describe_alike(step, look, rows) for look, rows in alike.items()]
     return lines
+
+
+def _describe_torus(name: str, torus: str, rows: Sequence[Row]) -> str:
+    """Return what became of a torus over a parameter of this name."""
+    values = [row[name] for row in rows]
+    rotations = [row["rotation"] for row in rows if np.isfinite(row["rotation"]) and not row["locked"]]
+    looks = Counter(row["look"].partition(":")[0] for row in rows)
+    counts = ", ".join(f"{n} {look}" for look, n in looks.items())
+    text = f"{torus}: {name} {min(values):.6g} to {max(values):.6g}, {counts}"
+    if rotations:
+        text += f"; rotation number {min(rotations):.6g} to {max(rotations):.6g}"
+    locked = list(dict.fromkeys(row["locked"] for row in rows if row["locked"]))
+    return f"{text}; locked to {', '.join(locked)}" if locked else text
 
 
 def _describe_alike(step: Step, look: str, rows: Sequence[Row]) -> str:

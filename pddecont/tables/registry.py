@@ -10,7 +10,7 @@ from pddecont.results import Step
 from pddecont.tables.attractors import list_attractors, list_cells, list_returns
 from pddecont.tables.columns import list_columns
 from pddecont.tables.equilibria import list_equilibria, list_roots, list_special_equilibria
-from pddecont.tables.exploration import list_branches, list_motions, list_unexplained
+from pddecont.tables.exploration import list_branches, list_motions, list_tori, list_unexplained
 from pddecont.tables.orbits import list_multipliers, list_orbit, list_points, list_special_points
 from pddecont.tables.precision import list_settings
 from pddecont.tables.trajectories import list_events, list_trajectory
@@ -50,6 +50,7 @@ _TABLES: dict[str, Mapping[str, Table]] = {
         "branches": _whole(list_branches),
         "unexplained": _whole(list_unexplained),
         "motions": _whole(list_motions),
+        "tori": _whole(list_tori),
     },
     "precision": {"precision": _whole(list_settings)},
     "sweep": _OF_ATTRACTORS,
@@ -59,7 +60,7 @@ _DEFAULT: dict[str, Table] = {"points": _whole(list_columns)}
 # The order in which tables are named.
 NAMES = (
     *("points", "special", "orbit", "multipliers", "roots", "trajectory", "events", "precision", "returns", "cells"),
-    *("branches", "unexplained", "motions"),
+    *("branches", "unexplained", "motions", "tori"),
 )
 
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from pddecont.equilibrium import crossings
 from tests.runs import run
 
 ZETA, W = 0.02, 0.3
@@ -36,3 +37,16 @@ def test_every_crossing_is_found_whatever_the_step(tmp_path, largest):
     exact = find_crossings(0.2, 140.0)
     assert len(exact) == 50
     assert np.allclose(np.sort(step.points["parameters"][at, 0]), exact, rtol=1e-11)
+
+
+def test_a_pair_that_stays_on_the_axis_crosses_it_nowhere(tmp_path, monkeypatch):
+    """Without damping roots are +-i all along; each step is looked at at its ends, and not cut in search of crossings."""
+    looked = []
+    whole = crossings._find_speeds
+    monkeypatch.setattr(crossings, "_find_speeds", lambda *args: looked.append(1) or whole(*args))
+    spring = {"name": "o", "states": ["x", "v"], "parameters": {"f": 0.5}, "equations": {"x'": "v", "v'": "f - x"}}
+    branch = {"from": "rest", "free": ["f"], "range": {"f": [0, 1]}, "step": {"max": 0.05}}
+    steps = [{"name": "rest", "equilibrium": {"from": {"x": 0.4}}}, {"name": "b", "continue": branch}]
+    step = run({**spring, "run": {"steps": steps}}, tmp_path / "r.h5").step("b")
+    assert set(step.points["kind"].tolist()) == {b"", b"EP"}
+    assert 0 < len(looked) <= 3 * len(step)

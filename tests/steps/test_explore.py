@@ -8,7 +8,7 @@ from pddecont.results import read_results
 from pddecont.runfile import extend_plan
 from pddecont.steps import Budget, list_step_kinds
 from pddecont.steps.execution import execute
-from pddecont.steps.execution import explore as explore_step
+from pddecont.steps.execution import explore_under_way as under_way
 from pddecont.tables import describe_endings, describe_exploration_lines, list_branches, make_table
 from tests.runs import change, parameter, plan, run
 
@@ -91,7 +91,7 @@ def test_branches_are_ordinary_steps(ball):
 
 @pytest.mark.parametrize("number", [1, 3])
 def test_a_run_that_was_broken_off_goes_on_to_the_same_file(ball, number, tmp_path, monkeypatch):
-    path, whole = tmp_path / "a.h5", explore_step.do_step
+    path, whole = tmp_path / "a.h5", under_way.do_step
     left = [number]
 
     def do_some(context, step):
@@ -100,10 +100,10 @@ def test_a_run_that_was_broken_off_goes_on_to_the_same_file(ball, number, tmp_pa
         left[0] -= 1
         whole(context, step)
 
-    monkeypatch.setattr(explore_step, "do_step", do_some)
+    monkeypatch.setattr(under_way, "do_step", do_some)
     with pytest.raises(KeyboardInterrupt):
         execute(plan(BALL), path)
-    monkeypatch.setattr(explore_step, "do_step", whole)
+    monkeypatch.setattr(under_way, "do_step", whole)
     assert len(read_results(path).names) == number
     execute(plan(BALL), path, resume=True)
     assert holds_same(read_results(path), ball)
@@ -169,6 +169,64 @@ def test_chaos_is_named_and_not_explained(tmp_path):
     assert any("chaotic" in row["look"] and row["lyapunov"] > 0.03 for row in rows)
 
 
+# A Hopf normal form beside a forced state, coupled by a resonant term of size e: the rotation number of its torus is
+# w + c a where e is zero.
+TORUS = {
+    "name": "born_torus",
+    "states": ["x", "y", "z"],
+    "parameters": {"a": 0.05, "w": np.sqrt(2) / 5, "c": 0.5, "e": 0},
+    "forcing": {"period": "2*pi"},
+    "definitions": {"r": "x**2 + y**2", "u": "x**2 - y**2"},
+    "modes": {
+        "free": {
+            "x'": "a*x - (w + c*r)*y - x*r + e*(u*cos(t) + 2*x*y*sin(t))",
+            "y'": "a*y + (w + c*r)*x - y*r + e*(u*sin(t) - 2*x*y*cos(t))",
+            "z'": "-z + cos(t)",
+        }
+    },
+    "initial": {"x": 0.1},
+}
+
+
+def explore_torus(path, parameters, **settings):
+    body = {"over": {"a": [-0.1, 0.3]}, "starts": 4, "check": 4, **settings}
+    model = {**TORUS, "parameters": {**TORUS["parameters"], **parameters}}
+    return run({**model, "run": {"steps": [{"name": "all", "explore": body}]}}, path)
+
+
+def test_a_torus_is_followed_from_its_birth_with_its_rotation_number(tmp_path):
+    step = explore_torus(tmp_path / "a.h5", {}).steps["all"]
+    rows = make_table(step, "tori")
+    assert {row["from"] for row in rows} == {"branch_1 TR1"}
+    assert len(rows) == 16
+    for row in rows:
+        assert "on a torus" in row["look"]
+        assert row["rotation"] == pytest.approx(
+            np.sqrt(2) / 5 + 0.5 * row["a"], abs=max(10 * row["rotation_error"], 1e-9)
+        )
+        assert row["rotation_error"] < 1e-6
+        assert abs(row["lyapunov"]) < 1e-3
+    assert any("rotation number 0.28" in line for line in describe_exploration_lines(step))
+
+
+def test_windows_in_which_a_torus_is_locked_become_branches(tmp_path):
+    results = explore_torus(tmp_path / "a.h5", {"e": 0.05})
+    rows = make_table(results.steps["all"], "tori")
+    assert "1/3" in {row["locked"] for row in rows}
+    low, high = (f([row["a"] for row in rows if row["locked"] == "1/3"]) for f in (min, max))
+    branches = [row for row in list_branches(results.steps["all"]) if row["points"]]
+    (window,) = [row for row in branches if np.median(results.steps[row["branch"]].points["period"]) > 18]
+    assert window["low"] <= low < high <= window["high"]
+    assert "the branch is closed" in window["outcome"]
+    # In coordinates that turn with 1/3 the locked motion rests, with (a - s)**2 + (w - 1/3 + c s)**2 = e**2 s where
+    # s = x**2 + y**2: two such circles meet where the discriminant is zero.
+    c, e = 0.5, 0.05
+    nu = np.sqrt(2) / 5 - 1 / 3
+    k = 2 * nu * c - e**2
+    folds = sorted(np.roots([-4 * c**2, -4 * k, k**2 - 4 * (1 + c**2) * nu**2]))
+    assert [window["low"], window["high"]] == pytest.approx(folds, abs=1e-7)
+
+
 @pytest.mark.parametrize(
     ("key", "value", "message"),
     [
@@ -204,14 +262,14 @@ def test_a_plan_is_extended_by_a_step_as_a_file_would_say_it():
 
 
 def test_a_step_that_fails_is_noted_and_the_others_are_done(tmp_path, monkeypatch):
-    whole = explore_step.do_step
+    whole = under_way.do_step
 
     def fail(context, step):
         if step.name == "branch_1":
             raise ConvergenceError("it does not converge")
         whole(context, step)
 
-    monkeypatch.setattr(explore_step, "do_step", fail)
+    monkeypatch.setattr(under_way, "do_step", fail)
     step = run(BALL, tmp_path / "a.h5").steps["all"]
     assert step.endings[0].values["n_failed"] == 1
     assert any("not followed: branch_1: it does not converge" in row["outcome"] for row in list_branches(step))

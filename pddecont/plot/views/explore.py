@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
 # Motions that lie on a branch, and those that lie on none.
 ON_BRANCH, ON_NONE = "0.72", "0.25"
+# Those of tori that were followed.
+OF_TORUS = "tab:purple"
 # Labels of special points up to which all are written; of more those beside which something is stable.
 MAX_LABELS = 24
 # Marks of motions in the plane, when the colours are used up.
@@ -97,6 +99,7 @@ def draw_motions(axes: Axes, step: Step, x: str, state: str) -> list[Artist]:
     codes = np.array([step.reason(i).code for i in range(len(step))])
     styles: dict[str, tuple[str, dict[str, Any]]] = {
         "explained": ("motions that settled", {"marker": "o", "ms": DOT, "color": ON_BRANCH, "mew": 0}),
+        "on_torus": ("tori that were followed", {"marker": "|", "ms": CROSS, "color": OF_TORUS, "mew": 0.8}),
         "unexplained": ("motions on no branch", {"marker": "x", "ms": CROSS, "color": ON_NONE, "mew": 0.8}),
     }
     for code, (text, style) in styles.items():

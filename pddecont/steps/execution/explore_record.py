@@ -13,12 +13,15 @@ from pddecont.results import Results
 from pddecont.runfile import Plan
 from pddecont.steps.execution.explore_diagram import Diagram, Entry
 from pddecont.steps.execution.explore_looks import Look, LookCode
+from pddecont.steps.execution.explore_tori import TorusPoint
 from pddecont.tables import name_motion
 
 # Labels of motions that lie on no branch: U1, U2, ...
 KIND = "U"
 # Labels that say nothing of what branches off or changes.
 ENDS = "EP"
+# The code of a row of what a torus has become.
+ON_TORUS = "on_torus"
 Row = tuple[dict[str, Any], Reason]
 
 
@@ -108,6 +111,15 @@ def settled_to_row(look: Look, file: Results, states: Sequence[str]) -> Row:
     values = {key: value for key, value in reason.values.items() if key not in ("branch", "way")}
     code = "halted" if reason.code == "halted" else "settled"
     return {**points, "kind": b""}, Reason(code, {**values, "motion": motion})
+
+
+def torus_to_row(point: TorusPoint, states: Sequence[str]) -> Row:
+    """Return the row of what a torus has become at a value of the parameter."""
+    points, reason = look_to_row(point.look, Diagram(), 0, states)
+    values = {**reason.values, "origin": point.origin}
+    if point.rotation is not None:
+        values |= {"rotation": point.rotation.value, "rotation_error": point.rotation.error}
+    return {**points, "kind": b""}, Reason(ON_TORUS, values)
 
 
 def make_ending(diagram: Diagram, curves: Sequence[Entry], looks: Sequence[Look], stopped: str, number: int) -> Reason:
