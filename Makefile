@@ -25,6 +25,8 @@ demo: setup          ## figure 4.6 of the paper, from its YAML file to a picture
 	$(BIN)/pddecont run configs/fig4_6.yaml -o $(OUT)/fig4_6.h5 --overwrite
 	$(BIN)/pddecont export $(OUT)/fig4_6.h5 --table special
 	$(BIN)/pddecont plot $(OUT)/fig4_6.h5 -o $(OUT)/fig4_6.png
+	$(BIN)/pddecont report $(OUT)/fig4_6.h5 -o $(OUT)/fig4_6.html
+	@echo "The picture is $(OUT)/fig4_6.png; the page with every number, for a browser, is $(OUT)/fig4_6.html"
 
 test: setup          ## all but the slow tests, which `make reliability` runs too
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile -m "not slow"
@@ -45,12 +47,9 @@ random-delays: setup ## 200 random models with delays that vary, rates and integ
 stress: setup        ## a million random events against exact solutions; minutes
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest tests/simulate/test_random_events.py
 
-packages: setup      ## a source archive, a wheel made of it, and the demo from that wheel in an environment of its own
-	rm -rf $(OUT)/packages $(OUT)/empty
-	$(BIN)/python -m build --outdir $(OUT)/packages .
-	$(PYTHON) -m venv $(OUT)/empty
-	$(OUT)/empty/bin/python -m pip install --quiet $(OUT)/packages/*.whl
-	cd $(OUT)/empty && bin/pddecont run fig4_6 -o fig4_6.h5 && bin/pddecont plot fig4_6.h5 -o fig4_6.png
+packages: setup      ## source archive and wheels for the oldest and newest Python, each tried in an environment of its own
+	$(BIN)/cffconvert --validate -i CITATION.cff
+	$(BIN)/python .ci/packages.py $(OUT)/packages
 
 check: setup
 	$(BIN)/ruff format --check .

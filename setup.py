@@ -1,6 +1,7 @@
-"""What pyproject.toml cannot say: how the parts that are compiled are made of their sources."""
+"""What pyproject.toml cannot say: how compiled parts are made, and what an index shows of the README."""
 
 import importlib.util
+import re
 import sys
 from pathlib import Path
 
@@ -24,4 +25,17 @@ def make_extension(part):
     return Extension(f"pddecont.native.compiled_{part}", [str(written)], extra_compile_args=FLAGS)
 
 
-setup(ext_modules=[make_extension(part) for part in PARTS])
+def describe(readme):
+    """Return a README without what leads into the repository: its pictures, and its links but for their words.
+
+    The pages go with the source archive; nowhere on the web do they have an address that a link could name.
+    """
+    text = re.sub(r"^!\[[^]]*\]\((?!\w+:)[^)]*\)\n\n?", "", readme, flags=re.M)
+    return re.sub(r"\[([^]]+)\]\((?!\w+:)[^)]*\)", r"\1", text)
+
+
+setup(
+    ext_modules=[make_extension(part) for part in PARTS],
+    long_description=describe(Path("README.md").read_text(encoding="utf-8")),
+    long_description_content_type="text/markdown",
+)

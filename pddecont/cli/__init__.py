@@ -9,20 +9,21 @@ from typing import Any
 import click
 
 from pddecont.cli.interrupt import end_on_signals
-from pddecont.version import __version__
+from pddecont.cli.version import show_version
 
 # The matrices here are too small to share among threads; a user's own setting stands.
 if "OMP_NUM_THREADS" not in os.environ:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 COMMANDS = {
+    "models": "List the models that come with the program.",
     "new": "Write a model to start from.",
     "run": "Do the steps of a run file (or of a model's own run block).",
     "explore": "Compute the whole diagram of a model over a parameter.",
     "plot": "Draw what a results file holds.",
     "check": "Report every problem in model and run files.",
     "info": "Say what is in a model, a run file or a results file.",
-    "export": "Write a table of a results file to standard output.",
+    "export": "Write a table of a results file.",
     "report": "Write one HTML page on a results file.",
     "completion": "Print the script that lets a shell complete commands.",
 }
@@ -49,8 +50,14 @@ class LazyGroup(click.Group):
 
 
 @click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(__version__, package_name="pddecont")
-def group() -> None:
+@click.option("--version", is_flag=True, callback=show_version, expose_value=False, help="Show the version and end.")
+@click.option(
+    "--verbose",
+    is_flag=True,
+    is_eager=True,
+    help="With --version: the platform and every library, for reports of bugs.",
+)
+def group(verbose: bool) -> None:
     """Bifurcation analysis of piecewise-smooth delay differential equations.
 
     A system is described in a YAML file (delays, modes, events, resets); branches of its periodic orbits, their special

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from pddecont.cli.completion import complete_file
+from pddecont.cli.completers import complete_file
 from pddecont.cli.console import Exit, say
 
 

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import click
-from click.shell_completion import CompletionItem, get_completion_class
+from click.shell_completion import get_completion_class
 
 
 @click.command("completion")
 @click.argument("shell", type=click.Choice(["bash", "zsh", "fish"]))
 def command(shell: str) -> None:
     """Print the script that lets a shell complete commands, options and files.
+
+    What is in a file is completed too, where the file stands before: steps, labels, parameters and what axes show.
 
     \b
       bash  pddecont completion bash >> ~/.bashrc
@@ -23,15 +25,3 @@ def command(shell: str) -> None:
     # Without a look at the version of the shell that happens to run here.
     complete = kind(group, {}, "pddecont", "_PDDECONT_COMPLETE")
     click.echo(complete.source_template % complete.source_vars())
-
-
-def complete_file(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
-    """Return the shipped models and runs that go on as ``incomplete`` begins.
-
-    Where there are none, the shell looks among files.
-    """
-    from pddecont.data import list_shipped
-
-    names = sorted(name for name in list_shipped() if name.startswith(incomplete))
-    there = bool(incomplete) and bool(names)
-    return [CompletionItem(name) for name in names] if there else [CompletionItem(incomplete, type="file")]

@@ -7,6 +7,7 @@ import io
 import json
 import math
 import sys
+import time
 from collections.abc import Callable
 from enum import IntEnum
 from typing import Any
@@ -15,6 +16,11 @@ import click
 
 from pddecont.cli.interrupt import Received
 from pddecont.errors import ConvergenceError, InputError, PddecontError, SignatureError
+
+# What is no terminal hears how far a run is so often.
+SECONDS_BETWEEN_LINES = 30.0
+# Columns of a terminal below which there is no room for a bar, and the bar's.
+NARROW, BAR_WIDTH = 80, 20
 
 
 class Exit(IntEnum):
@@ -107,17 +113,27 @@ def plain(value: Any) -> Any:
     return value
 
 
+def to_json(value: Any) -> str:
+    """Return one JSON document."""
+    return json.dumps(plain(value), indent=2, ensure_ascii=False)
+
+
 def print_json(value: Any) -> None:
     """Write one JSON document to standard output."""
-    click.echo(json.dumps(plain(value), indent=2, ensure_ascii=False))
+    click.echo(to_json(value))
 
 
 class Progress:
-    """Tells how a run goes on standard error; a terminal gets a line that moves."""
+    """Tells how a run of ``n_steps`` goes on standard error.
 
-    def __init__(self, quiet: bool):
+    A terminal gets a line that moves, anything else a line now and then, for whoever reads the log of a long run.
+    """
+
+    def __init__(self, quiet: bool, n_steps: int = 1, every: float = SECONDS_BETWEEN_LINES):
         self.quiet = quiet
         self.moving = not quiet and sys.stderr.isatty()
+        self.n_steps, self.n_begun = n_steps, 0
+        self.every, self.last_said = every, 0.0
         self.console: Any = None
         self.bar: Any = None
         self.task: Any = None
@@ -129,45 +145,49 @@ class Progress:
 
     def step(self, name: str, kind: str) -> None:
         """Hear that a step begins."""
-        self.name = name
+        self.name, self.last_said = name, time.monotonic()
+        self.n_begun += 1
         if self.quiet:
             return
+        # A step that explores begins more steps than were planned.
+        count = f" ({self.n_begun} of {self.n_steps})" if 1 < self.n_steps >= self.n_begun else ""
         if not self.moving:
-            say(f"{name}: {kind} ...")
+            say(f"{name}: {kind}{count} ...")
             return
-        from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeRemainingColumn
+        from rich.progress import Progress
 
-        self.bar = Progress(
-            SpinnerColumn(),
-            TextColumn("{task.description}"),
-            BarColumn(),
-            TextColumn("{task.fields[rate]}"),
-            TimeRemainingColumn(),
-            console=self.console,
-            transient=True,
-        )
-        self.task = self.bar.add_task(f"{name}: {kind}", total=None, rate="")
+        self.bar = Progress(*_list_columns(self.console.width), console=self.console, transient=True)
+        self.task = self.bar.add_task(escape(f"{name}: {kind}{count}"), total=None, rate="")
         self.bar.start()
 
     def progress(self, text: str, fraction: float | None = None) -> None:
         """Hear how far a step is."""
         if self.bar is not None:
             share = {} if fraction is None else {"completed": 100 * fraction, "total": 100}
-            self.bar.update(self.task, description=f"{self.name}: {text}", **share)
+            self.bar.update(self.task, description=escape(f"{self.name}: {text}"), **share)
+        else:
+            self._say_sometimes(f"{text}{'' if fraction is None else f' ({100 * fraction:.0f} %)'}")
 
     def advance(self, done: int, total: int, what: str) -> None:
         """Hear how many of a number of like things are done."""
+        text = f"{done} of {total} {what}"
         if self.bar is not None:
             elapsed = self.bar.tasks[0].elapsed or 0.0
             rate = f"{done / elapsed:.3g} a second" if elapsed else ""
             self.bar.update(
-                self.task, description=f"{self.name}: {done} of {total} {what}", completed=done, total=total, rate=rate
+                self.task, description=escape(f"{self.name}: {text}"), completed=done, total=total, rate=rate
             )
+        else:
+            self._say_sometimes(text)
 
     def note(self, text: str) -> None:
         """Hear something that a person would want to know while waiting."""
-        if not self.quiet:
-            (self.console.print if self.bar is not None else say)(text)
+        if self.quiet:
+            return
+        if self.bar is not None:
+            self.console.print(printable(text), markup=False, highlight=False)
+        else:
+            say(text)
 
     def done(self, text: str) -> None:
         """Hear how a step ended."""
@@ -181,3 +201,33 @@ class Progress:
         if self.bar is not None:
             self.bar.stop()
             self.bar = None
+
+    def _say_sometimes(self, text: str) -> None:
+        if not self.quiet and time.monotonic() - self.last_said >= self.every:
+            self.last_said = time.monotonic()
+            say(f"{self.name}: {text}")
+
+
+def _list_columns(width: int) -> list[Any]:
+    """Return what stands in the moving line of a terminal; in a narrow one words go on below instead of being cut."""
+    from rich.progress import BarColumn, SpinnerColumn, TaskProgressColumn, TextColumn, TimeRemainingColumn
+    from rich.table import Column
+
+    words = TextColumn("{task.description}", table_column=Column(no_wrap=False))
+    if width < NARROW:
+        return [SpinnerColumn(), words, TaskProgressColumn()]
+    return [
+        SpinnerColumn(),
+        words,
+        BarColumn(BAR_WIDTH),
+        TaskProgressColumn(),
+        TextColumn("{task.fields[rate]}"),
+        TimeRemainingColumn(),
+    ]
+
+
+def escape(text: str) -> str:
+    """Return ``text`` as a terminal may show it, without what rich would take for its own marks."""
+    from rich.markup import escape as escape_marks
+
+    return escape_marks(printable(text))

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from pddecont.cli.completion import complete_file
+from pddecont.cli.completers import complete_assignment, complete_effect, complete_file, complete_state
 from pddecont.cli.console import print_json, printable, say
 
 
@@ -20,14 +20,33 @@ from pddecont.cli.console import print_json, printable, say
     required=True,
     metavar="NAME=LOW:HIGH",
     help="Parameter and its range; a second one for curves of special points.",
+    shell_complete=complete_assignment,
 )
 @click.option(
     "-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="Results file  [default: MODEL_explore.h5]"
 )
-@click.option("--set", "assignments", multiple=True, metavar="NAME=VALUE", help="Set a parameter; may be repeated.")
-@click.option("--without", multiple=True, metavar="EFFECT", help="Leave an effect of the model out; may be repeated.")
 @click.option(
-    "--box", "boxes", multiple=True, metavar="STATE=LOW:HIGH", help="Where motions start  [default: what a few cover]"
+    "--set",
+    "assignments",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="Set a parameter; may be repeated.",
+    shell_complete=complete_assignment,
+)
+@click.option(
+    "--without",
+    multiple=True,
+    metavar="EFFECT",
+    help="Leave an effect of the model out; may be repeated.",
+    shell_complete=complete_effect,
+)
+@click.option(
+    "--box",
+    "boxes",
+    multiple=True,
+    metavar="STATE=LOW:HIGH",
+    help="Where motions start  [default: what a few cover]",
+    shell_complete=complete_state,
 )
 @click.option("--transient", metavar="TIME", help="Longest time to settle  [default: from a few motions]")
 @click.option("--starts", type=click.IntRange(1), metavar="N", help="Motions to find attractors by.  [default: 32]")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from pddecont.cli.completion import complete_file
+from pddecont.cli.completers import complete_effect, complete_file
 from pddecont.cli.console import print_json, printable
 
 if TYPE_CHECKING:
@@ -16,10 +16,18 @@ if TYPE_CHECKING:
     from pddecont.model import DerivedModes, Ending, Model
 
 
+# Lists that are written a line each.
+LONG = ("switches", "equations", "event functions", "jumps", "segments", "termination", "cheapest")
+
+
 @click.command("info")
 @click.argument("file", shell_complete=complete_file)
 @click.option(
-    "--without", multiple=True, metavar="EFFECT", help="Look at the model without an effect; may be repeated."
+    "--without",
+    multiple=True,
+    metavar="EFFECT",
+    help="Look at the model without an effect; may be repeated.",
+    shell_complete=complete_effect,
 )
 @click.option(
     "--expand", is_flag=True, help="Write a model given by its equations with modes, events and segments instead."
@@ -106,13 +114,26 @@ def model_info(file: str, without: tuple[str, ...]) -> dict[str, Any]:
 
 
 def _list_parts(model: Model) -> dict[str, Any]:
-    """Return all modes, events, resets and segments of a model."""
-    from pddecont.model import write_condition
+    """Return all modes, events, resets and segments of a model, with what they say."""
+    from pddecont.model import write_condition, write_formula
 
     return {
         "modes": list(model.modes),
+        "equations": [line for mode in model.modes for line in _write_equations(model, mode)],
         "events": list(model.events),
+        "event functions": [
+            f"{e.name}: {write_formula(e.delay)} after {e.after}"
+            if e.function is None
+            else f"{e.name}: {write_formula(e.function)}"
+            for e in model.events.values()
+        ],
         "resets": list(model.resets),
+        "jumps": [
+            f"{name}: {state} = {write_formula(after)}"
+            for name, reset in model.resets.items()
+            for state, before, after in zip(model.states, model.state_symbols, reset, strict=True)
+            if after != before
+        ],
         "segments": [
             f"{s.name}: {s.mode} -- {s.event} ({s.direction}) / {s.reset} -> {s.to}"
             + (" after impacts that accumulate" if s.rests else "")
@@ -120,6 +141,14 @@ def _list_parts(model: Model) -> dict[str, Any]:
             for s in model.segments.values()
         ],
     }
+
+
+def _write_equations(model: Model, mode: str) -> list[str]:
+    """Return the equations of a mode, with its name where there are others."""
+    from pddecont.model import write_formula
+
+    place = f"{mode}: " if len(model.modes) > 1 else ""
+    return [f"{place}{state}' = {write_formula(f)}" for state, f in zip(model.states, model.modes[mode], strict=True)]
 
 
 def _describe_many(model: Model) -> dict[str, Any]:
@@ -131,6 +160,7 @@ def _describe_many(model: Model) -> dict[str, Any]:
     return {
         "modes": [f"{derived.n_modes} sets of digits; a mode is built when a motion or a signature comes to it"],
         "first mode": model.initial_mode,
+        "equations": _write_equations(model, model.initial_mode),
         "events": list(dict.fromkeys(name for ends in alike for name in ends.events)),
         "segments": [
             f"{name}: {e.segment.event} ({e.segment.direction}) / {e.segment.reset} -> "
@@ -201,7 +231,7 @@ def _lines(data: dict[str, Any], indent: str = "") -> list[str]:
             name = data.get("curve name")
             lines.append(f"{indent}{key}: {value}{f' ({name})' if name else ''}")
         elif isinstance(value, list):
-            long = key in ("switches", "segments", "termination", "cheapest")
+            long = key in LONG
             lines += (
                 [f"{indent}{key}:", *(f"{indent}  {v}" for v in value)]
                 if long

@@ -20,6 +20,8 @@ from typing import Any
 
 # How long the program is given to end by itself, in seconds.
 GRACE = 2.0
+# To a terminal: the line of progress that was moving is cleared, and the cursor shown again.
+CLEAR_LINE = "\r\x1b[K\x1b[?25h"
 MESSAGE = "interrupted; what was finished is kept, and 'run' with --resume goes on from there"
 
 
@@ -41,7 +43,7 @@ class Received:
         if not self.told:
             self.told = True
             with contextlib.suppress(OSError, ValueError):
-                sys.stderr.write(f"{MESSAGE}\n")
+                sys.stderr.write(f"{CLEAR_LINE if sys.stderr.isatty() else ''}{MESSAGE}\n")
                 sys.stderr.flush()
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from pddecont.cli.completion import complete_file
+from pddecont.cli.completers import complete_assignment, complete_effect, complete_file, complete_planned_step
 from pddecont.cli.console import Progress, print_json, say
 
 if TYPE_CHECKING:
@@ -23,8 +23,21 @@ if TYPE_CHECKING:
     type=click.Path(dir_okay=False, path_type=Path),
     help="Results file  [default: the input's name, .h5]",
 )
-@click.option("--set", "assignments", multiple=True, metavar="NAME=VALUE", help="Set a parameter; may be repeated.")
-@click.option("--without", multiple=True, metavar="EFFECT", help="Leave an effect of the model out; may be repeated.")
+@click.option(
+    "--set",
+    "assignments",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="Set a parameter; may be repeated.",
+    shell_complete=complete_assignment,
+)
+@click.option(
+    "--without",
+    multiple=True,
+    metavar="EFFECT",
+    help="Leave an effect of the model out; may be repeated.",
+    shell_complete=complete_effect,
+)
 @click.option(
     "--accuracy",
     type=click.FloatRange(1e-11, 1, max_open=True),
@@ -32,9 +45,12 @@ if TYPE_CHECKING:
     help="Choose method, degree and mesh to meet this error on orbits.",
 )
 @click.option(
-    "--only", metavar="STEP", help="Do this step only; with --resume into a file that holds the steps it starts from."
+    "--only",
+    metavar="STEP",
+    help="Do this step only; with --resume into a file that holds the steps it starts from.",
+    shell_complete=complete_planned_step,
 )
-@click.option("--until", metavar="STEP", help="Stop after this step.")
+@click.option("--until", metavar="STEP", help="Stop after this step.", shell_complete=complete_planned_step)
 @click.option("--resume", is_flag=True, help="Go on with an output that exists.")
 @click.option("--overwrite", is_flag=True, help="Replace results that exist.")
 @click.option(
@@ -103,7 +119,7 @@ def compute_shown(checked: Plan, path: Path, *, quiet: bool, **options: Any) -> 
 
     for warning in checked.warnings:
         say(f"{warning} (warning)")
-    progress = Progress(quiet)
+    progress = Progress(quiet, len(checked.steps))
     try:
         return compute(checked, path, progress, **options)
     finally:

@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import importlib.util
+import itertools
+import re
 from pathlib import Path
+
+_END_OF_SENTENCE = re.compile(r"\.\s+(?=[A-Z])")
 
 
 def find_shipped_folders() -> list[Path]:
@@ -20,3 +24,11 @@ def find_shipped_folders() -> list[Path]:
 def list_shipped() -> dict[str, Path]:
     """Return shipped models and runs by name; where both have one name it is the model's."""
     return {file.stem: file for folder in reversed(find_shipped_folders()) for file in folder.glob("*.yaml")}
+
+
+def describe_shipped(file: Path) -> str:
+    """Return what a shipped file says of itself in one line: the first sentence of the comment that it begins with."""
+    comment = itertools.takewhile(lambda line: line.startswith("#"), file.read_text(encoding="utf-8").splitlines())
+    text = " ".join(line.lstrip("# ").rstrip() for line in comment)
+    sentence, *_ = _END_OF_SENTENCE.split(text, maxsplit=1)
+    return sentence.rstrip(".")

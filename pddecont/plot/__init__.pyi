@@ -1,10 +1,14 @@
+from .columns import list_columns as list_columns
 from .pictures import draw_picture as draw_picture
 from .pictures import render_image as render_image
 from .pictures import save_picture as save_picture
 from .registry import VIEWS as VIEWS
 from .registry import forget_view as forget_view
 from .registry import register_view as register_view
+from .sizes import PictureSize as PictureSize
+from .sizes import read_size as read_size
 from .style_sheet import apply_style as apply_style
+from .style_sheet import list_styles as list_styles
 from .view import Drawing as Drawing
 from .view import View as View
 from .view import ViewRequest as ViewRequest

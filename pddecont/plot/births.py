@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 
+from pddecont.plot.several_files import split_name
 from pddecont.results import Step
 from pddecont.tables import holds_equilibria
 
@@ -16,7 +17,8 @@ def find_birth(step: Step, steps: Sequence[Step]) -> tuple[Step, int] | None:
     start = asked.get("from") if isinstance(asked, dict) and asked.get("branch") == "switch" else None
     if holds_equilibria(step) or not isinstance(start, dict) or start.get("file"):
         return None
-    source = next((s for s in steps if s.name == start.get("step") and holds_equilibria(s)), None)
+    place = (split_name(step)[0], start.get("step"))
+    source = next((s for s in steps if split_name(s) == place and holds_equilibria(s)), None)
     if source is None or start.get("point") not in source.labels:
         return None
     row = source.labels.index(start["point"])

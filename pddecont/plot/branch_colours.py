@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from pddecont.plot.branch_lines import MARKS
 from pddecont.plot.branch_parts import INNER_KINDS, Family, LineStyle, find_family, split_branch
 from pddecont.plot.legend import make_line_handle, shorten_list
+from pddecont.plot.several_files import list_file_names, split_name
 from pddecont.plot.special_points import read_kind
 from pddecont.plot.style import COLOURS
 from pddecont.results import Step
@@ -39,8 +40,14 @@ class BranchColours:
 def assign_branch_colours(steps: Sequence[Step], palette: Sequence[str] = COLOURS) -> BranchColours:
     """Return the colours of branches.
 
-    Families differ in colour; where there is only one, steps do; where there is only one step too, there is no legend.
+    Of several files these differ in colour; of one, families; where there is only one, steps; where there is only one
+    step too, there is no legend.
     """
+    files = list_file_names(steps)
+    if len(files) > 1:
+        by_file = {file: palette[k % len(palette)] for k, file in enumerate(files)}
+        of_files = {(s.name, part.family): by_file[split_name(s)[0]] for s in steps for part in split_branch(s)}
+        return BranchColours(of_files, list(by_file.items()))
     pairs = list(dict.fromkeys((step.name, part.family) for step in steps for part in split_branch(step)))
     families = list(dict.fromkeys(family for _, family in pairs))
     by_step = len(families) == 1

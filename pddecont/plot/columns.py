@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from pddecont.errors import ResultsError, suggest
 from pddecont.plot.axis_labels import format_name
+from pddecont.plot.engineering import write_number
 from pddecont.results import Step
 from pddecont.tables import holds_equilibria
 
@@ -100,7 +101,9 @@ def keep_comparable(steps: Sequence[Step]) -> list[Step]:
 
 def describe_point(step: Step, row: int) -> str:
     """Return a point's label and its free parameters."""
-    values = [f"{format_name(name)} = {read_column(step, name)[row]:.6g}" for name in list_free_parameters(step)]
+    values = [
+        f"{format_name(name)} = {write_number(read_column(step, name)[row])}" for name in list_free_parameters(step)
+    ]
     return "  ".join([t for t in (step.labels[row],) if t] + values)
 
 
@@ -109,7 +112,8 @@ def describe_differences(names: Sequence[str], values: NDArray[np.float64]) -> l
     varying = np.ptp(values, axis=0) > 0
     shown = [format_name(name) for name, varies in zip(names, varying, strict=True) if varies]
     return [
-        "  ".join(f"{name} = {value:.6g}" for name, value in zip(shown, row, strict=True)) for row in values[:, varying]
+        "  ".join(f"{name} = {write_number(value)}" for name, value in zip(shown, row, strict=True))
+        for row in values[:, varying]
     ]
 
 

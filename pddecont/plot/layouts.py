@@ -12,6 +12,7 @@ from pddecont.plot.legend import add_inner_legend, add_legend
 from pddecont.plot.phase_plot import draw_orbit
 from pddecont.plot.point_labels import PointLabel, place_labels
 from pddecont.plot.segment_colours import has_several_names, list_segments
+from pddecont.plot.sizes import JOURNAL_WIDTH
 from pddecont.plot.style import INNER_LEGEND_SIZE
 from pddecont.results import Step
 
@@ -22,15 +23,31 @@ if TYPE_CHECKING:
 
 # Phase plots beside a diagram at most, and panels of one figure.
 MAX_BESIDE, MAX_PANELS = 4, 6
+# The height in inches that each phase plot beside a diagram needs with its title.
+LEAST_HEIGHT = 1.35
 # Names of segments longer than this would cover a panel.
 LONGEST_NAME = 24
 
 
 def make_figure(width: float, height: float) -> Figure:
-    """Return an empty figure of a size in inches."""
+    """Return an empty figure of a size in inches, or of that which matplotlib's settings ask for."""
+    from matplotlib import rcParams, rcParamsDefault
     from matplotlib.figure import Figure
 
-    return Figure(figsize=(width, height))
+    asked = rcParams["figure.figsize"]
+    if list(asked) == list(rcParamsDefault["figure.figsize"]):
+        return Figure(figsize=(width, height))
+    # Without a height the picture keeps the proportions of its view.
+    return Figure(figsize=(asked[0], asked[1] or asked[0] * height / width))
+
+
+def count_beside() -> int:
+    """Return how many phase plots have room beside a diagram, in a picture of the height that was asked for."""
+    from matplotlib import rcParams, rcParamsDefault
+
+    asked = rcParams["figure.figsize"]
+    is_free = list(asked) == list(rcParamsDefault["figure.figsize"]) or not asked[1]
+    return MAX_BESIDE if is_free else min(MAX_BESIDE, int(asked[1] / LEAST_HEIGHT))
 
 
 def make_axes(width: float, height: float) -> tuple[Figure, Axes]:
@@ -62,19 +79,37 @@ def make_panel_beside_orbits(
 ) -> tuple[Figure, Axes]:
     """Return a figure and its large panel, with phase plots of ``rows`` to the right in ``colours`` of their segments.
 
-    There are none where a model has one state.
+    There are none where a model has one state. In a picture as narrow as a journal's column they stand below.
     """
     states = list(steps[-1].meta["states"])
     if not rows or len(states) == 1:
         return make_axes(6.4, 4.4)
-    figure = make_figure(9.2, 2.3 * max(2, len(rows)))
-    grid = figure.add_gridspec(len(rows), 3)
-    axes = figure.add_subplot(grid[:, :2])
-    panels = [figure.add_subplot(grid[k, 2]) for k in range(len(rows))]
+    figure, axes, panels = _make_room_below(len(rows)) if _is_narrow() else _make_room_beside(len(rows))
     for panel, (step, row), own in zip(panels, rows, colours, strict=True):
         draw_orbit(panel, step, row, states[0], states[1], own, describe_point(step, row))
     name_segments(panels, rows)
     return figure, axes
+
+
+def _make_room_beside(n: int) -> tuple[Figure, Axes, list[Axes]]:
+    figure = make_figure(9.2, 2.3 * max(2, n))
+    grid = figure.add_gridspec(n, 3)
+    return figure, figure.add_subplot(grid[:, :2]), [figure.add_subplot(grid[k, 2]) for k in range(n)]
+
+
+def _make_room_below(n: int) -> tuple[Figure, Axes, list[Axes]]:
+    n_rows = -(-n // 2)
+    figure = make_figure(3.4, 2.5 + 1.6 * n_rows)
+    grid = figure.add_gridspec(1 + n_rows, 2, height_ratios=[1.6, *([1] * n_rows)])
+    panels = [figure.add_subplot(grid[1 + k // 2, k % 2 if n > 1 else slice(None)]) for k in range(n)]
+    return figure, figure.add_subplot(grid[0, :]), panels
+
+
+def _is_narrow() -> bool:
+    """Whether matplotlib's settings ask for a picture as narrow as a journal's column."""
+    from matplotlib import rcParams
+
+    return bool(rcParams["figure.figsize"][0] < JOURNAL_WIDTH)
 
 
 def name_segments(panels: Sequence[Axes], rows: Sequence[tuple[Step, int]]) -> None:

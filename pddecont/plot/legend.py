@@ -5,20 +5,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from pddecont.plot.style import LEGEND_SIZE
+from pddecont.plot.style import LEGEND_SHARE, scale_text
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.legend import Legend
 
-# Letters of a legend that fit in an inch, and those that a handle takes.
-LETTERS_PER_INCH, HANDLE_LETTERS = 19, 6
 MAX_COLUMNS = 3
 # Things of one sort that a legend lists; of more it says how many there are.
 MAX_LISTED = 12
-# Lines of a legend that a figure's own size has room for, and the height of one more in inches.
-OWN_LINES, LINE_HEIGHT = 3, 1.7 * LEGEND_SIZE / 72
+# Lines of a legend that a figure's own size has room for, and the height of one more in inches, for letters of a point.
+OWN_LINES, LINE_HEIGHT = 3, 1.7 / 72
 
 
 def make_line_handle(label: str, **style: Any) -> Artist:
@@ -49,16 +48,30 @@ def add_legend(figure: Figure, handles: Sequence[Artist], max_columns: int | Non
     """
     if not handles:
         return
-    columns = min(max_columns, len(handles)) if max_columns else _count_columns(figure, handles)
+    columns = _choose_columns(figure, handles, max_columns or MAX_COLUMNS)
     n_lines = _count_lines(handles, columns)
-    figure.set_figheight(figure.get_figheight() + LINE_HEIGHT * max(0, n_lines - OWN_LINES))
-    figure.legend(handles=list(handles), loc="outside lower center", ncols=columns, fontsize=LEGEND_SIZE)
+    figure.set_figheight(figure.get_figheight() + LINE_HEIGHT * scale_text(LEGEND_SHARE) * max(0, n_lines - OWN_LINES))
+    _put_legend(figure, handles, columns)
 
 
-def _count_columns(figure: Figure, handles: Sequence[Artist]) -> int:
-    longest = max(len(line) for handle in handles for line in str(handle.get_label()).splitlines())
-    fitting = int(figure.get_figwidth() * LETTERS_PER_INCH / (longest + HANDLE_LETTERS))
-    return max(1, min(MAX_COLUMNS, len(handles), fitting))
+def _put_legend(figure: Figure, handles: Sequence[Artist], columns: int) -> Legend:
+    return figure.legend(
+        handles=list(handles), loc="outside lower center", ncols=columns, fontsize=scale_text(LEGEND_SHARE)
+    )
+
+
+def _choose_columns(figure: Figure, handles: Sequence[Artist], most: int) -> int:
+    """Return the number of columns with which a legend is no wider than its figure, one if none is."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    renderer = FigureCanvasAgg(figure).get_renderer()  # type: ignore[no-untyped-call]
+    for columns in range(min(most, len(handles)), 1, -1):
+        legend = _put_legend(figure, handles, columns)
+        width = legend.get_window_extent(renderer).width
+        legend.remove()
+        if width <= figure.bbox.width:
+            return columns
+    return 1
 
 
 def _count_lines(handles: Sequence[Artist], columns: int) -> int:
@@ -68,7 +81,7 @@ def _count_lines(handles: Sequence[Artist], columns: int) -> int:
     return max(sum(lines[k : k + rows]) for k in range(0, len(lines), rows))
 
 
-def add_inner_legend(axes: Axes, size: float) -> None:
+def add_inner_legend(axes: Axes, size: str) -> None:
     """Put a legend into a panel, each text once."""
     handles, names = axes.get_legend_handles_labels()
     unique = dict(zip(names, handles, strict=True))

@@ -14,13 +14,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from pddecont.plot.style import LABEL_SHARE, scale_text
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 Array = NDArray[np.float64]
 POINTS_PER_INCH = 72.0
-# Sizes and distances are in points.
-FONT_SIZE = 8.5
+# Distances are in points.
 # Of a letter as wide as the widest in labels, and of a line, as multiples of the font's size.
 LETTER_WIDTH, LINE_HEIGHT = 0.68, 1.15
 # Half the width of a mark, with a little room.
@@ -82,14 +83,14 @@ def place_labels(axes: Axes, labels: Sequence[PointLabel]) -> None:
             textcoords="offset points",
             ha="left",
             va="bottom",
-            fontsize=FONT_SIZE,
+            fontsize=scale_text(LABEL_SHARE),
             zorder=6,
             arrowprops=line if distance > DISTANCES[0] else None,
         )
         note.set_in_layout(False)
     if n_left_out:
         words = f"{n_left_out} label{'s' if n_left_out > 1 else ''} left out: no room"
-        axes.set_title(words, loc="right", fontsize=FONT_SIZE, color="0.45")
+        axes.set_title(words, loc="right", fontsize=scale_text(LABEL_SHARE), color="0.45")
 
 
 def sample_curves(axes: Axes) -> Array:
@@ -139,7 +140,7 @@ def _choose_box(place: Array, text: str, taken: Array, curves: Array, frame: Arr
 
     ``taken`` (n, 4) holds marks and labels that stand already, ``curves`` (m, 2) samples, ``frame`` (4,) the axes.
     """
-    size = FONT_SIZE * np.array([LETTER_WIDTH * len(text), LINE_HEIGHT]) + np.array([1.0, 0.0])
+    size = scale_text(LABEL_SHARE) * np.array([LETTER_WIDTH * len(text), LINE_HEIGHT]) + np.array([1.0, 0.0])
     best: tuple[float, Array, float] | None = None
     for distance in DISTANCES:
         for angle in DIRECTIONS:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pddecont.errors import ResultsError
 from pddecont.plot.layouts import MAX_PANELS
+from pddecont.plot.several_files import list_file_names
 from pddecont.plot.special_points import find_special_rows
 from pddecont.plot.view import ViewRequest
 from pddecont.results import Step
@@ -57,6 +58,9 @@ def select_orbits(steps: list[Step], request: ViewRequest, n: int = MAX_PANELS) 
                 f"{rests[0]} is an equilibrium and has no orbit to show; '--view roots' shows its characteristic roots"
             )
         return asked
+    if len(list_file_names(steps)) > 1:
+        # Files are compared in one diagram; orbits of some of them beside it would say nothing of the others.
+        return []
     moving = [step for step in steps if not holds_equilibria(step)]
     special = [(step, i) for step in moving for i in find_special_rows(step)]
     return [(step, i) for step, i in special if step.kind_of(i) not in SHRUNK][:n]

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,6 +18,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 Array = NDArray[np.float64]
+# Of more steps labels stay short, and repeat.
+MOST_NAMED = 4
+# Points of two steps whose places differ by less than this part of them all are one.
+SAME_PLACE = 1e-6
 # The kind of an end point of a branch, which is labelled and recorded as special points are but is not marked.
 END = "EP"
 
@@ -59,3 +64,25 @@ def mark_special_points(axes: Axes, step: Step, xs: Array, heights: Array) -> li
         marker = find_marker(read_kind(step, i))
         axes.plot(np.full(len(heights), xs[i]), heights[:, i], marker=marker, ls="", color="black", ms=5, zorder=5)
     return [PointLabel(step.labels[i], float(xs[i]), float(heights[0, i])) for i in rows]
+
+
+def name_apart(labels: Mapping[str, Sequence[PointLabel]]) -> list[PointLabel]:
+    """Return the labels of some steps, by the steps' names, in which no text stands for two points.
+
+    Of a few steps those that have a text in common with another, at another place, have their step's name before it.
+    """
+    together = [(name, label) for name, own in labels.items() for label in own]
+    if len(labels) > MOST_NAMED or not together:
+        return [label for _, label in together]
+    places = np.array([(label.x, label.y) for _, label in together])
+    size = np.ptp(places, axis=0)
+    apart = np.any(np.abs(places[:, None] - places[None]) > SAME_PLACE * size, axis=2)
+
+    def has_double(k: int) -> bool:
+        name, label = together[k]
+        return any(apart[k, i] and label.text == o.text and name != other for i, (other, o) in enumerate(together))
+
+    return [
+        replace(label, text=f"{name}: {label.text}") if has_double(k) else label
+        for k, (name, label) in enumerate(together)
+    ]

@@ -9,16 +9,29 @@ from pathlib import Path
 from typing import Any
 
 from pddecont.errors import ResultsError, suggest
-from pddecont.plot.style import SETTINGS
+from pddecont.plot.sizes import JOURNAL_WIDTH, PictureSize
+from pddecont.plot.style import JOURNAL_SETTINGS, SETTINGS
 
 
 @contextmanager
-def apply_style(style: str | None = None) -> Iterator[None]:
-    """Give matplotlib this program's settings, then those of ``style``: a file, or a style that matplotlib has."""
+def apply_style(style: str | None = None, size: PictureSize | None = None) -> Iterator[None]:
+    """Give matplotlib this program's settings, then those of ``style``: a file, or a style that matplotlib has.
+
+    A picture of a ``size`` has it as ``figure.figsize``, which figures take for theirs; a style may say so too.
+    """
     import matplotlib
 
-    with matplotlib.rc_context({**SETTINGS, **(read_style_sheet(style) if style else {})}):
+    journal = JOURNAL_SETTINGS if size is not None and size.width < JOURNAL_WIDTH else {}
+    asked: dict[Any, Any] = {"figure.figsize": (size.width, size.height)} if size is not None else {}
+    with matplotlib.rc_context({**SETTINGS, **journal, **(read_style_sheet(style) if style else {}), **asked}):
         yield
+
+
+def list_styles() -> list[str]:
+    """Return the names of the styles that matplotlib has."""
+    from matplotlib.style import library
+
+    return sorted(name for name in library if not name.startswith("_"))
 
 
 def read_style_sheet(style: str) -> Mapping[Any, Any]:
@@ -38,7 +51,7 @@ def read_style_sheet(style: str) -> Mapping[Any, Any]:
         return library[style]
     raise ResultsError(
         f"--style {style}: there is no such file and no such style{suggest(style, library)} (styles: "
-        f"{', '.join(name for name in sorted(library) if not name.startswith('_'))})"
+        f"{', '.join(list_styles())})"
     )
 
 

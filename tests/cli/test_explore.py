@@ -29,7 +29,7 @@ def test_what_it_leaves_is_shown_by_the_other_commands(explored, tmp_path):
     path, _, _ = explored
     code, out, err = call("export", path, "--table", "branches")
     assert code == 0, err
-    assert out.startswith("branch,from,depth,curve,low,high,points,stable,special,outcome\nbranch_1,sweep A1,0,")
+    assert out.startswith("branch,from,depth,curve,low,high,points,stable,special,images,outcome\nbranch_1,sweep A1,0,")
     assert call("export", path, "--step", "branch_1", "--table", "special")[0] == 0
     assert "explore" in call("info", path)[1]
     assert call("plot", path, "-o", tmp_path / "a.png")[0] == 0

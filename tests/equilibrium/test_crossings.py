@@ -40,7 +40,7 @@ def test_every_crossing_is_found_whatever_the_step(tmp_path, largest):
 
 
 def test_a_pair_that_stays_on_the_axis_crosses_it_nowhere(tmp_path, monkeypatch):
-    """Without damping roots are +-i all along; no step is cut in search of crossings."""
+    """Without damping roots are +-i all along; steps are not cut in search of crossings."""
     looked = []
     whole = crossings._find_speeds
     monkeypatch.setattr(crossings, "_find_speeds", lambda *args: looked.append(1) or whole(*args))

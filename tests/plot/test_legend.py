@@ -22,11 +22,13 @@ def count_columns(figure):
 
 
 def test_a_legend_has_as_many_columns_as_fit():
-    for words, columns in ((["a"] * 5, MAX_COLUMNS), (["a", "b"], 2), (["a" * 50] * 3, 2), (["a" * 200] * 3, 1)):
+    for words, columns in ((["a"] * 5, MAX_COLUMNS), (["a", "b"], 2), (["a" * 30] * 3, 2), (["a" * 200] * 3, 1)):
         figure = Figure(figsize=(6.4, 4.0))
         add_legend(figure, [make_line_handle(f"{word}{k}", color="red") for k, word in enumerate(words)])
         assert count_columns(figure) == columns
         assert set(legend(figure).values()) == {"red"}
+        figure.draw_without_rendering()
+        assert columns == 1 or figure.legends[0].get_window_extent().width <= figure.bbox.width
 
 
 def test_columns_may_be_fewer_than_fit():

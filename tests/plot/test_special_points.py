@@ -5,7 +5,16 @@ import pytest
 
 from pddecont.bifurcation import list_kinds
 from pddecont.plot.columns import read_column
-from pddecont.plot.special_points import CurveSort, find_special_rows, mark_special_points, read_curve_sort, read_kind
+from pddecont.plot.point_labels import PointLabel
+from pddecont.plot.special_points import (
+    MOST_NAMED,
+    CurveSort,
+    find_special_rows,
+    mark_special_points,
+    name_apart,
+    read_curve_sort,
+    read_kind,
+)
 from pddecont.plot.style import OTHER_MARKER, find_marker
 from tests.plot.drawn import legend, texts
 from tests.plot.synthetic import point
@@ -60,3 +69,20 @@ def test_curves_of_equilibria_are_of_another_sort_than_those_of_orbits(every, re
     of_orbits, of_equilibria = read_curve_sort(every.step("folds")), read_curve_sort(resting.step("folds"))
     assert (of_orbits, of_equilibria) == (CurveSort("LP"), CurveSort("LP", of_equilibria=True))
     assert of_orbits.colour != of_equilibria.colour
+
+
+def test_a_text_that_would_stand_for_two_points_says_of_which_step_it_is():
+    first = [PointLabel("PD1", 1.0, 2.0), PointLabel("LP1", 0.0, 0.0), PointLabel("GR1", 0.5, 1.0)]
+    # The same point of another step, to rounding; another with the same name; one with a name of its own.
+    second = [PointLabel("PD1", 1.0 + 1e-9, 2.0), PointLabel("LP1", 0.0, 1.0), PointLabel("LP2", 0.0, 0.0)]
+    found = name_apart({"a": first, "b": second})
+    assert [label.text for label in found] == ["PD1", "a: LP1", "GR1", "PD1", "b: LP1", "LP2"]
+    assert [(label.x, label.y) for label in found] == [(label.x, label.y) for label in (*first, *second)]
+
+
+def test_of_many_steps_labels_stay_short():
+    labels = {f"branch_{k}": [PointLabel("PD1", float(k), 0.0)] for k in range(MOST_NAMED + 1)}
+    assert {label.text for label in name_apart(labels)} == {"PD1"}
+    del labels["branch_0"]
+    assert {label.text for label in name_apart(labels)} == {f"branch_{k}: PD1" for k in range(1, MOST_NAMED + 1)}
+    assert name_apart({"a": []}) == []

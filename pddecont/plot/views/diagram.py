@@ -12,12 +12,12 @@ from pddecont.plot.branch_lines import draw_birth, draw_parts
 from pddecont.plot.branch_parts import Family
 from pddecont.plot.columns import keep_comparable, list_free_parameters, read_column
 from pddecont.plot.heights import choose_columns, read_heights
-from pddecont.plot.layouts import MAX_BESIDE, finish_figure, make_panel_beside_orbits
+from pddecont.plot.layouts import count_beside, finish_figure, make_panel_beside_orbits
 from pddecont.plot.limits import widen_for_columns
 from pddecont.plot.point_labels import PointLabel
 from pddecont.plot.point_selection import select_orbits
 from pddecont.plot.segment_colours import match_diagram
-from pddecont.plot.special_points import mark_special_points
+from pddecont.plot.special_points import mark_special_points, name_apart
 from pddecont.plot.view import Drawing, ViewRequest
 from pddecont.results import Results, Step
 
@@ -33,7 +33,7 @@ WIDTH = 1.6
 def draw_figure(steps: list[Step], request: ViewRequest) -> Figure:
     """Return the diagram with phase plots of chosen or special points beside it."""
     x, y = choose_columns(steps)
-    rows = select_orbits(steps, request, MAX_BESIDE)
+    rows = select_orbits(steps, request, count_beside())
     figure, axes = make_panel_beside_orbits(steps, rows, match_diagram(steps, rows))
     return finish_figure(figure, axes, *draw_diagram(axes, steps, request.x or x, request.y or y))
 
@@ -56,7 +56,7 @@ def draw_diagram(
     def find_colour(step: Step, family: Family) -> str:
         return chosen.of_parts[step.name, family]
 
-    labels: list[PointLabel] = []
+    labels: dict[str, list[PointLabel]] = {}
     columns, heights = [read_column(step, x) for step in steps], [read_heights(step, y) for step in steps]
     for step, xs, lines in zip(steps, columns, heights, strict=True):
         draw_parts(axes, step, xs, lines, find_colour, WIDTH)
@@ -65,11 +65,11 @@ def draw_diagram(
             source, row = birth
             place = float(read_column(source, x)[row]), float(read_heights(source, y)[0, row])
             draw_birth(axes, step, place, xs, lines, find_colour, WIDTH)
-        labels += mark_special_points(axes, step, xs, lines)
+        labels[step.name] = mark_special_points(axes, step, xs, lines)
     widen_for_columns(axes, steps, {"x": columns, "y": heights})
     axes.set_xlabel(format_axis_label(steps, x))
     axes.set_ylabel(format_axis_label(steps, y))
-    return labels, [*chosen.make_handles(), *make_style_handles(steps)]
+    return name_apart(labels), [*chosen.make_handles(), *make_style_handles(steps)]
 
 
 DRAWING = Drawing(draw_figure, choose_steps=choose_steps)

@@ -21,7 +21,7 @@ from pddecont.plot.point_selection import select_orbits
 from pddecont.plot.segment_colours import match_plane
 from pddecont.plot.side_bands import draw_side_band
 from pddecont.plot.side_counts import write_side_counts
-from pddecont.plot.special_points import CurveSort, find_special_rows, mark_special_points, read_curve_sort
+from pddecont.plot.special_points import CurveSort, find_special_rows, mark_special_points, name_apart, read_curve_sort
 from pddecont.plot.style import find_marker
 from pddecont.plot.view import Drawing, ViewRequest
 from pddecont.results import Results, Step
@@ -71,11 +71,11 @@ def draw_plane(axes: Axes, steps: Sequence[Step], x: str, y: str) -> tuple[list[
 
     Returns the labels of points of codimension two, which go in last, and the handles of the legend.
     """
-    labels: list[PointLabel] = []
+    labels: dict[str, list[PointLabel]] = {}
     for step in steps:
         xs, ys = read_column(step, x), read_column(step, y)[None, :]
         draw_parts(axes, step, xs, ys, lambda step, _: read_curve_sort(step).colour, 1.8)
-        labels += mark_special_points(axes, step, xs, ys)
+        labels[step.name] = mark_special_points(axes, step, xs, ys)
     axes.margins(0.07)
     axes.autoscale_view()
     axes.set_xlim(axes.get_xlim())
@@ -86,7 +86,7 @@ def draw_plane(axes: Axes, steps: Sequence[Step], x: str, y: str) -> tuple[list[
     axes.set_ylabel(format_axis_label(steps, y))
     handles = [*make_curve_handles(steps), *make_style_handles(steps)]
     numbers = [make_line_handle(NUMBERS, ls="")] if n_numbers else []
-    return labels, [*handles, *_make_point_handles(steps), *_make_side_handles(shaded), *numbers]
+    return name_apart(labels), [*handles, *_make_point_handles(steps), *_make_side_handles(shaded), *numbers]
 
 
 def find_stable_side(step: Step) -> NDArray[np.bool_] | None:

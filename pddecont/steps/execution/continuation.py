@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -53,6 +54,7 @@ from pddecont.stability import Multipliers
 from pddecont.steps.context import Context
 from pddecont.steps.continuation import ContinueSettings
 from pddecont.steps.execution.apart import follow_directions
+from pddecont.steps.execution.branch_progress import RangeCovered
 from pddecont.steps.execution.branch_start import start_step
 from pddecont.steps.execution.directions import find_unfinished, make_branch_ending
 from pddecont.steps.execution.ending import report_done
@@ -84,6 +86,11 @@ class _Branch:
     first: BranchState[Any]
     last: BranchPoint[Any] | None = field(default=None)
     ordinary: BranchState[Any] | None = field(default=None)
+
+    @cached_property
+    def covered(self) -> RangeCovered:
+        """What it has covered of its range."""
+        return RangeCovered(self.settings.free, np.array(self.settings.ranges, dtype=float))
 
     def record(self, point: BranchPoint[Any]) -> float:
         """Write a point to the file; return its estimated error."""
@@ -118,9 +125,7 @@ class _Branch:
         self.last = point
         if point.kind in ("", END_POINT):
             self.ordinary = state
-        values = zip(self.settings.free, at.orbit.free, strict=True)
-        shown = ", ".join(f"{name} = {value:.8g}" for name, value in values)
-        self.context.reporter.progress(f"{self.writer.n} points, {shown}{f' {point.kind}' if point.kind else ''}")
+        self.context.reporter.progress(*self.covered.describe(self.writer.n, at.orbit.free, point.kind))
         if not point.kind:
             self.context.budget.check()
         return float(points["error_estimate"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -33,6 +34,7 @@ from pddecont.runfile import PlannedStep
 from pddecont.steps.context import Context
 from pddecont.steps.continuation import ContinueSettings
 from pddecont.steps.execution.apart import follow_directions
+from pddecont.steps.execution.branch_progress import RangeCovered
 from pddecont.steps.execution.directions import find_unfinished, make_branch_ending
 from pddecont.steps.execution.ending import report_done
 from pddecont.steps.execution.equilibrium_branch_start import find_curve_reason, find_start
@@ -54,6 +56,11 @@ class _Branch:
     first: BranchState[Any]
     last: BranchPoint[Any] | None = None
     way_on: WayOn | None = None
+
+    @cached_property
+    def covered(self) -> RangeCovered:
+        """What it has covered of its range."""
+        return RangeCovered(self.step.settings.free, np.array(self.step.settings.ranges, dtype=float))
 
     def record(self, point: BranchPoint[Any]) -> None:
         """Write a point to the file."""
@@ -87,9 +94,8 @@ class _Branch:
         )
         self.writer.append(points, rows, add_doubts(reason, at.equilibrium, roots))
         self.last = point
-        values = zip(self.step.settings.free, at.x[-len(self.step.settings.free) :], strict=True)
-        shown = ", ".join(f"{name} = {value:.8g}" for name, value in values)
-        self.context.reporter.progress(f"{self.writer.n} points, {shown}{f' {point.kind}' if point.kind else ''}")
+        values = at.x[-len(self.step.settings.free) :]
+        self.context.reporter.progress(*self.covered.describe(self.writer.n, values, point.kind))
         if not point.kind:
             self.context.budget.check()
 
