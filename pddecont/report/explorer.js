@@ -225,9 +225,10 @@ function describePlace({ step, place, x, y }, inputs) {
         : "",
   );
   const label = step.label(place);
-  return [`${step.title}${label ? `, ${label}` : ""}, point ${place + 1} of ${step.n}`, ...texts.filter(Boolean)].join(
-    ";  ",
-  );
+  return [
+    `${step.title}${label ? `, ${label}` : ""}, point ${place + 1} of ${step.n}`,
+    ...texts.filter(Boolean),
+  ].join(";  ");
 }
 
 // Names that axes may show: all columns but texts; upwards states too.
@@ -276,7 +277,8 @@ function chooseHeight(steps) {
 
 function chooseView(views) {
   return (
-    views.find((view) => view.steps.some((step) => step.kind === "continue" && step.data.free.length === 1)) ?? views[0]
+    views.find((view) => view.steps.some((step) => step.kind === "continue" && step.data.free.length === 1)) ??
+    views[0]
   );
 }
 

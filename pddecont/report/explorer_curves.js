@@ -1,13 +1,17 @@
 // Branches as curves between their points: piecewise cubic in the arclength by the modified method of Akima, which
 // overshoots neither at kinks nor at jumps (as pddecont/plot/smooth_lines.py).
 
+// Points nearer to the one before than this share of a part's length add nothing to its shape but rounding.
 const SAME_POINT = 1e-6;
+// From a point to the next a line has so many straight pieces.
+const PIECES = 6;
 
 function curve(along, xs, ys) {
   const kept = [];
   if (along)
     for (let i = 0; i < along.length; i++)
-      if (!kept.length || along[i] - along[kept.at(-1)] > SAME_POINT * Math.abs(along.at(-1) - along[0])) kept.push(i);
+      if (!kept.length || along[i] - along[kept.at(-1)] > SAME_POINT * Math.abs(along.at(-1) - along[0]))
+        kept.push(i);
   const finite = (values) => values.every(Number.isFinite);
   if (kept.length < 3 || !finite(along) || !finite(xs) || !finite(ys)) return [xs, ys];
   const places = kept.map((i) => along[i]);

@@ -145,7 +145,7 @@ class Step {
   start(place) {
     if (!this.data.start) return "";
     const label = this.label(place);
-    const where = label ? `point: ${label}` : `index: ${this.value("index", place)}`;
+    const where = /^\w+$/.test(label) ? `point: ${label}` : `index: ${this.value("index", place)}`;
     return this.data.start[0] + where + this.data.start[1];
   }
 }

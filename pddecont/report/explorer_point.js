@@ -1,4 +1,5 @@
-// What belongs to one point: its orbit, profiles, multipliers or roots, its row, its label's meaning, a file to go on from it.
+// What belongs to one point: its orbit, profiles, multipliers or roots, its row, its label's meaning, a file to go on
+// from it.
 
 const PAST = ["4px,3px", "1.5px,3px", "8px,3px,1.5px,3px"];
 const SMALL = {
@@ -64,7 +65,11 @@ class PointPanels {
     if (this.signals !== signals.join()) {
       this.signals = signals.join();
       fillSelect(this["orbit-x"], signals, this["orbit-x"].value || signals[0]);
-      fillSelect(this["orbit-y"], signals, this["orbit-y"].value || signals[Math.min(1, step.data.states.length - 1)]);
+      fillSelect(
+        this["orbit-y"],
+        signals,
+        this["orbit-y"].value || signals[Math.min(1, step.data.states.length - 1)],
+      );
       fillSelect(
         this["profile-of"],
         step.data.orbits ? [ALL_STATES, ...step.data.states] : step.data.states,
@@ -208,18 +213,16 @@ class PointPanels {
       }
       return { type: "scatter", mode: "lines", x, y, line, name: writeName(name), hoverinfo: "x+y+name" };
     });
-    const shapes = segments
-      .slice(1)
-      .map(({ time }) => ({
-        type: "line",
-        x0: time[0],
-        x1: time[0],
-        yref: "paper",
-        y0: 0,
-        y1: 1,
-        layer: "below",
-        line: { color: "#bbb", width: 1 },
-      }));
+    const shapes = segments.slice(1).map(({ time }) => ({
+      type: "line",
+      x0: time[0],
+      x1: time[0],
+      yref: "paper",
+      y0: 0,
+      y1: 1,
+      layer: "below",
+      line: { color: "#bbb", width: 1 },
+    }));
     Plotly.react(
       this.profile,
       traces,

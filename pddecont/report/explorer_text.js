@@ -29,8 +29,8 @@ function escapeText(text) {
 
 const GREEK = Object.fromEntries(
   (
-    "alpha α beta β gamma γ delta δ epsilon ε zeta ζ eta η theta θ kappa κ lambda λ mu μ nu ν xi ξ pi π rho ρ " +
-    "sigma σ tau τ phi φ chi χ psi ψ omega ω"
+    "alpha α beta β gamma γ delta δ epsilon ε zeta ζ eta η theta θ kappa κ lambda λ mu μ nu ν xi ξ " +
+    "pi π rho ρ sigma σ tau τ phi φ chi χ psi ψ omega ω"
   )
     .split(" ")
     .map((_, k, all) => [all[k], all[k + 1]])
@@ -43,7 +43,9 @@ function writeName(name) {
     first = parts[0];
   if (parts.length > 2 || name.includes("(") || !(first in GREEK || first.length === 1))
     return escapeText(name.replaceAll("_", " "));
-  return `<i>${escapeText(GREEK[first] ?? first)}</i>` + (parts.length > 1 ? `<sub>${escapeText(parts[1])}</sub>` : "");
+  return (
+    `<i>${escapeText(GREEK[first] ?? first)}</i>` + (parts.length > 1 ? `<sub>${escapeText(parts[1])}</sub>` : "")
+  );
 }
 
 function writeAxis(name, steps) {

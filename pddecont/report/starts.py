@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
+
+import yaml
 
 from pddecont.results import Results, Step
 from pddecont.tables import list_effects_off
@@ -27,7 +30,7 @@ def write_start(results: Results, step: Step) -> tuple[str, str] | None:
     settings = json.loads(step.meta.get("settings") or "{}")
     lines = [_name_model(results), *_list_settings(step, settings), "steps:"]
     before = (
-        f"  - {{name: from_here, {{KIND}}: {{from: {{file: {_quote(results.path.name)}, step: {_quote(step.name)}, "
+        f"  - {{name: from_here, {{KIND}}: {{from: {{file: {_write(results.path.name)}, step: {_write(step.name)}, "
     )
     if step.kind in ("sweep", "basin"):
         return "\n".join([*lines, before.replace("{KIND}", "orbit")]), "}, stability: true}}\n"
@@ -35,16 +38,15 @@ def write_start(results: Results, step: Step) -> tuple[str, str] | None:
     free = list(own.get("free") or step.meta.get("free") or step.meta["parameters"])[:1]
     if not free:
         return None
-    low, high = own.get("range", {}).get(free[0]) or _choose_range(step, free[0])
-    name = _quote(free[0])
-    after = f"}}, free: [{name}], range: {{{name}: [{low!r}, {high!r}]}}, stability: true}}}}\n"
+    limits = own.get("range", {}).get(free[0]) or _choose_range(step, free[0])
+    after = f"}}, free: {_write(free)}, range: {_write({free[0]: limits})}, stability: true}}}}\n"
     return "\n".join([*lines, before.replace("{KIND}", "continue")]), after
 
 
 def _name_model(results: Results) -> str:
     """Return the line that names the model, as the run file had it; a model with its own run is that file."""
     found = _MODEL_LINE.search(results.run_text) if results.run_text != results.model_text else None
-    return found[0].rstrip() if found else f"model: {_quote(Path(results.source).name)}"
+    return found[0].rstrip() if found else f"model: {_write(Path(results.source).name)}"
 
 
 def _list_settings(step: Step, settings: Mapping[str, Any]) -> list[str]:
@@ -55,20 +57,21 @@ def _list_settings(step: Step, settings: Mapping[str, Any]) -> list[str]:
         values = (settings.get(name) or {}) | {k: v for k, v in (own.get(name) or {}).items() if v is not None}
         known = {key: value for key, value in values.items() if value is not None}
         if known:
-            lines.append(f"{name}: {json.dumps(known, ensure_ascii=False)}")
+            lines.append(f"{name}: {_write(known)}")
     if off := list_effects_off(step):
-        lines.append(f"effects: {{off: {json.dumps(off, ensure_ascii=False)}}}")
+        lines.append(f"effects: {_write({'off': off})}")
     if monitors := settings.get("monitors"):
-        lines.append(f"monitors: {json.dumps(monitors, ensure_ascii=False)}")
+        lines.append(f"monitors: {_write(monitors)}")
     return lines
 
 
-def _choose_range(step: Step, name: str) -> tuple[float, float]:
+def _choose_range(step: Step, name: str) -> list[float]:
     value = float(step.points["parameters"][0, list(step.meta["parameters"]).index(name)])
     width = SHARE * abs(value) or SHARE
-    return value - width, value + width
+    return [value - width, value + width]
 
 
-def _quote(text: str) -> str:
-    """Return a text as YAML, quoted where it may be something else than a plain word."""
-    return text if re.fullmatch(r"[A-Za-z_]\w*(\.\w+)*", text) else json.dumps(text, ensure_ascii=False)
+def _write(value: Any) -> str:
+    """Return a value as YAML that may stand within a line."""
+    text = yaml.safe_dump([value], default_flow_style=True, allow_unicode=True, sort_keys=False, width=math.inf)
+    return text.strip()[1:-1]

@@ -13,8 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from jinja2 import UndefinedError
 
-from pddecont.reasons import make_reason
 from pddecont.plot import ViewRequest
+from pddecont.reasons import make_reason
 from pddecont.report import render_page
 from pddecont.report.explorer import hash_script, pack_library, read_library, read_script, write_policy
 from pddecont.report.page import MAX_ROWS, Picture, draw_picture, make_environment
