@@ -22,6 +22,8 @@ const MOST_LABELS = 60;
 const MOST_CURVED = 2000;
 // Special points nearer than this share of the diagram have one text.
 const SAME_PLACE = 0.012;
+// What no axis can hold.
+const LARGEST = 1e300;
 
 // Points of a step in the plane of two columns: {step, xs, ys, places: whose points they are (none: one each)}.
 function makeLayers(step, x, y) {
@@ -185,8 +187,6 @@ function findIndex(values, value) {
 
 // From the lowest to the highest value of some lists, and a share of that more on both sides; what no axis can hold is
 // left out.
-const LARGEST = 1e300;
-
 function spread(lists, share) {
   let [low, high] = [Infinity, -Infinity];
   for (const values of lists)

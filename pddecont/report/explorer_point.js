@@ -62,8 +62,9 @@ class PointPanels {
     this.step = step;
     this.place = place;
     const signals = step.data.orbits?.signals ?? (step.returns ? step.data.states : []);
-    if (this.signals !== signals.join()) {
-      this.signals = signals.join();
+    const offer = JSON.stringify([signals, Boolean(step.data.orbits)]);
+    if (this.offer !== offer) {
+      this.offer = offer;
       fillSelect(this["orbit-x"], signals, this["orbit-x"].value || signals[0]);
       fillSelect(
         this["orbit-y"],
