@@ -10,7 +10,7 @@ FIRST ?= 1000
 BEFORE ?= 0d30e19
 LARGE ?=
 
-.PHONY: setup demo figures test reliability random-models random-delays stress packages check docs reference layers bench versions cost tracking chain-order schema clean \
+.PHONY: setup demo figures test browser-tests reliability random-models random-delays stress packages check docs reference layers bench versions cost tracking chain-order schema clean \
   distclean
 setup: $(ENV)/ready
 
@@ -30,6 +30,10 @@ demo: setup          ## figure 4.6 of the paper, from its YAML file to a picture
 
 test: setup          ## all but the slow tests, which `make reliability` runs too
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile -m "not slow"
+
+browser-tests: setup ## the page of a report in Chromium, which is the system's (Debian: apt install chromium)
+	$(BIN)/python -m pip install --quiet -e ".[browser]"
+	PDDECONT_BROWSER=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest tests/browser
 
 reliability: setup   ## docs/reliability.md, from the suite itself
 	mkdir -p $(OUT)

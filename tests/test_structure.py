@@ -82,6 +82,7 @@ ROOMS = {
     "click": {"cli"},
     "rich": {"cli"},
     "jinja2": {"report"},
+    "plotly": {"report"},
     "llvmlite": {"codegen"},
     "distributed": {"simulate"},
 }

@@ -24,7 +24,8 @@ COMMANDS = {
     "check": "Report every problem in model and run files.",
     "info": "Say what is in a model, a run file or a results file.",
     "export": "Write a table of a results file.",
-    "report": "Write one HTML page on a results file.",
+    "report": "Write one HTML page on results files.",
+    "view": "Show results files in a browser.",
     "completion": "Print the script that lets a shell complete commands.",
 }
 

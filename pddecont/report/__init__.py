@@ -1,4 +1,4 @@
-"""One page on a results file: pictures, tables, settings, versions."""
+"""One page on results files: an explorer, pictures, tables, settings, versions."""
 
 import lazy_loader
 

@@ -1,7 +1,7 @@
-"""A results file as one HTML page that needs nothing from outside.
+"""Results files as one HTML page that needs nothing from outside.
 
-All text comes from the file, which may come from anybody: the template escapes it, pictures are images (in which
-nothing runs), and the page forbids scripts and loading.
+All text comes from files, which may come from anybody: the template escapes it, pictures are images (in which nothing
+runs), and the page forbids loading and all scripts but the explorer's own.
 """
 
 from __future__ import annotations
@@ -16,12 +16,18 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from pddecont.errors import ResultsError
 from pddecont.plot import VIEWS, ViewRequest, list_views, render_image
+from pddecont.report.explanations import EXPLANATIONS
+from pddecont.report.explorer import make_explorer, write_policy
+from pddecont.report.page_data import is_explored
 from pddecont.report.step_tables import Row, build_tables, format_value, is_number
 from pddecont.results import Results, Step
 from pddecont.tables import describe_endings, find_left_out, summarise_step
 
 # Steps that a picture of the whole file shows together, and how many it takes for one.
 OVERVIEW_KINDS, OVERVIEW_STEPS = ("continue", "equilibria", "sweep"), 2
+# What the explorer shows of a step; of other views, and of steps that it does not show, the page has pictures. It draws
+# no branch among the returns of a sweep, so sweeps have theirs too.
+EXPLORED_VIEWS = ("diagram", "plane", "multipliers", "roots", "orbit", "profile", "basin")
 # Rows beyond these are left to 'pddecont export'.
 MAX_ROWS = 200
 # What tells a page of this program from others; before it was named they were known by what they forbid.
@@ -53,20 +59,48 @@ class Section:
     effects_off: list[str]
 
 
-def render_page(results: Results) -> str:
-    """Return the page on a results file."""
+@dataclass(frozen=True)
+class FilePart:
+    """What the page says of one file."""
+
+    model: str
+    results: Results
+    source: str
+    contents: list[Row]
+    overview: list[Picture]
+    sections: list[Section]
+    versions: list[Row]
+
+
+def render_page(*files: Results) -> str:
+    """Return the page on one or several results files, which must differ in name."""
+    explorer = make_explorer(files)
+    counted = [sum(len(results.steps) for results in files[:k]) for k in range(len(files))]
+    parts = [_make_part(results, number) for results, number in zip(files, counted, strict=True)]
+    found = {step.kind_of(int(row)) for r in files for step in r.steps.values() for row in range(len(step))}
     return (
         make_environment()
         .get_template("page.html")
         .render(
-            model=next((str(s.meta.get("model", "")) for s in results.steps.values()), "") or results.path.stem,
-            results=results,
-            source=Path(results.source).name,
-            contents=[_list_contents(step) for step in results.steps.values()],
-            overview=list(_draw_overview(results)),
-            sections=[_make_section(results, step, k) for k, step in enumerate(results.steps.values())],
-            versions=[{"package": name, "version": version} for name, version in results.versions.items()],
+            title=parts[0].model if len(parts) == 1 else " and ".join(dict.fromkeys(part.model for part in parts)),
+            policy=write_policy(explorer is not None),
+            explorer=explorer,
+            files=parts,
+            kinds={kind: text for kind, text in EXPLANATIONS.items() if kind in found},
         )
+    )
+
+
+def _make_part(results: Results, number: int) -> FilePart:
+    """Return what the page says of a file; ``number`` counts the steps of the files before it."""
+    return FilePart(
+        model=next((str(s.meta.get("model", "")) for s in results.steps.values()), "") or results.path.stem,
+        results=results,
+        source=Path(results.source).name,
+        contents=[_list_contents(step) for step in results.steps.values()],
+        overview=list(_draw_overview(results)),
+        sections=[_make_section(results, step, number + k) for k, step in enumerate(results.steps.values())],
+        versions=[{"package": name, "version": version} for name, version in results.versions.items()],
     )
 
 
@@ -106,10 +140,9 @@ def _draw_overview(results: Results) -> Iterator[Picture]:
     views = {step.name: list_views(step) for step in results.steps.values()}
     if sum(step.kind in OVERVIEW_KINDS and bool(views[step.name]) for step in results.steps.values()) < OVERVIEW_STEPS:
         return
-    yield _draw_picture(results, ViewRequest(), "overview")
     for view in VIEWS.values():
         if view.in_overview and any(view in found for found in views.values()):
-            yield _draw_picture(results, ViewRequest(view.name), view.name)
+            yield draw_picture(results, ViewRequest(view.name), view.name)
 
 
 def _list_facts(step: Step) -> dict[str, str]:
@@ -120,19 +153,20 @@ def _list_facts(step: Step) -> dict[str, str]:
 def _make_section(results: Results, step: Step, number: int) -> Section:
     settings = json.loads(step.meta.get("settings") or "{}")
     views = [view.name for view in list_views(step) if not (view.in_overview or view.is_moving)]
+    views = [name for name in views if not (is_explored(step) and name in EXPLORED_VIEWS)]
     return Section(
         anchor=f"step-{number}",
         step=step,
         endings=describe_endings(step),
         facts=_list_facts(step),
         tables=list(build_tables(step)),
-        pictures=[_draw_picture(results, ViewRequest(name, (step.name,)), f"{step.name}: {name}") for name in views],
+        pictures=[draw_picture(results, ViewRequest(name, (step.name,)), f"{step.name}: {name}") for name in views],
         settings=json.dumps(settings, indent=2, ensure_ascii=False) if settings else "",
         effects_off=[str(name) for name in find_left_out(step).get("effects") or []],
     )
 
 
-def _draw_picture(results: Results, request: ViewRequest, caption: str) -> Picture:
+def draw_picture(results: Results, request: ViewRequest, caption: str) -> Picture:
     """Return a picture; a view that this file cannot give says why."""
     try:
         media, contents = render_image(results, request)

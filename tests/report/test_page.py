@@ -3,6 +3,7 @@
 import base64
 import json
 import re
+import zlib
 from functools import cache
 from html.parser import HTMLParser
 from xml.etree import ElementTree
@@ -12,9 +13,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from jinja2 import UndefinedError
 
+from pddecont.plot import ViewRequest
 from pddecont.reasons import make_reason
 from pddecont.report import render_page
-from pddecont.report.page import MAX_ROWS, Picture, make_environment
+from pddecont.report.explorer import hash_script, pack_library, read_library, read_script, write_policy
+from pddecont.report.page import MAX_ROWS, Picture, draw_picture, make_environment
 from pddecont.results import create_results, read_results
 from tests.cli.test_cli import call
 from tests.plot import equilibria, synthetic
@@ -81,17 +84,21 @@ def test_the_page_holds_every_step_its_points_and_its_pictures(text):
         "grazing",
     ):
         assert word in said
-    captions = [a["alt"] for a in read.of("img")]
-    assert captions[:2] == ["overview", "manifold"]
-    assert {"in_gain: diagram", "in_gain: multipliers", "orbit: profile", "grazing: plane", "grazing: orbit"} <= set(
-        captions
-    )
-    assert "in_delay: multipliers" not in captions
+    # What the explorer shows has no pictures.
+    assert [a["alt"] for a in read.of("img")] == ["manifold"]
     assert not [a for a in read.of("p") if a.get("class") == "none"]  # every picture that is listed could be drawn
     assert "somebody" not in text  # folders are nobody's business
     anchors = {a["id"] for _, a in read.tags if "id" in a}
     assert {a["href"][1:] for a in read.of("a")} <= anchors
     assert len(read.of("a")) == 4
+
+
+def test_every_part_that_the_script_looks_for_is_in_the_page(text):
+    known = {a["id"] for _, a in Page(text).tags if "id" in a}
+    for name in re.findall(r'getElementById\("([\w-]+)"\)', read_script()):
+        assert name in known
+    for name in re.findall(r"#([\w-]+)", read_script()):
+        assert name in known or re.fullmatch("[0-9a-f]{3}|[0-9a-f]{6}", name), name
 
 
 def test_every_picture_is_a_whole_image_within_the_page(text):
@@ -103,13 +110,22 @@ def test_every_picture_is_a_whole_image_within_the_page(text):
         assert b"<script" not in svg
 
 
-def test_nothing_comes_from_outside_and_nothing_runs(text):
+def test_nothing_comes_from_outside_and_nothing_runs_but_the_explorer(text):
     read = Page(text)
-    assert not re.search(r"(?:https?:)?//", re.sub(r"base64,[A-Za-z0-9+/=]+", "", text))
-    assert not read.of("script") and not read.of("link")
+    assert not re.search(r"https?:", text.replace(read_script(), ""))
+    assert not read.of("link")
+    assert not any(name in attributes for _, attributes in read.tags for name in ("srcset", "action", "data"))
+    assert all(a["src"].startswith("data:") for _, a in read.tags if "src" in a)
     assert not any(name.startswith("on") for _, attributes in read.tags for name in attributes)
+    assert [a.get("type") for a in read.of("script")] == ["application/octet-stream"] * 2 + [None]
     [policy] = [a["content"] for a in read.of("meta") if a.get("http-equiv") == "Content-Security-Policy"]
-    assert policy.startswith("default-src 'none'")
+    assert policy.startswith("default-src 'none'; script-src 'sha256-")
+    assert "unsafe-eval" not in policy and policy.count("unsafe-inline") == 1
+    assert set(re.findall(r"'sha256-[^']+'", policy)) == {hash_script(read_script()), hash_script(read_library())}
+    own = text[text.rindex("<script>") + len("<script>") : text.rindex("</script>")]
+    assert hash_script(own) in policy
+    assert zlib.decompress(base64.b64decode(pack_library())).decode() == read_library()
+    assert pack_library() in text
 
 
 def test_text_of_a_stranger_is_only_text(tmp_path):
@@ -120,18 +136,25 @@ def test_text_of_a_stranger_is_only_text(tmp_path):
     synthetic.add(path, "step", rows)
     text = render_page(read_results(path))
     read = Page(text)
-    assert not {"script", "b", "i"} & {tag for tag, _ in read.tags}
+    [policy] = [a["content"] for a in read.of("meta") if a.get("http-equiv") == "Content-Security-Policy"]
+    assert policy == write_policy(with_scripts=True)
+    assert not {"b", "i"} & {tag for tag, _ in read.tags}
+    assert [a.get("type") for a in read.of("script")] == ["application/octet-stream"] * 2 + [None]
+    assert all(hash_script(text) in policy for text in (read_script(), read_library()))
     assert all(a["src"].startswith("data:image/") for a in read.of("img"))
     assert not any(name.startswith("on") for _, attributes in read.tags for name in attributes)
     assert HOSTILE in "".join(read.text)
     assert "<b>NC</b> C" in "".join(read.text)
-    assert read.of("img")
 
 
 def test_an_unfinished_file_has_a_page_too(tmp_path):
     path = tmp_path / "empty.h5"
     create_results(path, "model", "run", "run.yaml", "{}")
-    assert "Steps" in Page(render_page(read_results(path))).text
+    text = render_page(read_results(path))
+    assert "Steps" in Page(text).text
+    assert not Page(text).of("script")
+    assert write_policy(with_scripts=False) in [a.get("content") for a in Page(text).of("meta")]
+    assert "script-src" not in text
     synthetic.add(path, "nothing_yet", [])
     assert "nothing_yet" in Page(render_page(read_results(path))).text
 
@@ -184,7 +207,7 @@ def test_the_command_writes_the_page(tmp_path, monkeypatch):
     create_results(tmp_path / "old.h5", "model", "run", "run.yaml", "{}")
     synthetic.add(tmp_path / "old.h5", "orbit", synthetic.gain()[:1], kind="orbit", new=False)
     assert call("report", "old.h5")[0] == 0
-    assert Page((tmp_path / "old.html").read_text()).of("img")
+    assert "old.h5, from run.yaml" in Page((tmp_path / "old.html").read_text()).text
     code, _, err = call("report", "old.h5", "-o", "old.pdf")
     assert code == 1 and "a report is .html; found '.pdf'" in err
     assert call("report", "none.h5")[0] == 1
@@ -197,9 +220,10 @@ def test_numbers_too_large_to_draw_leave_a_word_in_place_of_the_picture(tmp_path
     create_results(path, "model", "run", "run.yaml", "{}")
     rows = [row | {"monitors": [(-1) ** k * 1e308]} for k, row in enumerate(synthetic.gain())]
     synthetic.add(path, "in_gain", rows)
-    text = render_page(read_results(path))
-    assert "cannot be drawn so" in text
-    assert "1e+308" in text
+    results = read_results(path)
+    picture = draw_picture(results, ViewRequest("diagram", ("in_gain",)), "diagram")
+    assert "cannot be drawn so" in picture.problem and not picture.address
+    assert "1e+308" in render_page(results)
 
 
 def test_equilibria_are_on_the_page_with_their_pictures(tmp_path):
@@ -207,7 +231,14 @@ def test_equilibria_are_on_the_page_with_their_pictures(tmp_path):
     said = " ".join(read.text)
     for words in ("all 2 equilibria in the box; also 1 virtual one", "through the modes [low], [high]", "Hopf"):
         assert words in said
-    captions = [a["alt"] for a in read.of("img")]
-    assert captions[:2] == ["overview", "manifold"]
-    assert {"all: diagram", "all: roots", "resting: diagram", "hopf: plane", "boundaries: roots"} <= set(captions)
+    assert [a["alt"] for a in read.of("img")] == ["manifold"]
     assert not [a for a in read.of("p") if a.get("class") == "none"]
+
+
+def test_several_files_have_one_page(tmp_path):
+    paths = [equilibria.write_resting(tmp_path / name) for name in ("a.h5", "b.h5")]
+    read = Page(render_page(*map(read_results, paths)))
+    anchors = [a["id"] for _, a in read.tags if "id" in a]
+    assert len(anchors) == len(set(anchors))
+    assert len(read.of("a")) == 2 * len(read_results(paths[0]).steps)
+    assert {"a.h5, from run.yaml", "b.h5, from run.yaml"} <= set(read.text)

@@ -1,0 +1,42 @@
+"""A sentence on each kind of special point: what happens there, and what a step from there may follow."""
+
+from __future__ import annotations
+
+# By the letters that labels begin with.
+EXPLANATIONS = {
+    "EP": "The branch ends here: at the end of its range, where it closes, or for the reason in the note.",
+    "GR": "An event function touches zero inside a segment. With two free parameters a step follows the grazing.",
+    "VS": "A segment or an impact takes no time any more, or two events meet; the note says which.",
+    "MC": "Beyond this point the orbit of these segments is no motion of the model; the note says what happens.",
+    "GD": "A condition that decides which mode follows an event changes; the note says which.",
+    "CS": "A crossing of a switching surface begins to slide, or ceases to.",
+    "GS": "A segment touches a surface where motions slide.",
+    "SS": "A segment enters a surface at the edge of where motions slide, and is drawn in.",
+    "AS": "A segment that slides touches the edge of where motions slide, and leaves for a short while beyond.",
+    "LP": "Fold: the branch turns in its parameter. With two free parameters a step follows the fold.",
+    "BP": "Another branch crosses here; a step with 'branch: switch' goes on along it.",
+    "PD": "Period doubling: a multiplier is -1. A step with 'branch: switch' follows the doubled orbits.",
+    "TR": "Torus: a complex pair of multipliers crosses the unit circle.",
+    "HB": "Hopf: equilibria and small orbits meet. From an equilibrium 'branch: switch' follows the orbits born here.",
+    "UF": "A function that the run file names is zero here.",
+    "EQ": "An equilibrium.",
+    "BE": "The equilibrium lies on the surface of an event.",
+    "CP": "Cusp: two folds meet.",
+    "R1": "Two multipliers are +1.",
+    "R2": "Two multipliers are -1.",
+    "R3": "A pair of multipliers are third roots of 1.",
+    "R4": "A pair of multipliers are fourth roots of 1.",
+    "FF": "One multiplier is +1 and one is -1.",
+    "FT": "One multiplier is +1, and a pair lies on the unit circle.",
+    "PT": "One multiplier is -1, and a pair lies on the unit circle.",
+    "TT": "Two pairs of multipliers lie on the unit circle.",
+    "HH": "Hopf-Hopf: two pairs of roots lie on the imaginary axis.",
+    "GG": "A second grazing happens at the same time.",
+    "GL": "A grazing orbit has a multiplier +1.",
+    "GP": "A grazing orbit has a multiplier -1.",
+    "GT": "A grazing orbit has a pair of multipliers on the unit circle.",
+    "BT": "Bogdanov-Takens: the root 0 is double.",
+    "ZH": "Zero-Hopf: one root is 0, and a pair lies on the imaginary axis.",
+    "GH": "Generalised Hopf: orbits are born to the one side before and to the other behind (l1 = 0).",
+    "A": "An attractor, to which motions of a sweep or basin settled.",
+}
