@@ -1,7 +1,6 @@
-"""What the program says where something is wrong: texts found in its syntax tree.
+"""What the program says where something is wrong: texts found in its syntax tree; ``python docs/messages.py`` lists them.
 
-``python docs/messages.py`` lists those that the index of messages (``pddecont/data/messages``) does not explain, and
-what it explains that nobody says any more.
+They are what an index of messages with cause and cure has to explain; there is no such index yet.
 """
 
 from __future__ import annotations
@@ -175,7 +174,7 @@ def list_sentences(node: ast.AST) -> list[ast.expr]:
 
 
 def find_texts(code: Code, scope: Scope, node: ast.AST, depth: int = 0) -> list[tuple[int, str]]:
-    """Return the texts, with their lines, that an expression can be; sentences that it only holds stand by themselves."""
+    """Return the texts, with their lines, that an expression can be; sentences in its holes stand alone."""
     if depth > DEEPEST:
         return []
     again = [(code, scope, part, depth + 1) for part in alternatives(node)]
@@ -270,9 +269,13 @@ def list_given(function: Function, name: str) -> Iterator[ast.expr]:
                 yield from list_matched(target, node.value, name)
         elif isinstance(node, ast.AugAssign | ast.AnnAssign | ast.NamedExpr) and node.value is not None:
             yield from list_matched(node.target, node.value, name)
-        elif isinstance(node, ast.For | ast.comprehension):
-            if any(isinstance(n, ast.Name) and n.id == name for n in ast.walk(node.target)):
-                yield node.iter
+        elif isinstance(node, ast.For | ast.comprehension) and has_name(node.target, name):
+            yield node.iter
+
+
+def has_name(node: ast.AST, name: str) -> bool:
+    """Return whether a name stands anywhere in an expression."""
+    return any(isinstance(n, ast.Name) and n.id == name for n in ast.walk(node))
 
 
 def list_matched(target: ast.expr, value: ast.expr, name: str) -> Iterator[ast.expr]:
