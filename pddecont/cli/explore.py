@@ -58,6 +58,7 @@ from pddecont.cli.console import print_json, printable, say
 @click.option("--overwrite", is_flag=True, help="Replace results that exist.")
 @click.option("--workers", type=click.IntRange(1), default=1, show_default=True, metavar="N", help="As in 'run'.")
 @click.option("--scheduler", metavar="ADDRESS", help="As in 'run'.")
+@click.option("--watch", is_flag=True, help="As in 'run'.")
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors and warnings.")
 @click.option("--json", "as_json", is_flag=True, help="Write one JSON document on what was computed.")
 def command(
@@ -71,6 +72,7 @@ def command(
     overwrite: bool,
     workers: int,
     scheduler: str | None,
+    watch: bool,
     quiet: bool,
     as_json: bool,
     time: float | None,
@@ -99,6 +101,7 @@ def command(
         checked,
         path,
         quiet=quiet or as_json,
+        watch=watch,
         resume=resume,
         overwrite=overwrite,
         workers=workers,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -32,14 +33,22 @@ def command(files: tuple[str, ...], output: Path | None) -> None:
     say(f"report: {path}")
 
 
-def write_page(files: Sequence[str], path: Path) -> None:
-    """Write the page on results files to ``path``; what is there already must be such a page."""
-    from pddecont.output import check_replaceable, replace_whole
-    from pddecont.report import is_page, render_page
+def check_page(path: Path) -> None:
+    """Raise ResultsError unless a page may be written to ``path``: what is there already must be such a page."""
+    from pddecont.output import check_replaceable
+    from pddecont.report import is_page
+
+    check_replaceable(path, is_page, "a report of pddecont")
+
+
+def write_page(files: Sequence[str], path: Path, every: float = 0.0) -> None:
+    """Write the page on results files to ``path``; it reads itself anew ``every`` so many seconds, where not 0."""
+    from pddecont.output import replace_whole
+    from pddecont.report import Live, render_page
     from pddecont.results import read_results
 
     results = [read_results(file) for file in files]
-    check_replaceable(path, is_page, "a report of pddecont")
-    text = render_page(*results)
+    check_page(path)
+    text = render_page(*results, live=Live(round(1000 * time.time()), round(1000 * every)) if every else None)
     with replace_whole(path) as part:
         part.write_text(text, encoding="utf-8")

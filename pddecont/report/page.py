@@ -72,8 +72,19 @@ class FilePart:
     versions: list[Row]
 
 
-def render_page(*files: Results) -> str:
-    """Return the page on one or several results files, which must differ in name."""
+@dataclass(frozen=True)
+class Live:
+    """Of a page on a run that goes on: when it was written (ms since 1970), and how often it is read anew (ms)."""
+
+    written: int
+    every: int
+
+
+def render_page(*files: Results, live: Live | None = None) -> str:
+    """Return the page on one or several results files, which must differ in name.
+
+    A ``live`` page reads itself anew in the browser, as the run that writes the file goes on.
+    """
     explorer = make_explorer(files)
     counted = [sum(len(results.steps) for results in files[:k]) for k in range(len(files))]
     parts = [_make_part(results, number) for results, number in zip(files, counted, strict=True)]
@@ -86,6 +97,7 @@ def render_page(*files: Results) -> str:
             policy=write_policy(explorer is not None),
             explorer=explorer,
             files=parts,
+            live=live,
             kinds={kind: text for kind, text in EXPLANATIONS.items() if kind in found},
         )
     )
