@@ -122,11 +122,15 @@ class Explorer {
           ),
         );
       });
-    const attractors = (this.basin ? [this.basin] : this.shown()).flatMap((step) =>
-      step.data.attractors
-        ? step.data.attractors.classes.map((name, k) => [name, step.data.attractors.colours[k]])
-        : [],
-    );
+    const attractors = [
+      ...new Map(
+        (this.basin ? [this.basin] : this.shown()).flatMap((step) =>
+          step.data.attractors
+            ? step.data.attractors.classes.map((name, k) => [name, step.data.attractors.colours[k]])
+            : [],
+        ),
+      ),
+    ];
     const families = this.basin
       ? []
       : [
