@@ -108,7 +108,7 @@ def test_a_trajectory_is_a_data_set_over_time(relay):
     ds = relay["transient"].dataset()
     assert ds.t.values[[0, -1]] == pytest.approx([0, 60])
     assert set(np.unique(ds["mode"])) == {"pull", "push"}
-    assert ds.x.attrs == {"units": "mm"}
+    assert ds.x.attrs == {"units": "mm", "long_name": "state x"}
 
 
 def test_an_orbit_by_label_and_by_index(relay):
