@@ -168,9 +168,9 @@ def test_every_folder_is_in_the_picture_of_layers_and_in_the_list():
     layers = script("layers")
     drawn = layers.find_layers(layers.read_imports())
     folders = {path.parent.name for path in (ROOT / "pddecont").glob("*/__init__.py")}
-    assert folders <= {*drawn} <= {*folders, "api", *layers.OWN}
+    assert folders <= {*drawn} <= {*folders, *layers.OWN}
     listed = re.findall(r"^\| `([\w/]+)` \|", (DOCS / "architecture.md").read_text(), re.M)
-    assert sorted(listed) == sorted(name.replace(".", "/") for name in drawn if name != "api")
+    assert sorted(listed) == sorted(name.replace(".", "/") for name in drawn)
 
 
 @pytest.mark.parametrize(

@@ -78,7 +78,7 @@ BASE = {"errors", "output", "reasons", "version"}
 # Where each library may be imported.
 ROOMS = {
     "h5py": {"results"},
-    "matplotlib": {"plot"},
+    "matplotlib": {"plot", "api"},
     "mpl_toolkits": {"plot"},
     "click": {"cli"},
     "rich": {"cli"},

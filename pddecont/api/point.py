@@ -16,6 +16,9 @@ from pddecont.plot import ViewRequest
 from pddecont.results import Results, Step
 from pddecont.tables import holds_equilibria, make_orbit_arrays, name_kind, read_multipliers, read_roots
 
+# Kinds of points that are stable or not: ordinary ones, ends of branches, equilibria that were found.
+WITH_STABILITY = ("", "EP", "EQ")
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Point:
@@ -73,7 +76,8 @@ class Point:
 
     def __repr__(self) -> str:
         where = ", ".join(f"{name} = {self.values[name]:.8g}" for name in self.step.meta.get("free") or ())
-        stable = self.values.get("stable")
+        # At a point where stability changes it is neither.
+        stable = self.values.get("stable") if self.step.kind_of(self.index) in WITH_STABILITY else None
         words = [f"{self.label or self.index} of step '{self.step.name}'", self.kind, where]
         words += [] if stable is None else ["stable" if stable else "unstable"]
         return f"<point {', '.join(word for word in words if word)}>"
