@@ -189,7 +189,8 @@ def test_every_page_is_in_the_sites_navigation():
         return [file for part in (item.values() if isinstance(item, dict) else item) for file in files(part)]
 
     listed = files(yaml.safe_load((ROOT / "mkdocs.yml").read_text())["nav"])
-    assert sorted(listed) == sorted(str(page.relative_to(DOCS)) for page in DOCS.rglob("*.md"))
+    notebooks = [f"gallery/{path.stem}.md" for path in (DOCS / "gallery").glob("*.py")]
+    assert sorted(listed) == sorted([*(str(page.relative_to(DOCS)) for page in DOCS.rglob("*.md")), *notebooks])
 
 
 @pytest.mark.parametrize("path", MODELS, ids=lambda p: p.stem)

@@ -33,10 +33,7 @@ def equilibria():
     """Return a search, a branch of equilibria with its Hopf point."""
     steps = [
         {"name": "rest", "equilibrium": {"search": {"x": [-2, 2]}}},
-        {
-            "name": "line",
-            "continue": {"from": {"step": "rest", "point": "EQ2"}, "free": ["K"], "range": {"K": [1, 2]}},
-        },
+        {"name": "line", "continue": {"from": {"step": "rest", "point": "EQ2"}, "free": ["K"], "range": {"K": [1, 2]}}},
     ]
     return pddecont.run(WRIGHT, steps=steps)
 
@@ -47,10 +44,7 @@ def orbits():
     steps = [
         {"name": "transient", "simulate": {"t_end": 60}},
         {"name": "orbit", "orbit": {"from": "transient", "stability": True}},
-        {
-            "name": "branch",
-            "continue": {"from": "orbit", "free": ["a"], "range": {"a": [0.3, 0.6]}, "stability": True},
-        },
+        {"name": "branch", "continue": {"from": "orbit", "free": ["a"], "range": {"a": [0.3, 0.6]}, "stability": True}},
     ]
     return pddecont.run(RELAY, steps=steps, monitors={"top": "max(x)"})
 

@@ -268,3 +268,11 @@ def test_a_diagram_is_explored_as_by_the_command_again_and_again(tmp_path):
         results = pddecont.explore(model, {"a": [-1, 2]}, starts=4, check=0, max_branches=n)
         assert results["explore"].kind == "explore"
         assert [name for name in results if name.startswith("branch")] == [f"branch_{k + 1}" for k in range(n)]
+
+
+def test_an_orbit_is_confirmed_where_the_effect_with_the_delay_is_left_out():
+    # Its past has no delayed values then; what is left is the forced impact oscillator.
+    found = pddecont.run("impact_oscillator", without=["feedback"], until="orbit")
+    row = found["orbit"].table()[0]
+    assert row["verified"] is True
+    assert row["K"] == 0.0
