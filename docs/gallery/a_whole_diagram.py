@@ -18,7 +18,7 @@ results = pddecont.explore(model, {"a": [-1, 1.5]}, starts=8, check=8)
 results["explore"]
 
 # %% [markdown]
-# The fold of the upper branch has a closed form: `3 x**2 = a` and `a x - x**3 + e = 0`, so that `x = -(e/2)**(1/3)`.
+# The fold of the lower branch has a closed form: `3 x**2 = a` and `a x - x**3 + e = 0`, so that `x = -(e/2)**(1/3)`.
 
 # %%
 fold = results["branch_2"].point("LP1")

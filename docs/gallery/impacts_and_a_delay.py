@@ -23,7 +23,8 @@ grazing
 # The monitor `h_GR`, an extremum of the distance from the wall, is zero there. The special points of the branch:
 
 # %%
-results["in_delay"].table("special")
+special = results["in_delay"].to_pandas("special")
+special[["label", "tau_d", "period", "contact_time", "h_GR", "note"]]
 
 # %% [markdown]
 # The same without the control, as `--without feedback` does on the command line. Two multipliers are left, and all

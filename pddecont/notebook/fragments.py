@@ -34,6 +34,7 @@ def render_step(results: Results, step: Step, title: str) -> str:
     """Return how a step ended, its most telling table, and its picture."""
     name = SHORT_TABLES.get(step.kind, find_main_table(step.kind))
     rows = make_table(step, name, 0 if step.kind == "simulate" else None) if len(step) else []
+    rows = _leave_out_fixed(step, rows)
     picture = _draw(results, ViewRequest(steps=(step.name,)), step.name) if list_views(step) else None
     return _render(title, describe_endings(step), rows, _find_units(step, name, rows), picture)
 
@@ -91,6 +92,13 @@ def _leave_out_empty(rows: Sequence[Row]) -> list[Row]:
     """Return rows without the columns in which nothing is known."""
     kept = [name for name in (rows[0] if rows else ()) if any(format_value(row[name]) for row in rows)]
     return [{name: row[name] for name in kept} for row in rows]
+
+
+def _leave_out_fixed(step: Step, rows: Sequence[Row]) -> list[Row]:
+    """Return rows without parameters that have one value in all of them, if there are several rows."""
+    names = [name for name in step.meta.get("parameters", ()) if len(rows) > 1 and name in rows[0]]
+    fixed = {name for name in names if len({row[name] for row in rows}) == 1}
+    return [{name: value for name, value in row.items() if name not in fixed} for row in rows]
 
 
 def _find_units(step: Step, table: str, rows: Sequence[Row]) -> dict[str, str]:

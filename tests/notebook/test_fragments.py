@@ -90,6 +90,13 @@ def test_units_stand_in_the_head_and_unknown_columns_are_left_out():
     assert "stable" not in text
 
 
+def test_a_step_shows_the_parameters_that_vary():
+    head = read(sample_runs.orbits()["branch"]).text
+    assert "a (1/s)" in head
+    assert "tau" not in head
+    assert "tau" in read(sample_runs.orbits()["branch"].table()).text
+
+
 def test_what_is_shown_in_a_line_is_short():
     found = sample_runs.orbits()
     assert repr(found).splitlines()[0] == "<results of relay"
