@@ -33,8 +33,8 @@ def render_results(results: Results, title: str) -> str:
 def render_step(results: Results, step: Step, title: str) -> str:
     """Return how a step ended, its most telling table, and its picture."""
     name = SHORT_TABLES.get(step.kind, find_main_table(step.kind))
-    rows = make_table(step, name, 0 if step.kind == "simulate" else None) if len(step) else []
-    rows = _leave_out_fixed(step, rows)
+    found = make_table(step, name, 0 if step.kind == "simulate" else None) if len(step) else []
+    rows = _leave_out_fixed(step, found)
     picture = _draw(results, ViewRequest(steps=(step.name,)), step.name) if list_views(step) else None
     return _render(title, describe_endings(step), rows, _find_units(step, name, rows), picture)
 

@@ -14,6 +14,8 @@ import pytest
 import pddecont
 import pddecont.api
 from pddecont.errors import ConvergenceError, ModelError, PddecontError, ResultsError, RunError
+from pddecont.runfile import RunBlock
+from pddecont.steps import list_step_kinds
 from tests.cli.test_cli import call
 from tests.conftest import ROOT
 from tests.runs import to_yaml
@@ -276,3 +278,10 @@ def test_an_orbit_is_confirmed_where_the_effect_with_the_delay_is_left_out():
     row = found["orbit"].table()[0]
     assert row["verified"] is True
     assert row["K"] == 0.0
+
+
+def test_types_of_keys_are_those_of_the_schema():
+    run, explore = pddecont.api.RunKeys.__annotations__, pddecont.api.ExploreKeys.__annotations__
+    assert set(run) == set(RunBlock.model_fields) - {"set", "steps"}
+    own = set(next(kind for kind in list_step_kinds() if kind.name == "explore").fields.model_fields)
+    assert set(explore) == own - {"over", "max_branches"}
