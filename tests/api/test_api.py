@@ -283,5 +283,5 @@ def test_an_orbit_is_confirmed_where_the_effect_with_the_delay_is_left_out():
 def test_types_of_keys_are_those_of_the_schema():
     run, explore = pddecont.api.RunKeys.__annotations__, pddecont.api.ExploreKeys.__annotations__
     assert set(run) == set(RunBlock.model_fields) - {"set", "steps"}
-    own = set(next(kind for kind in list_step_kinds() if kind.name == "explore").fields.model_fields)
+    own = set(list_step_kinds()["explore"].fields.model_fields)
     assert set(explore) == own - {"over", "max_branches"}
