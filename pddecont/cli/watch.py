@@ -5,8 +5,9 @@ from __future__ import annotations
 import time
 from pathlib import Path
 
-from pddecont.cli.report import check_page, write_page
+from pddecont.api import check_report, write_report
 from pddecont.errors import PddecontError
+from pddecont.results import read_results
 from pddecont.steps import Reporter
 
 # Seconds between pages, and so many times what one takes: the run goes on nearly as fast as without.
@@ -20,7 +21,7 @@ class Watch:
     """
 
     def __init__(self, reporter: Reporter, results: Path, page: Path):
-        check_page(page)
+        check_report(page)
         self.reporter, self.results, self.page = reporter, results, page
         self.has_begun, self.can_write = False, True
         self.next_at, self.every = time.monotonic(), EVERY
@@ -67,7 +68,7 @@ class Watch:
         if not self.can_write:
             return
         try:
-            write_page((str(self.results),), self.page, every)
+            write_report([read_results(self.results)], self.page, every)
         except PddecontError as exc:
             self.can_write = False
             self.reporter.note(f"the page is not written any more: {exc}")

@@ -14,6 +14,8 @@ import pytest
 import pddecont
 import pddecont.api
 from pddecont.errors import ConvergenceError, ModelError, PddecontError, ResultsError, RunError
+from pddecont.runfile import RunBlock
+from pddecont.steps import list_step_kinds
 from tests.cli.test_cli import call
 from tests.conftest import ROOT
 from tests.runs import to_yaml
@@ -108,7 +110,7 @@ def test_a_trajectory_is_a_data_set_over_time(relay):
     ds = relay["transient"].dataset()
     assert ds.t.values[[0, -1]] == pytest.approx([0, 60])
     assert set(np.unique(ds["mode"])) == {"pull", "push"}
-    assert ds.x.attrs == {"units": "mm"}
+    assert ds.x.attrs == {"units": "mm", "long_name": "state x"}
 
 
 def test_an_orbit_by_label_and_by_index(relay):
@@ -268,3 +270,18 @@ def test_a_diagram_is_explored_as_by_the_command_again_and_again(tmp_path):
         results = pddecont.explore(model, {"a": [-1, 2]}, starts=4, check=0, max_branches=n)
         assert results["explore"].kind == "explore"
         assert [name for name in results if name.startswith("branch")] == [f"branch_{k + 1}" for k in range(n)]
+
+
+def test_an_orbit_is_confirmed_where_the_effect_with_the_delay_is_left_out():
+    # Its past has no delayed values then; what is left is the forced impact oscillator.
+    found = pddecont.run("impact_oscillator", without=["feedback"], until="orbit")
+    row = found["orbit"].table()[0]
+    assert row["verified"] is True
+    assert row["K"] == 0.0
+
+
+def test_types_of_keys_are_those_of_the_schema():
+    run, explore = pddecont.api.RunKeys.__annotations__, pddecont.api.ExploreKeys.__annotations__
+    assert set(run) == set(RunBlock.model_fields) - {"set", "steps"}
+    own = set(list_step_kinds()["explore"].fields.model_fields)
+    assert set(explore) == own - {"over", "max_branches"}

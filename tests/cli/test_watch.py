@@ -17,13 +17,13 @@ LIVE = re.compile(r'id="explorer-live" data-written="(\d+)" data-every="(\d+)"')
 @pytest.fixture
 def pages(monkeypatch):
     """The pages of a run that is watched at every point, as they were written."""
-    found, write_page = [], watch.write_page
+    found, write_report = [], watch.write_report
 
-    def write(files, path, every=0.0):
-        write_page(files, path, every)
+    def write(results, path, every=0.0):
+        write_report(results, path, every)
         found.append(path.read_text())
 
-    monkeypatch.setattr(watch, "write_page", write)
+    monkeypatch.setattr(watch, "write_report", write)
     monkeypatch.setattr(watch, "EVERY", 1e-3)
     monkeypatch.setattr(watch, "SHARE", 0.0)
     return found
@@ -72,10 +72,10 @@ def test_a_run_that_does_not_begin_leaves_the_page(pages, tmp_path):
 
 
 def test_a_page_that_cannot_be_written_is_said_once_and_the_run_goes_on(monkeypatch, tmp_path):
-    def refuse(files, path, every=0.0):
+    def refuse(results, path, every=0.0):
         raise ResultsError("the disk is full")
 
-    monkeypatch.setattr(watch, "write_page", refuse)
+    monkeypatch.setattr(watch, "write_report", refuse)
     code, _, err = call("run", "wall_oscillator", "-o", tmp_path / "a.h5", "--watch")
     assert code == 0
     assert err.count("the page is not written any more: the disk is full") == 1
@@ -84,12 +84,12 @@ def test_a_page_that_cannot_be_written_is_said_once_and_the_run_goes_on(monkeypa
 def test_pages_take_a_tenth_of_the_time(monkeypatch, tmp_path):
     clock, written = [0.0], []
 
-    def write(files, path, every=0.0):
+    def write(results, path, every=0.0):
         written.append(clock[0])
         clock[0] += 2.0
 
     monkeypatch.setattr(watch.time, "monotonic", lambda: clock[0])
-    monkeypatch.setattr(watch, "write_page", write)
+    monkeypatch.setattr(watch, "write_report", write)
     watching = Watch(Silent(), tmp_path / "a.h5", tmp_path / "a.html")
     watching.step("a", "continue")
     for _ in range(1000):
