@@ -88,6 +88,7 @@ def test_pages_take_a_tenth_of_the_time(monkeypatch, tmp_path):
         written.append(clock[0])
         clock[0] += 2.0
 
+    monkeypatch.setattr(watch, "read_results", lambda path: None)
     monkeypatch.setattr(watch.time, "monotonic", lambda: clock[0])
     monkeypatch.setattr(watch, "write_report", write)
     watching = Watch(Silent(), tmp_path / "a.h5", tmp_path / "a.html")
