@@ -24,7 +24,13 @@ from tests.conftest import MODELS, ROOT
 
 DOCS = ROOT / "docs"
 PAGES = [ROOT / "README.md", *sorted(DOCS.rglob("*.md"))]
-SESSIONS = [ROOT / "README.md", DOCS / "tutorial.md", DOCS / "pictures.md", DOCS / "architecture.md"]
+SESSIONS = [
+    ROOT / "README.md",
+    DOCS / "tutorial.md",
+    DOCS / "tutorial_events.md",
+    DOCS / "pictures.md",
+    DOCS / "architecture.md",
+]
 SESSIONS += sorted((DOCS / "howto").glob("*.md"))
 BLOCK = re.compile(r"^```(\w+)(?: title=\"([\w.]+)\")?\n(.*?)^```$", re.M | re.S)
 NEEDS_SHELL = re.compile(r"[|<>;&$*]")
@@ -94,11 +100,26 @@ def test_the_readmes_commands_run(in_folder):
         printed(line)
 
 
+def test_the_first_tutorials_numbers_have_their_closed_form():
+    """Rest solves c (1 - x^2) = x; with s = 2 c x a pair i w has w^2 = s^2 - 1 and cos(w tau) = -1/s."""
+    text = (DOCS / "tutorial.md").read_text()
+    rest = (np.sqrt(17.0) - 1.0) / 4.0
+    slope = 4.0 * rest
+    frequency = np.sqrt(slope**2 - 1.0)
+    exact = (np.arccos(-1.0 / slope) + 2.0 * np.pi * np.arange(2)) / frequency
+    (stated,) = re.findall(r"^rest: x = ([\d.]+) in mode", text, re.M)
+    assert float(stated) == pytest.approx(rest, abs=1e-10)
+    printed_ = re.findall(r"^\d+,HB\d,HB,x_above,2.0,([\d.]+)\.\.\.", text, re.M)
+    assert [float(tau) for tau in printed_] == pytest.approx(exact, abs=1e-10)
+    (stated,) = re.findall(r"which gives tau = ([\d.]+);", text)
+    assert float(stated) == pytest.approx(exact[0], abs=1e-12)
+
+
 def test_the_tutorials_grazing_has_its_closed_form():
     """The numbers that the tutorial states: the linear orbit's amplitude is a / |1 - w^2 + i w (c + K (1 - exp(-i w
     tau)))|.
     """
-    text = (DOCS / "tutorial.md").read_text()
+    text = (DOCS / "tutorial_events.md").read_text()
     w, c, damping, tau = 1.3, 0.05, 0.1, 1.0
     exact = abs(1 - w**2 + 1j * w * (c + damping * (1 - np.exp(-1j * w * tau))))
     (stated,) = re.findall(r"^([\d.]+); the program found it", text, re.M)
@@ -109,7 +130,7 @@ def test_the_tutorials_grazing_has_its_closed_form():
 
 def test_the_tutorials_hopf_points_have_their_closed_form():
     """They solve w^2 - 1 = +-w sqrt(K^2 - c^2) with cos(w tau) = -c/K; with the plus pairs come to be unstable."""
-    text = (DOCS / "tutorial.md").read_text()
+    text = (DOCS / "tutorial_events.md").read_text()
     c, damping = 0.05, 0.3
     late = np.sqrt(damping**2 - c**2)
     up, down = (np.sqrt(1.0 + late**2 / 4.0) + sign * late / 2.0 for sign in (1, -1))

@@ -13,7 +13,7 @@ results = pddecont.run("impact_oscillator")
 results["in_delay"]
 
 # %% [markdown]
-# At `GR1` the orbit touches the wall inside a segment. Vertical lines are the events; dashed is the delayed velocity.
+# At `GR1` the orbit touches the wall inside a segment. Vertical lines are the events.
 
 # %%
 grazing = results["in_delay"].orbit("GR1")

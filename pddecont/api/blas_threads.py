@@ -12,8 +12,8 @@ import threading
 from collections.abc import Iterator
 from typing import Any
 
-# Who has set this one has chosen; the libraries have read it.
-CHOSEN = "OMP_NUM_THREADS"
+# Who has set one of these has chosen; the libraries have read it.
+CHOSEN = {"OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS"}
 
 
 class _Limit:
@@ -45,8 +45,8 @@ _LIMIT = _Limit()
 
 @contextlib.contextmanager
 def lend_one_thread() -> Iterator[None]:
-    """Keep the linear algebra of this process to one thread for a while, unless ``OMP_NUM_THREADS`` says how many."""
-    if CHOSEN in os.environ:
+    """Keep the linear algebra of this process to one thread for a while, unless the environment says how many."""
+    if not CHOSEN.isdisjoint(os.environ):
         yield
         return
     _LIMIT.take()

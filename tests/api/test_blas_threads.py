@@ -54,14 +54,16 @@ def test_a_run_has_one_thread_and_leaves_what_was_set():
     assert count_threads() == "[{1}] {3}"
 
 
-def test_what_the_user_has_chosen_stands():
-    assert count_threads(OMP_NUM_THREADS="2") == "[{3}] {3}"
+@pytest.mark.parametrize("name", ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"])
+def test_what_the_user_has_chosen_stands(name):
+    assert count_threads(**{name: "2"}) == "[{3}] {3}"
 
 
 def test_the_last_of_several_runs_gives_the_limit_back(monkeypatch):
     from pddecont.api import blas_threads
 
-    monkeypatch.delenv("OMP_NUM_THREADS", raising=False)
+    for name in blas_threads.CHOSEN:
+        monkeypatch.delenv(name, raising=False)
     events = []
 
     class Lent:
