@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -55,7 +56,8 @@ def _is_text(model: object) -> bool:
 
 
 def _parse(data: Mapping[str, Any], path: str) -> Document:
-    return parse_document(yaml.safe_dump(_plain(data), sort_keys=False, allow_unicode=True, width=1000), path, RunError)
+    text = yaml.safe_dump(_plain(data), sort_keys=False, allow_unicode=True, width=1000)
+    return replace(parse_document(text, path, RunError), is_written=True)
 
 
 def _plain(value: Any) -> Any:

@@ -201,6 +201,25 @@ def test_errors_are_those_of_the_command_line(arguments, error, message):
         pddecont.run(*arguments)
 
 
+@pytest.mark.parametrize(
+    ("steps", "keys", "message"),
+    [
+        ([{"name": "a", "simulate": {"t_end": "3*zz"}}], {}, "<python>: run.steps[0].simulate.t_end: 'zz' is not"),
+        ([{"name": "a", "simulate": {"t_end": 1}}, {"name": "b", "orbit": {"fro": "a"}}], {}, "run.steps[1].orbit.fro"),
+        (STEPS[:1], {"monitors": {"q": "foo(x)"}}, "<python>: run.monitors.q: unknown function 'foo'"),
+    ],
+)
+def test_what_is_wrong_in_a_mapping_is_named_by_its_keys(steps, keys, message):
+    model = {"name": "m", "states": ["x"], "modes": {"only": {"x'": "-x"}}, "initial": {"x": 1}}
+    with pytest.raises(RunError, match=re.escape(message)):
+        pddecont.run(model, steps=steps, **keys)
+
+
+def test_a_model_that_is_wrong_is_named_by_its_keys():
+    with pytest.raises(ModelError, match=re.escape("<python>: modes.only.x': 'y' is not defined")):
+        pddecont.run({"name": "m", "states": ["x"], "modes": {"only": {"x'": "-y"}}}, steps=STEPS[:1])
+
+
 def test_wrong_steps_keys_and_parameters_are_told():
     with pytest.raises(RunError, match="did you mean 'simulate'"):
         pddecont.run("relay", steps=[{"name": "a", "simulat": {}}])
