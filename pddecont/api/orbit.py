@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from numpy.typing import NDArray
 
-from pddecont.notebook import render_facts
-from pddecont.plot import ViewRequest
+from pddecont.errors import printable
 from pddecont.results import Results, Step
 from pddecont.tables import find_signature, make_frame, make_table
 
@@ -57,12 +56,15 @@ class Orbit(Mapping[str, NDArray[Any]]):
         return make_frame(self.step, "orbit", make_table(self.step, "orbit", self.index))
 
     def __repr__(self) -> str:
-        return (
+        return printable(
             f"<orbit {_name_point(self.step, self.index)} of step '{self.step.name}', period {self.period:.8g}, "
             f"{len(self.arrays['t'])} base points, signature {' '.join(self.signature) or 'without events'}>"
         )
 
     def _repr_html_(self) -> str:
+        from pddecont.notebook import render_facts
+        from pddecont.plot import ViewRequest
+
         facts = {"period": self.period, "base points": len(self.arrays["t"]), "signature": " ".join(self.signature)}
         facts |= {f"lowest_{name}": float(self[name].min()) for name in self.step.meta["states"]}
         facts |= {f"highest_{name}": float(self[name].max()) for name in self.step.meta["states"]}

@@ -10,9 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.api.orbit import Orbit
-from pddecont.errors import ResultsError
-from pddecont.notebook import render_facts
-from pddecont.plot import ViewRequest
+from pddecont.errors import ResultsError, printable
 from pddecont.results import Results, Step
 from pddecont.tables import holds_equilibria, make_orbit_arrays, name_kind, read_multipliers, read_roots
 
@@ -80,9 +78,12 @@ class Point:
         stable = self.values.get("stable") if self.step.kind_of(self.index) in WITH_STABILITY else None
         words = [f"{self.label or self.index} of step '{self.step.name}'", self.kind, where]
         words += [] if stable is None else ["stable" if stable else "unstable"]
-        return f"<point {', '.join(word for word in words if word)}>"
+        return printable(f"<point {', '.join(word for word in words if word)}>")
 
     def _repr_html_(self) -> str:
+        from pddecont.notebook import render_facts
+        from pddecont.plot import ViewRequest
+
         fixed = set(self.step.meta["parameters"]) - set(self.step.meta.get("free") or ())
         facts = {name: value for name, value in self.values.items() if name not in fixed and name != "note"}
         view = "roots" if holds_equilibria(self.step) else "orbit"

@@ -7,11 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
-from pddecont.api.pages import write_report
 from pddecont.api.step_results import StepResults
-from pddecont.errors import ResultsError
-from pddecont.notebook import render_results
-from pddecont.plot import ViewRequest, apply_style, draw_picture, read_size, save_picture
+from pddecont.errors import ResultsError, printable
 from pddecont.results import Results, read_results
 from pddecont.tables import summarise
 
@@ -50,9 +47,11 @@ class RunResults:
         return StepResults(self.results, self.results.step(name))
 
     def __repr__(self) -> str:
-        return "\n".join([f"<{self._describe()}", *(f"  {self[name]!r}" for name in self)]) + ">"
+        return printable("\n".join([f"<{self._describe()}", *(f"  {self[name]!r}" for name in self)]) + ">")
 
     def _repr_html_(self) -> str:
+        from pddecont.notebook import render_results
+
         return render_results(self.results, self._describe())
 
     def _describe(self) -> str:
@@ -132,6 +131,8 @@ class RunResults:
         ResultsError
             If there is no such view, step, column, label or index, or the file's name ends like no picture's.
         """
+        from pddecont.plot import ViewRequest, apply_style, draw_picture, read_size, save_picture
+
         if any(i < 0 for i in indices):
             raise ResultsError(f"there is no index {min(indices)}; indices of points begin with 0")
         files = [self.results, *(other.results for other in beside)]
@@ -151,6 +152,8 @@ class RunResults:
         ResultsError
             If the file's name does not end like a page's, or what is there is no such page.
         """
+        from pddecont.api.pages import write_report
+
         write_report([self.results, *(other.results for other in beside)], Path(path))
 
 

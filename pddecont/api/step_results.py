@@ -10,9 +10,7 @@ from numpy.typing import NDArray
 from pddecont.api.orbit import Orbit
 from pddecont.api.point import Point
 from pddecont.api.table import Table
-from pddecont.errors import ResultsError
-from pddecont.notebook import render_step
-from pddecont.plot import list_views
+from pddecont.errors import ResultsError, printable
 from pddecont.results import Results, Step
 from pddecont.tables import (
     describe_endings,
@@ -62,6 +60,8 @@ class StepResults:
     @property
     def views(self) -> tuple[str, ...]:
         """Names of the views that the step gives by itself, its default first."""
+        from pddecont.plot import list_views
+
         return tuple(view.name for view in list_views(self.step))
 
     @property
@@ -151,7 +151,9 @@ class StepResults:
         labels = self.labels if self.kind in ("continue", "equilibria") else ()
         shown = ", ".join(labels[:MAX_LABELS]) + (", ..." if len(labels) > MAX_LABELS else "")
         count = f"{len(self)} point{'s'[: len(self) != 1]}"
-        return f"<{self.kind} step '{self.name}', {count}{', ' if shown else ''}{shown}>"
+        return printable(f"<{self.kind} step '{self.name}', {count}{', ' if shown else ''}{shown}>")
 
     def _repr_html_(self) -> str:
+        from pddecont.notebook import render_step
+
         return render_step(self.results, self.step, f"{self.name}: {self.kind}")

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, overload
 
-from pddecont.notebook import render_rows
+from pddecont.errors import printable
 from pddecont.results import Step
 from pddecont.tables import describe_column, find_unit, make_frame
 
@@ -73,7 +73,9 @@ class Table(Sequence[Row]):
     def __repr__(self) -> str:
         names = ", ".join(self.columns[:MAX_NAMES]) + (", ..." if len(self.columns) > MAX_NAMES else "")
         count = f"{len(self)} row{'s'[: len(self) != 1]}"
-        return f"<table '{self.name}' of step '{self.step.name}', {count}{': ' if names else ''}{names}>"
+        return printable(f"<table '{self.name}' of step '{self.step.name}', {count}{': ' if names else ''}{names}>")
 
     def _repr_html_(self) -> str:
+        from pddecont.notebook import render_rows
+
         return render_rows(self.step, self.name, self.rows, f"{self.step.name}: {self.name}")

@@ -8,7 +8,8 @@ from typing import Any
 import click
 
 from pddecont.cli.completers import complete_assignment, complete_effect, complete_file, complete_state
-from pddecont.cli.console import print_json, printable, say
+from pddecont.cli.console import print_json, say
+from pddecont.errors import printable
 
 
 @click.command("explore")

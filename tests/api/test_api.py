@@ -271,6 +271,13 @@ def test_importing_the_package_loads_nothing_heavy():
         pddecont.nothing  # noqa: B018
 
 
+def test_what_only_shows_results_is_loaded_when_they_are_shown():
+    shown = ("matplotlib", "jinja2", "plotly", "pandas", "xarray", "IPython", "pddecont.plot.registry")
+    code = f"import sys; from pddecont.api import load, run; print([m for m in {shown} if m in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
 def test_the_examples_in_docstrings_work():
     found = doctest.testmod(pddecont.api)
     assert found.attempted >= 4

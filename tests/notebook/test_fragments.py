@@ -1,11 +1,13 @@
 """What a notebook shows: every text escaped, pictures as images, tables cut."""
 
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 
 import pytest
 
 import pddecont
+from pddecont.api import RunResults
 from tests.api import sample_runs
 from tests.api.sample_runs import WRIGHT
 
@@ -109,3 +111,14 @@ def test_what_is_shown_in_a_line_is_short():
 def test_a_figure_draws_itself_as_a_png():
     figure = sample_runs.orbits().plot(steps=["branch"])
     assert figure._repr_png_().startswith(b"\x89PNG")
+
+
+def test_what_would_move_a_terminals_cursor_is_written_out():
+    results = sample_runs.orbits().results
+    step = results.step("orbit")
+    escape = replace(step, meta={**step.meta, "model": "\x1b[2J", "states": ["\x1b]0;"]})
+    found = RunResults(replace(results, steps={"orbit": escape}, names=("orbit",)))
+    for shown in (found, found["orbit"].table("orbit"), found["orbit"].orbit()):
+        assert "\x1b" not in repr(shown)
+    assert r"\x1b[2J" in repr(found)
+    assert r"\x1b]0;" in repr(found["orbit"].table("orbit"))
