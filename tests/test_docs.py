@@ -15,6 +15,7 @@ import sys
 import numpy as np
 import pytest
 import yaml
+from scipy.optimize import fsolve
 
 from pddecont.cli import COMMANDS
 from pddecont.results import BASIN, CONTINUE, EXPLORE, ORBIT, PRECISION, SIMULATE, SWEEP, read_results
@@ -140,6 +141,27 @@ def test_the_tutorials_hopf_points_have_their_closed_form():
     assert [float(tau) for tau in printed_] == pytest.approx(exact, abs=1e-10)
     (stated,) = re.findall(r"so tau =\n([\d.]+)\. From there", text)
     assert float(stated) == pytest.approx(exact[0], abs=1e-12)
+
+
+def test_the_neurons_hopf_points_have_the_numbers_of_their_page():
+    """Rest has the roots of (l + 1/2 + exp(-l taus))^2 = a21 exp(-0.4 l)."""
+
+    def miss(unknown, guess):
+        def equations(x):
+            a21, taus = (x[1], 1.5) if unknown == "a21" else (0.207, x[1])
+            z = 1j * x[0]
+            value = (z + 0.5 + np.exp(-z * taus)) ** 2 - a21 * np.exp(-0.4 * z)
+            return [value.real, value.imag]
+
+        return fsolve(equations, guess, xtol=1e-14)
+
+    text = (DOCS / "howto" / "from_dde_biftool.md").read_text()
+    stated = [float(v) for v in re.findall(r"^\| .* \| [\d.]+ \| ([\d.]+) \|$", text, re.M)]
+    (frequency, a21), (other, taus) = miss("a21", [0.78, 0.8]), miss("taus", [0.91, 8.63])
+    assert stated == pytest.approx([a21, frequency, taus, other], abs=1e-10)
+    # The root 0 is double there: with f the left side less the right one, f(0) = 0 and f'(0) = 0.
+    assert (1 / 2 + 1) ** 2 == 2.25
+    assert 2 * (1 / 2 + 1) * (1 - 1.3) == pytest.approx(-0.4 * 2.25)
 
 
 @pytest.mark.parametrize("page", PAGES, ids=name_of)
