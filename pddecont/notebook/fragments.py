@@ -10,10 +10,10 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import Any
 
-from jinja2 import Environment, PackageLoader
+from jinja2 import Environment
 
 from pddecont.plot import ViewRequest, list_views
-from pddecont.report import Picture, draw_picture, format_value, is_number
+from pddecont.report import Picture, draw_picture, format_value, make_environment
 from pddecont.results import Results, Step
 from pddecont.tables import describe_endings, find_main_table, find_unit, make_table, summarise_step
 
@@ -70,12 +70,7 @@ def _render(
 
 @cache
 def _load_environment() -> Environment:
-    environment = Environment(
-        loader=PackageLoader("pddecont.notebook", "."), autoescape=True, trim_blocks=True, lstrip_blocks=True
-    )
-    environment.filters["format_value"] = format_value
-    environment.tests["number_value"] = is_number
-    return environment
+    return make_environment("pddecont.notebook")
 
 
 def _list_contents(step: Step) -> Row:

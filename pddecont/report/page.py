@@ -121,10 +121,10 @@ def is_page(head: bytes) -> bool:
     return head.startswith(b"<!DOCTYPE html>") and any(mark in head for mark in MARKS)
 
 
-def make_environment() -> Environment:
-    """Return what renders the templates of this folder: every text is escaped."""
+def make_environment(package: str = "pddecont.report") -> Environment:
+    """Return what renders the templates that lie in a package's folder: every text is escaped."""
     environment = Environment(
-        loader=PackageLoader("pddecont.report", "."),
+        loader=PackageLoader(package, "."),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
