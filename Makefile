@@ -10,7 +10,7 @@ FIRST ?= 1000
 BEFORE ?= 0d30e19
 LARGE ?=
 
-.PHONY: setup demo figures test browser-tests reliability random-models random-delays stress packages check docs reference layers bench versions cost tracking chain-order schema clean \
+.PHONY: setup demo figures test browser browser-tests page-times page-pictures reliability random-models random-delays stress packages check docs reference layers bench versions cost tracking chain-order schema clean \
   distclean
 setup: $(ENV)/ready
 
@@ -31,9 +31,20 @@ demo: setup          ## figure 4.6 of the paper, from its YAML file to a picture
 test: setup          ## all but the slow tests, which `make reliability` runs too
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile -m "not slow"
 
-browser-tests: setup ## the page of a report in Chromium, which is the system's (Debian: apt install chromium)
+browser: setup
 	$(BIN)/python -m pip install --quiet -e ".[browser]"
+	command -v chromium > /dev/null || { test "$$(id -u)" = 0 && apt-get update -qq && apt-get install -qq -y chromium; } || \
+	  { echo "Chromium is missing; with Debian's packages: sudo apt install chromium" >&2; exit 1; }
+
+browser-tests: browser ## the page of a report in Chromium, which is the system's
 	PDDECONT_BROWSER=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest tests/browser
+
+page-times: browser  ## size of pages, and how long a browser takes to load and to move in them
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.page
+
+page-pictures: browser ## docs/images/page_*.png: the page on five runs
+	mkdir -p $(OUT)/page
+	OPENBLAS_NUM_THREADS=1 PYTHONPATH=. $(BIN)/python docs/page_pictures.py $(OUT)/page
 
 reliability: setup   ## docs/reliability.md, from the suite itself
 	mkdir -p $(OUT)

@@ -26,11 +26,14 @@ def make_extension(part):
 
 
 def describe(readme):
-    """Return a README without what leads into the repository: its pictures, and its links but for their words.
+    """Return a README without what leads into the repository: pictures, and links but for their words.
+
+    Of pictures in tables their words stay.
 
     The pages go with the source archive; nowhere on the web do they have an address that a link could name.
     """
     text = re.sub(r"^!\[[^]]*\]\((?!\w+:)[^)]*\)\n\n?", "", readme, flags=re.M)
+    text = re.sub(r"!\[([^]]*)\]\((?!\w+:)[^)]*\)", r"\1", text)
     return re.sub(r"\[([^]]+)\]\((?!\w+:)[^)]*\)", r"\1", text)
 
 

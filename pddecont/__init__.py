@@ -12,13 +12,16 @@ from typing import TYPE_CHECKING, Any
 from pddecont.version import __version__
 
 if TYPE_CHECKING:
+    from pddecont.api import Orbit as Orbit
+    from pddecont.api import Point as Point
     from pddecont.api import RunResults as RunResults
     from pddecont.api import StepResults as StepResults
+    from pddecont.api import Table as Table
     from pddecont.api import explore as explore
     from pddecont.api import load as load
     from pddecont.api import run as run
 
-__all__ = ["RunResults", "StepResults", "__version__", "explore", "load", "run"]
+__all__ = ["Orbit", "Point", "RunResults", "StepResults", "Table", "__version__", "explore", "load", "run"]
 
 
 def __getattr__(name: str) -> Any:

@@ -93,3 +93,8 @@ def shorten_message(message: str) -> str:
         return message
     half = MAX_MESSAGE // 2
     return f"{message[:half]} ... {message[-half:]}"
+
+
+def printable(text: str) -> str:
+    """Return ``text`` with what could move a terminal's cursor or change its colours written out."""
+    return "".join(c if c.isprintable() or c == "\n" else repr(c)[1:-1] for c in text)

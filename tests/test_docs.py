@@ -15,6 +15,7 @@ import sys
 import numpy as np
 import pytest
 import yaml
+from scipy.optimize import fsolve
 
 from pddecont.cli import COMMANDS
 from pddecont.results import BASIN, CONTINUE, EXPLORE, ORBIT, PRECISION, SIMULATE, SWEEP, read_results
@@ -24,7 +25,13 @@ from tests.conftest import MODELS, ROOT
 
 DOCS = ROOT / "docs"
 PAGES = [ROOT / "README.md", *sorted(DOCS.rglob("*.md"))]
-SESSIONS = [ROOT / "README.md", DOCS / "tutorial.md", DOCS / "pictures.md", DOCS / "architecture.md"]
+SESSIONS = [
+    ROOT / "README.md",
+    DOCS / "tutorial.md",
+    DOCS / "tutorial_events.md",
+    DOCS / "pictures.md",
+    DOCS / "architecture.md",
+]
 SESSIONS += sorted((DOCS / "howto").glob("*.md"))
 BLOCK = re.compile(r"^```(\w+)(?: title=\"([\w.]+)\")?\n(.*?)^```$", re.M | re.S)
 NEEDS_SHELL = re.compile(r"[|<>;&$*]")
@@ -94,11 +101,26 @@ def test_the_readmes_commands_run(in_folder):
         printed(line)
 
 
+def test_the_first_tutorials_numbers_have_their_closed_form():
+    """Rest solves c (1 - x^2) = x; with s = 2 c x a pair i w has w^2 = s^2 - 1 and cos(w tau) = -1/s."""
+    text = (DOCS / "tutorial.md").read_text()
+    rest = (np.sqrt(17.0) - 1.0) / 4.0
+    slope = 4.0 * rest
+    frequency = np.sqrt(slope**2 - 1.0)
+    exact = (np.arccos(-1.0 / slope) + 2.0 * np.pi * np.arange(2)) / frequency
+    (stated,) = re.findall(r"^rest: x = ([\d.]+) in mode", text, re.M)
+    assert float(stated) == pytest.approx(rest, abs=1e-10)
+    printed_ = re.findall(r"^\d+,HB\d,HB,x_above,2.0,([\d.]+)\.\.\.", text, re.M)
+    assert [float(tau) for tau in printed_] == pytest.approx(exact, abs=1e-10)
+    (stated,) = re.findall(r"which gives tau = ([\d.]+);", text)
+    assert float(stated) == pytest.approx(exact[0], abs=1e-12)
+
+
 def test_the_tutorials_grazing_has_its_closed_form():
     """The numbers that the tutorial states: the linear orbit's amplitude is a / |1 - w^2 + i w (c + K (1 - exp(-i w
     tau)))|.
     """
-    text = (DOCS / "tutorial.md").read_text()
+    text = (DOCS / "tutorial_events.md").read_text()
     w, c, damping, tau = 1.3, 0.05, 0.1, 1.0
     exact = abs(1 - w**2 + 1j * w * (c + damping * (1 - np.exp(-1j * w * tau))))
     (stated,) = re.findall(r"^([\d.]+); the program found it", text, re.M)
@@ -109,7 +131,7 @@ def test_the_tutorials_grazing_has_its_closed_form():
 
 def test_the_tutorials_hopf_points_have_their_closed_form():
     """They solve w^2 - 1 = +-w sqrt(K^2 - c^2) with cos(w tau) = -c/K; with the plus pairs come to be unstable."""
-    text = (DOCS / "tutorial.md").read_text()
+    text = (DOCS / "tutorial_events.md").read_text()
     c, damping = 0.05, 0.3
     late = np.sqrt(damping**2 - c**2)
     up, down = (np.sqrt(1.0 + late**2 / 4.0) + sign * late / 2.0 for sign in (1, -1))
@@ -119,6 +141,27 @@ def test_the_tutorials_hopf_points_have_their_closed_form():
     assert [float(tau) for tau in printed_] == pytest.approx(exact, abs=1e-10)
     (stated,) = re.findall(r"so tau =\n([\d.]+)\. From there", text)
     assert float(stated) == pytest.approx(exact[0], abs=1e-12)
+
+
+def test_the_neurons_hopf_points_have_the_numbers_of_their_page():
+    """Rest has the roots of (l + 1/2 + exp(-l taus))^2 = a21 exp(-0.4 l)."""
+
+    def miss(unknown, guess):
+        def equations(x):
+            a21, taus = (x[1], 1.5) if unknown == "a21" else (0.207, x[1])
+            z = 1j * x[0]
+            value = (z + 0.5 + np.exp(-z * taus)) ** 2 - a21 * np.exp(-0.4 * z)
+            return [value.real, value.imag]
+
+        return fsolve(equations, guess, xtol=1e-12)
+
+    text = (DOCS / "howto" / "from_dde_biftool.md").read_text()
+    stated = [float(v) for v in re.findall(r"^\| .* \| [\d.]+ \| ([\d.]+) \|$", text, re.M)]
+    (frequency, a21), (other, taus) = miss("a21", [0.78, 0.8]), miss("taus", [0.91, 8.63])
+    assert stated == pytest.approx([a21, frequency, taus, other], abs=1e-10)
+    # The root 0 is double there: with f the left side less the right one, f(0) = 0 and f'(0) = 0.
+    assert (1 / 2 + 1) ** 2 == 2.25
+    assert pytest.approx(-0.4 * 2.25) == 2 * (1 / 2 + 1) * (1 - 1.3)
 
 
 @pytest.mark.parametrize("page", PAGES, ids=name_of)
@@ -168,9 +211,9 @@ def test_every_folder_is_in_the_picture_of_layers_and_in_the_list():
     layers = script("layers")
     drawn = layers.find_layers(layers.read_imports())
     folders = {path.parent.name for path in (ROOT / "pddecont").glob("*/__init__.py")}
-    assert folders <= {*drawn} <= {*folders, "api", *layers.OWN}
+    assert folders <= {*drawn} <= {*folders, *layers.OWN}
     listed = re.findall(r"^\| `([\w/]+)` \|", (DOCS / "architecture.md").read_text(), re.M)
-    assert sorted(listed) == sorted(name.replace(".", "/") for name in drawn if name != "api")
+    assert sorted(listed) == sorted(name.replace(".", "/") for name in drawn)
 
 
 @pytest.mark.parametrize(
@@ -189,7 +232,8 @@ def test_every_page_is_in_the_sites_navigation():
         return [file for part in (item.values() if isinstance(item, dict) else item) for file in files(part)]
 
     listed = files(yaml.safe_load((ROOT / "mkdocs.yml").read_text())["nav"])
-    assert sorted(listed) == sorted(str(page.relative_to(DOCS)) for page in DOCS.rglob("*.md"))
+    notebooks = [f"gallery/{path.stem}.md" for path in (DOCS / "gallery").glob("*.py")]
+    assert sorted(listed) == sorted([*(str(page.relative_to(DOCS)) for page in DOCS.rglob("*.md")), *notebooks])
 
 
 @pytest.mark.parametrize("path", MODELS, ids=lambda p: p.stem)
@@ -209,6 +253,8 @@ def test_every_model_runs_its_own_run_to_the_first_orbit(path, in_folder):
 @pytest.mark.parametrize("page", PAGES, ids=name_of)
 def test_documents_name_files_that_exist(page):
     for target in re.findall(r"\]\(([^)#:]+)\)", page.read_text()):
-        assert (page.parent / target).exists(), (page, target)
+        # The page of a notebook is made when the site is.
+        source = target.replace(".md", ".py") if "gallery/" in target else target
+        assert (page.parent / source).exists(), (page, target)
     for target in re.findall(r"`((?:tests|configs|models|benchmarks|pddecont)/[\w/.]+)`", page.read_text()):
         assert (ROOT / target).exists(), (page, target)

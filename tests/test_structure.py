@@ -68,8 +68,9 @@ ALLOWED = {
     "plot": {"collocation", "results", "tables"},
     "plot.views": {"plot", "results", "tables"},
     "report": {"plot", "results", "tables"},
-    "api": {"plot", "results", "runfile", "steps", "steps.execution", "tables"},
-    "cli": {"api", "data", "model", "plot", "report", "results", "runfile", "steps", "tables"},
+    "notebook": {"plot", "report", "results", "steps", "tables"},
+    "api": {"notebook", "plot", "report", "results", "runfile", "steps", "steps.execution", "tables"},
+    "cli": {"api", "data", "model", "plot", "results", "runfile", "steps", "tables"},
     "__init__": {"api"},
     "__main__": {"cli"},
 }
@@ -77,11 +78,14 @@ BASE = {"errors", "output", "reasons", "version"}
 # Where each library may be imported.
 ROOMS = {
     "h5py": {"results"},
-    "matplotlib": {"plot"},
+    "matplotlib": {"plot", "api"},
     "mpl_toolkits": {"plot"},
     "click": {"cli"},
     "rich": {"cli"},
-    "jinja2": {"report"},
+    "jinja2": {"report", "notebook"},
+    "IPython": {"notebook"},
+    "pandas": {"tables", "api"},
+    "xarray": {"tables", "api"},
     "plotly": {"report"},
     "llvmlite": {"codegen"},
     "distributed": {"simulate"},

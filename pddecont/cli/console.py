@@ -15,7 +15,7 @@ from typing import Any
 import click
 
 from pddecont.cli.interrupt import Received
-from pddecont.errors import ConvergenceError, InputError, PddecontError, SignatureError
+from pddecont.errors import ConvergenceError, InputError, PddecontError, SignatureError, printable
 
 # What is no terminal hears how far a run is so often.
 SECONDS_BETWEEN_LINES = 30.0
@@ -93,11 +93,6 @@ def _outcome(work: Callable[[], Any], received: Received) -> int:
 def say(text: str) -> None:
     """Write a line to standard error."""
     click.echo(printable(text), err=True)
-
-
-def printable(text: str) -> str:
-    """Return ``text`` with what could move a terminal's cursor or change its colours written out."""
-    return "".join(c if c.isprintable() or c == "\n" else repr(c)[1:-1] for c in text)
 
 
 def plain(value: Any) -> Any:

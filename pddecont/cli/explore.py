@@ -8,7 +8,8 @@ from typing import Any
 import click
 
 from pddecont.cli.completers import complete_assignment, complete_effect, complete_file, complete_state
-from pddecont.cli.console import print_json, printable, say
+from pddecont.cli.console import print_json, say
+from pddecont.errors import printable
 
 
 @click.command("explore")
@@ -58,6 +59,7 @@ from pddecont.cli.console import print_json, printable, say
 @click.option("--overwrite", is_flag=True, help="Replace results that exist.")
 @click.option("--workers", type=click.IntRange(1), default=1, show_default=True, metavar="N", help="As in 'run'.")
 @click.option("--scheduler", metavar="ADDRESS", help="As in 'run'.")
+@click.option("--watch", is_flag=True, help="As in 'run'.")
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors and warnings.")
 @click.option("--json", "as_json", is_flag=True, help="Write one JSON document on what was computed.")
 def command(
@@ -71,6 +73,7 @@ def command(
     overwrite: bool,
     workers: int,
     scheduler: str | None,
+    watch: bool,
     quiet: bool,
     as_json: bool,
     time: float | None,
@@ -99,6 +102,7 @@ def command(
         checked,
         path,
         quiet=quiet or as_json,
+        watch=watch,
         resume=resume,
         overwrite=overwrite,
         workers=workers,

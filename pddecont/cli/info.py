@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from pddecont.cli.completers import complete_effect, complete_file
-from pddecont.cli.console import print_json, printable
+from pddecont.cli.console import print_json
+from pddecont.errors import printable
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

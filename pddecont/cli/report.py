@@ -23,23 +23,14 @@ def command(files: tuple[str, ...], output: Path | None) -> None:
 
     The page holds all that it shows and loads nothing; an older page is replaced.
     """
-    from pddecont.errors import ResultsError
-
     path = output or Path(Path(files[-1]).stem + ".html")
-    if path.suffix.lower() not in (".html", ".htm"):
-        raise ResultsError(f"{path}: a report is .html; found '{path.suffix or 'no suffix'}'")
     write_page(files, path)
     say(f"report: {path}")
 
 
 def write_page(files: Sequence[str], path: Path) -> None:
     """Write the page on results files to ``path``; what is there already must be such a page."""
-    from pddecont.output import check_replaceable, replace_whole
-    from pddecont.report import is_page, render_page
+    from pddecont.api import write_report
     from pddecont.results import read_results
 
-    results = [read_results(file) for file in files]
-    check_replaceable(path, is_page, "a report of pddecont")
-    text = render_page(*results)
-    with replace_whole(path) as part:
-        part.write_text(text, encoding="utf-8")
+    write_report([read_results(file) for file in files], path)

@@ -63,6 +63,7 @@ if TYPE_CHECKING:
     "each other. The file is the same for any N.",
 )
 @click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler whose workers do so, such as tcp://host:8786.")
+@click.option("--watch", is_flag=True, help="Keep a page beside the output that shows in a browser how it grows.")
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors and warnings.")
 @click.option(
     "--json", "as_json", is_flag=True, help="Write one JSON document on what was computed to standard output."
@@ -79,6 +80,7 @@ def command(
     overwrite: bool,
     workers: int,
     scheduler: str | None,
+    watch: bool,
     quiet: bool,
     as_json: bool,
 ) -> None:
@@ -99,6 +101,7 @@ def command(
         checked,
         path,
         quiet=quiet or as_json,
+        watch=watch,
         resume=resume,
         overwrite=overwrite,
         only=only,
@@ -113,17 +116,26 @@ def command(
         say(f"results: {path}")
 
 
-def compute_shown(checked: Plan, path: Path, *, quiet: bool, **options: Any) -> RunResults:
-    """Say what is suspicious in a plan, do it with its progress shown unless ``quiet``, and return its results."""
+def compute_shown(checked: Plan, path: Path, *, quiet: bool, watch: bool, **options: Any) -> RunResults:
+    """Say what is suspicious in a plan, do it with its progress shown unless ``quiet``, and return its results.
+
+    Whoever wants to ``watch`` has a page beside the results, which follows them.
+    """
     from pddecont.api import compute
+    from pddecont.cli.watch import Watch
 
     for warning in checked.warnings:
         say(f"{warning} (warning)")
     progress = Progress(quiet, len(checked.steps))
+    watching = Watch(progress, path, path.with_suffix(".html")) if watch else None
+    if watching is not None and not quiet:
+        say(f"page: {watching.page.absolute().as_uri()} follows the run in a browser")
     try:
-        return compute(checked, path, progress, **options)
+        return compute(checked, path, watching or progress, **options)
     finally:
         progress.stop()
+        if watching is not None:
+            watching.close()
 
 
 def read_assignment(text: str) -> tuple[str, str]:

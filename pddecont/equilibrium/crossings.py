@@ -18,14 +18,12 @@ from scipy.optimize import linear_sum_assignment
 
 from pddecont.continuation import Counts, CurvePoint
 from pddecont.equilibrium.characteristic import DENSE, CharacteristicMatrix
-from pddecont.equilibrium.roots import Roots
+from pddecont.equilibrium.roots import ON_AXIS, Roots
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 # Length of the steps over which Delta is differentiated along the branch, as a part of the tangent.
 DIFFERENCE = 1e-6
-# A root lies on the axis whose real part is smaller than this part of it.
-ON_AXIS = 1e-12
 
 
 @dataclass(frozen=True, eq=False)

@@ -51,6 +51,8 @@ REAL, SMALL = 1e-9, 1e-3
 SAME = 1e-7
 # Newton's method stops at steps of this size, relative to the root.
 STEP = 1e-13
+# A root lies on the imaginary axis whose real part is smaller than this part of the largest that is kept.
+ON_AXIS = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,12 +73,29 @@ class Roots:
     @cached_property
     def n_unstable(self) -> int:
         """Number of roots with positive real part."""
-        return int(np.sum(self.values.real > 0.0)) + (self.n_missing or 0)
+        return int(np.sum(self.values.real > self._rounding)) + (self.n_missing or 0)
 
     @property
     def counted(self) -> bool:
         """Whether a count confirms that no unstable root is lacking."""
         return self.n_missing == 0
+
+    @property
+    def stable(self) -> bool | None:
+        """Whether all roots lie to the left of the imaginary axis.
+
+        None where none lies to the right of it, but one on it or the count confirms it not: the linear equation does
+        not tell then.
+        """
+        if self.n_unstable and self.counted:
+            return False
+        on_axis = np.any(np.abs(self.values.real) <= self._rounding)
+        return True if self.counted and not on_axis else None
+
+    @property
+    def _rounding(self) -> float:
+        """Real parts that are no larger are zero."""
+        return ON_AXIS * float(np.max(np.abs(self.values), initial=0.0))
 
 
 def find_roots(matrix: CharacteristicMatrix, n_roots: int = N_ROOTS) -> Roots:

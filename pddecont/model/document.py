@@ -49,13 +49,17 @@ class Mark:
 
 @dataclass(frozen=True)
 class Document:
-    """A YAML file as plain data; ``values`` and ``keys`` give the place of each value and key by its path."""
+    """A YAML file as plain data; ``values`` and ``keys`` give the place of each value and key by its path.
+
+    ``is_written``: nobody has seen the text, as it was made of a mapping of Python's; places in it are named by keys.
+    """
 
     path: str
     text: str
     data: Any
     values: dict[KeyPath, Mark] = field(repr=False)
     keys: dict[KeyPath, Mark] = field(repr=False)
+    is_written: bool = False
 
     def mark(self, path: KeyPath) -> Mark:
         """Return the place of the value at ``path``, or of the nearest thing around it that the file holds."""
@@ -65,8 +69,15 @@ class Document:
 
     def problem(self, path: KeyPath, message: str, *, offset: int = 0, key: bool = False) -> Problem:
         """Return a problem placed at the value (or the key) at ``path``, ``offset`` characters into it."""
+        if self.is_written:
+            return Problem(self.path, 0, 0, f"{name_place(path)}: {message}" if path else message)
         mark = self.keys.get(path, self.mark(path)) if key else self.mark(path)
         return Problem(self.path, mark.line, mark.column + offset, message)
+
+
+def name_place(path: KeyPath) -> str:
+    """Return a place in words, such as ``steps[1].continue.free``: lists are counted from 0, as Python does."""
+    return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in path).removeprefix(".")
 
 
 def read_text(path: str | Path, error: type[InputError] = InputError) -> str:

@@ -32,13 +32,14 @@ LONGEST_NAME = 24
 def make_figure(width: float, height: float) -> Figure:
     """Return an empty figure of a size in inches, or of that which matplotlib's settings ask for."""
     from matplotlib import rcParams, rcParamsDefault
-    from matplotlib.figure import Figure
+
+    from pddecont.plot.shown_figure import ShownFigure
 
     asked = rcParams["figure.figsize"]
     if list(asked) == list(rcParamsDefault["figure.figsize"]):
-        return Figure(figsize=(width, height))
+        return ShownFigure(figsize=(width, height))
     # Without a height the picture keeps the proportions of its view.
-    return Figure(figsize=(asked[0], asked[1] or asked[0] * height / width))
+    return ShownFigure(figsize=(asked[0], asked[1] or asked[0] * height / width))
 
 
 def count_beside() -> int:

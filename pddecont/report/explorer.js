@@ -21,6 +21,7 @@ class Explorer {
     this.stepList = document.getElementById("explorer-steps");
     this.panels = new PointPanels(this, header);
     this.diagram = new Diagram(document.getElementById("explorer-diagram"), this);
+    this.changed = keepState(this);
   }
 
   async start() {
@@ -39,11 +40,14 @@ class Explorer {
     document.getElementById("explorer-all").addEventListener("click", () => this.diagram.showAll());
     document.getElementById("explorer-diagram").addEventListener("keydown", (event) => this.press(event));
     await this.showView();
+    await restoreState(this, readState());
+    followRun(this);
   }
 
   // The axes and steps of the view that is chosen by name; both can be changed after that.
   async showView() {
     const view = this.views.find(({ title }) => title === this.inputs.view.value);
+    this.view = view;
     this.basin = view.basin ?? null;
     this.on = new Set(view.steps);
     fillSelect(this.inputs.x, listAxes(this.steps, false), view.x);
@@ -59,7 +63,7 @@ class Explorer {
       this.select(this.diagram.findFirst() ?? { step: this.shown()[0], place: 0 });
   }
 
-  view() {
+  shownAs() {
     return {
       steps: this.shown(),
       x: this.inputs.x.value,
@@ -118,11 +122,15 @@ class Explorer {
           ),
         );
       });
-    const attractors = (this.basin ? [this.basin] : this.shown()).flatMap((step) =>
-      step.data.attractors
-        ? step.data.attractors.classes.map((name, k) => [name, step.data.attractors.colours[k]])
-        : [],
-    );
+    const attractors = [
+      ...new Map(
+        (this.basin ? [this.basin] : this.shown()).flatMap((step) =>
+          step.data.attractors
+            ? step.data.attractors.classes.map((name, k) => [name, step.data.attractors.colours[k]])
+            : [],
+        ),
+      ),
+    ];
     const families = this.basin
       ? []
       : [
@@ -151,6 +159,7 @@ class Explorer {
     this.chosen = chosen;
     this.panels.show(chosen);
     this.diagram.paint();
+    this.changed();
     this.status.textContent = describePlace(chosen, this.inputs);
   }
 

@@ -19,7 +19,7 @@ from markupsafe import Markup
 from pddecont.report.page_data import make_page_data
 from pddecont.results import Results
 
-SCRIPTS = ("data", "text", "curves", "layers", "diagram", "point", "")
+SCRIPTS = ("data", "text", "curves", "layers", "diagram", "point", "state", "live", "")
 POLICY = (
     "default-src 'none'; {scripts}img-src data: blob:; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'"
 )

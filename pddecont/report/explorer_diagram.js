@@ -25,7 +25,7 @@ class Diagram {
 
   // Draw what is switched on; 'keep' keeps the part of the plane that is shown.
   async draw(keep) {
-    const { steps, x, y, basin, colourBy } = this.explorer.view();
+    const { steps, x, y, basin, colourBy } = this.explorer.shownAs();
     this.layers = basin ? [] : steps.flatMap((step) => makeLayers(step, x, y));
     this.basin = basin;
     const traces = basin
@@ -36,8 +36,7 @@ class Diagram {
             .flatMap((layer) => drawLines(layer, this.explorer, colourBy)),
           ...markSpecial(this.layers),
         ];
-    const ranges =
-      keep && this.plot.layout ? [this.plot.layout.xaxis.range, this.plot.layout.yaxis.range] : this.findRanges();
+    const ranges = keep && this.plot.layout ? this.ranges() : this.findRanges();
     const axis = (name, range, suffix) => ({
       title: { text: name === null ? "" : writeAxis(name, steps) + suffix, standoff: 8 },
       range,
@@ -75,6 +74,7 @@ class Diagram {
     );
     if (!this.listens) this.listen();
     this.paint();
+    this.explorer.changed();
   }
 
   findRanges() {
@@ -89,6 +89,7 @@ class Diagram {
     this.listens = true;
     for (const event of ["plotly_afterplot", "plotly_relayouting", "plotly_relayout"])
       this.plot.on(event, () => this.paint());
+    this.plot.on("plotly_relayout", () => this.explorer.changed());
     let down = null;
     this.plot.addEventListener(
       "mousedown",
@@ -112,8 +113,20 @@ class Diagram {
   }
 
   showAll() {
-    const [x, y] = this.findRanges();
+    return this.showRanges(this.findRanges());
+  }
+
+  showRanges([x, y]) {
     return Plotly.relayout(this.plot, { "xaxis.range": x, "yaxis.range": y });
+  }
+
+  // The parts of both axes that are shown.
+  ranges() {
+    return [this.plot.layout.xaxis.range, this.plot.layout.yaxis.range].map((range) => Array.from(range));
+  }
+
+  showsAll() {
+    return String(this.ranges()) === String(this.findRanges());
   }
 
   // Zoom by a factor about the middle, and move by shares of what is shown.
@@ -123,10 +136,8 @@ class Diagram {
         half = ((b - a) / 2) * factor;
       return [middle - half, middle + half];
     };
-    return Plotly.relayout(this.plot, {
-      "xaxis.range": change(this.plot.layout.xaxis.range, right),
-      "yaxis.range": change(this.plot.layout.yaxis.range, up),
-    });
+    const [x, y] = this.ranges();
+    return this.showRanges([change(x, right), change(y, up)]);
   }
 
   // Pixels of the plot from its left upper corner.

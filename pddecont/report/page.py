@@ -72,8 +72,19 @@ class FilePart:
     versions: list[Row]
 
 
-def render_page(*files: Results) -> str:
-    """Return the page on one or several results files, which must differ in name."""
+@dataclass(frozen=True)
+class Live:
+    """Of a page on a run that goes on: when it was written (ms since 1970), and how often it is read anew (ms)."""
+
+    written: int
+    every: int
+
+
+def render_page(*files: Results, live: Live | None = None) -> str:
+    """Return the page on one or several results files, which must differ in name.
+
+    A ``live`` page reads itself anew in the browser, as the run that writes the file goes on.
+    """
     explorer = make_explorer(files)
     counted = [sum(len(results.steps) for results in files[:k]) for k in range(len(files))]
     parts = [_make_part(results, number) for results, number in zip(files, counted, strict=True)]
@@ -86,6 +97,7 @@ def render_page(*files: Results) -> str:
             policy=write_policy(explorer is not None),
             explorer=explorer,
             files=parts,
+            live=live,
             kinds={kind: text for kind, text in EXPLANATIONS.items() if kind in found},
         )
     )
@@ -109,10 +121,10 @@ def is_page(head: bytes) -> bool:
     return head.startswith(b"<!DOCTYPE html>") and any(mark in head for mark in MARKS)
 
 
-def make_environment() -> Environment:
-    """Return what renders the templates of this folder: every text is escaped."""
+def make_environment(package: str = "pddecont.report") -> Environment:
+    """Return what renders the templates that lie in a package's folder: every text is escaped."""
     environment = Environment(
-        loader=PackageLoader("pddecont.report", "."),
+        loader=PackageLoader(package, "."),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from pddecont.plot import make_palette, name_files
 from pddecont.report.explanations import EXPLANATIONS
 from pddecont.report.packed_arrays import ArrayPacker
-from pddecont.report.page_data_attractors import describe_attractors
+from pddecont.report.page_data_attractors import choose_colours, describe_attractors
 from pddecont.report.page_data_branch import describe_branch
 from pddecont.report.page_data_orbits import describe_orbits, describe_spectra
 from pddecont.report.page_data_points import describe_points
@@ -25,16 +25,20 @@ def make_page_data(files: Sequence[Results]) -> str:
     """Return what the script of a page reads of some results files; empty if it can show nothing of them."""
     packer = ArrayPacker()
     names = name_files([results.path for results in files])
+    steps = [step for results in files for step in results.steps.values() if is_explored(step)]
+    if not steps:
+        return ""
+    colours = choose_colours([step for step in steps if step.kind == "sweep"])
     described = [
         {
             "name": name,
             "file": results.path.name,
-            "steps": [_describe_step(packer, results, step) for step in results.steps.values() if is_explored(step)],
+            "steps": [
+                _describe_step(packer, results, step, colours) for step in results.steps.values() if is_explored(step)
+            ],
         }
         for name, results in zip(names, files, strict=True)
     ]
-    if not any(file["steps"] for file in described):
-        return ""
     return packer.pack({"files": described, "colours": make_palette(N_COLOURS), "explanations": EXPLANATIONS})
 
 
@@ -43,7 +47,7 @@ def is_explored(step: Step) -> bool:
     return bool(len(step)) and step.kind in BRANCHES + ATTRACTORS
 
 
-def _describe_step(packer: ArrayPacker, results: Results, step: Step) -> dict[str, Any]:
+def _describe_step(packer: ArrayPacker, results: Results, step: Step, colours: Mapping[str, str]) -> dict[str, Any]:
     start = write_start(results, step)
     shown: dict[str, Any] = {
         "name": step.name,
@@ -58,7 +62,7 @@ def _describe_step(packer: ArrayPacker, results: Results, step: Step) -> dict[st
         "points": describe_points(packer, step),
     }
     if step.kind in ATTRACTORS:
-        return shown | {"attractors": describe_attractors(packer, step)}
+        return shown | {"attractors": describe_attractors(packer, step, colours)}
     return shown | {
         "branch": describe_branch(packer, step),
         "orbits": describe_orbits(packer, step),

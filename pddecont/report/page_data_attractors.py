@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -15,11 +16,19 @@ from pddecont.tables import find_attractors, name_motion, read_label_map
 NO_ATTRACTOR, NO_COLOUR = "no attractor", "#d9d9d9"
 
 
-def describe_attractors(packer: ArrayPacker, step: Step) -> dict[str, Any]:
+def choose_colours(sweeps: Sequence[Step]) -> dict[str, str]:
+    """Return a colour for each class of motions of some sweeps; motions that came to no attractor are grey."""
+    rows = [(step, int(row)) for step in sweeps for row in find_attractors(step)]
+    names = list(dict.fromkeys(_name_class(step, row, by_row=False) for step, row in rows))
+    return dict(zip(names, _list_colours(names), strict=True))
+
+
+def describe_attractors(packer: ArrayPacker, step: Step, colours: Mapping[str, str]) -> dict[str, Any]:
     """Return of each attractor, in the order of the step's main table, its class and its returns to the section.
 
-    ``n_returns`` says how many each has. Of basins ``map`` holds the attractor of each initial state, line by line over
-    ``x`` and ``y``.
+    Classes of sweeps have the ``colours`` that are given. ``n_returns`` says how many returns each has.
+
+    Of basins ``map`` holds the attractor of each initial state, line by line over ``x`` and ``y``.
     """
     rows = [int(row) for row in find_attractors(step)]
     by_row = step.kind == "basin"
@@ -29,7 +38,7 @@ def describe_attractors(packer: ArrayPacker, step: Step) -> dict[str, Any]:
     returns = [step.orbit(row)["returns"] for row in rows]
     shown: dict[str, Any] = {
         "classes": classes,
-        "colours": _choose_colours(classes),
+        "colours": _list_colours(classes) if by_row else [colours[name] for name in classes],
         "class": packer.add(numbers, "<u4"),
         "n_returns": packer.add([len(values) for values in returns], "<u4"),
         "returns": packer.add(np.vstack([np.empty((0, len(step.meta["states"]))), *returns]).T, "<f8"),
@@ -52,7 +61,7 @@ def _name_class(step: Step, row: int, by_row: bool) -> str:
     return f"{step.labels[row]}: {name_motion(step, row)}" if by_row else name_motion(step, row)
 
 
-def _choose_colours(classes: list[str]) -> list[str]:
+def _list_colours(classes: Sequence[str]) -> list[str]:
     """Return a colour each; motions that came to no attractor are grey."""
     left = iter(make_palette(sum(name != NO_ATTRACTOR for name in classes)))
     return [NO_COLOUR if name == NO_ATTRACTOR else next(left) for name in classes]

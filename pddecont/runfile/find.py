@@ -37,3 +37,9 @@ def find_file(name: str, base: Path | None = None) -> Path:
         return shipped[stem]
     hint = suggest(name, shipped) or f" (shipped: {', '.join(sorted(shipped))})"
     raise RunError.at(name, 0, 0, f"does not exist, and no shipped model or run has this name{hint}")
+
+
+def name_file(path: Path) -> str:
+    """Return what means the file at ``path`` from every folder: a shipped one's name, else its whole path."""
+    shipped = list_shipped().get(path.stem)
+    return path.stem if shipped is not None and shipped.resolve() == path.resolve() else str(path.resolve())

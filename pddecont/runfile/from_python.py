@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ import yaml
 
 from pddecont.errors import RunError
 from pddecont.model import Document, parse_document
-from pddecont.runfile.find import find_file
+from pddecont.runfile.find import find_file, name_file
 from pddecont.runfile.load import find_folder, is_run_file, load_document
 
 SOURCE = "<python>"
@@ -32,16 +33,16 @@ def write_run(
     if is_run_file(document):
         folder = find_folder(document)
         merged = {**data, **changes}
-        # Text from here has no folder of its own, so that the model is named in full.
+        # Text from here has no folder of its own, so that a model that is not shipped is named in full.
         if isinstance(data.get("model"), str):
-            merged["model"] = str(find_file(data["model"], folder).resolve())
+            merged["model"] = name_file(find_file(data["model"], folder))
         return _parse(merged, str(folder / SOURCE))
     block = data.get("run") or {}
     merged = {**(block if isinstance(block, dict) else {}), **changes}
     if isinstance(model, Mapping) or _is_text(model) or not Path(document.path).is_file():
         return _parse({**data, "run": merged}, SOURCE)
     # A model in a file stays there: what is wrong in it is reported at its own lines.
-    return _parse({"model": str(Path(document.path).resolve()), **merged}, str(find_folder(document) / SOURCE))
+    return _parse({"model": name_file(Path(document.path)), **merged}, str(find_folder(document) / SOURCE))
 
 
 def _document(model: str | Path | Mapping[str, Any]) -> Document:
@@ -55,7 +56,8 @@ def _is_text(model: object) -> bool:
 
 
 def _parse(data: Mapping[str, Any], path: str) -> Document:
-    return parse_document(yaml.safe_dump(_plain(data), sort_keys=False, allow_unicode=True, width=1000), path, RunError)
+    text = yaml.safe_dump(_plain(data), sort_keys=False, allow_unicode=True, width=1000)
+    return replace(parse_document(text, path, RunError), is_written=True)
 
 
 def _plain(value: Any) -> Any:

@@ -5,6 +5,8 @@ from .attractors import estimate_shares as estimate_shares
 from .attractors import find_attractors as find_attractors
 from .attractors import name_motion as name_motion
 from .attractors import read_label_map as read_label_map
+from .column_texts import describe_column as describe_column
+from .column_texts import find_unit as find_unit
 from .endings import UNRELIABLE as UNRELIABLE
 from .endings import describe_done as describe_done
 from .endings import describe_endings as describe_endings
@@ -16,6 +18,7 @@ from .equilibrium_endings import describe_switchings as describe_switchings
 from .exploration import describe_exploration_lines as describe_exploration_lines
 from .exploration import list_branches as list_branches
 from .exploration import name_settled as name_settled
+from .frames import make_frame as make_frame
 from .orbits import find_signature as find_signature
 from .orbits import has_multipliers as has_multipliers
 from .orbits import read_multipliers as read_multipliers

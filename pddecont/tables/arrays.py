@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from pddecont.errors import ResultsError
 from pddecont.results import Step
+from pddecont.tables.column_texts import describe_column, find_unit
 from pddecont.tables.endings import describe_endings
 from pddecont.tables.equilibria import holds_equilibria, read_roots
 from pddecont.tables.orbits import list_orbit, read_multipliers
@@ -49,7 +50,7 @@ def _to_array(values: list[Any]) -> NDArray[Any]:
 
 
 def make_dataset(step: Step) -> xarray.Dataset:
-    """Return :func:`make_arrays` as a data set over ``point`` (or ``t``), with units.
+    """Return :func:`make_arrays` as a data set over ``point`` (or ``t``); ``units`` and ``long_name`` are attributes.
 
     Free parameters and labels are coordinates. Where Floquet multipliers were computed they are there too, complex over
     (point, number), NaN beyond the last; so are the characteristic roots of equilibria.
@@ -60,14 +61,10 @@ def make_dataset(step: Step) -> xarray.Dataset:
         raise ResultsError(
             "data sets need xarray, which is not installed; install 'pddecont[xarray]', or use 'arrays'"
         ) from exc
-    columns, units = make_arrays(step), step.meta.get("units", {})
+    columns, table = make_arrays(step), find_main_table(step.kind)
     dim = "t" if step.kind == "simulate" else "point"
     held = [name for name in ("t", "label", *(step.meta.get("free") or [])) if name in columns]
-    variables = {
-        name: (dim, values, {"units": units[name]} if name in units else {}) for name, values in columns.items()
-    }
-    if "period" in variables and "t" in units and step.kind in ("orbit", "continue"):
-        variables["period"][2]["units"] = units["t"]
+    variables = {name: (dim, values, _describe(step, table, name)) for name, values in columns.items()}
     attributes = {
         "step": step.name,
         "kind": step.kind,
@@ -84,3 +81,9 @@ def make_dataset(step: Step) -> xarray.Dataset:
                 row[: len(z)] = z
             result[name] = (("point", "number"), values)
     return result
+
+
+def _describe(step: Step, table: str, name: str) -> dict[str, str]:
+    """Return the attributes of a variable, as the conventions for climate and forecasts name them."""
+    found = {"units": find_unit(step, table, name), "long_name": describe_column(step, table, name).text}
+    return {key: text for key, text in found.items() if text}

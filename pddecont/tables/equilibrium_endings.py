@@ -21,6 +21,13 @@ UNCOUNTED = (
     "the count of characteristic roots does not confirm those that were found: whether it is stable is not known"
 )
 
+# By whether it is recorded as stable.
+WITHOUT_UNSTABLE = {
+    1: "stable",
+    0: "no root to the right of the imaginary axis",
+    -1: "no root to the right of the imaginary axis but at least one on it: the roots do not tell whether it is stable",
+}
+
 
 def describe_equilibrium_step(step: Step, ending: Reason) -> str:
     """Return what a step found: one equilibrium near a guess, or those in a box and whether these are all."""
@@ -35,7 +42,7 @@ def describe_equilibrium_step(step: Step, ending: Reason) -> str:
     if not places:
         text = f"{('no', 'the only')[number]} equilibrium" if number < 2 else f"all {number} equilibria"
     text += f" in the box{_describe_virtual(len(step) - number, hidden)}"
-    unknown = int(np.sum(step.points["stable"] < 0))
+    unknown = int(np.sum(step.points["n_unstable"] < 0))
     text += f"; WARNING: at {unknown} of them {UNCOUNTED}" if unknown else ""
     text += f"; WARNING: {_describe_places(step, places)}" if places else ""
     return f"{text}{doubts}{switchings}"
@@ -79,7 +86,7 @@ def _describe_one(step: Step) -> str:
     elif n:
         text += f"; unstable ({n} root{'s'[: n - 1]} to the right of the imaginary axis){leading}"
     else:
-        text += f"; {'stable' if p['stable'][0] == 1 else 'no root to the right of the imaginary axis'}{leading}"
+        text += f"; {WITHOUT_UNSTABLE[int(p['stable'][0])]}{leading}"
     return text if p["admissible"][0] else f"{text}; WARNING: virtual, its mode does not hold there"
 
 

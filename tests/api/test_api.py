@@ -14,6 +14,8 @@ import pytest
 import pddecont
 import pddecont.api
 from pddecont.errors import ConvergenceError, ModelError, PddecontError, ResultsError, RunError
+from pddecont.runfile import RunBlock
+from pddecont.steps import list_step_kinds
 from tests.cli.test_cli import call
 from tests.conftest import ROOT
 from tests.runs import to_yaml
@@ -108,7 +110,7 @@ def test_a_trajectory_is_a_data_set_over_time(relay):
     ds = relay["transient"].dataset()
     assert ds.t.values[[0, -1]] == pytest.approx([0, 60])
     assert set(np.unique(ds["mode"])) == {"pull", "push"}
-    assert ds.x.attrs == {"units": "mm"}
+    assert ds.x.attrs == {"units": "mm", "long_name": "state x"}
 
 
 def test_an_orbit_by_label_and_by_index(relay):
@@ -199,6 +201,25 @@ def test_errors_are_those_of_the_command_line(arguments, error, message):
         pddecont.run(*arguments)
 
 
+@pytest.mark.parametrize(
+    ("steps", "keys", "message"),
+    [
+        ([{"name": "a", "simulate": {"t_end": "3*zz"}}], {}, "<python>: run.steps[0].simulate.t_end: 'zz' is not"),
+        ([{"name": "a", "simulate": {"t_end": 1}}, {"name": "b", "orbit": {"fro": "a"}}], {}, "run.steps[1].orbit.fro"),
+        (STEPS[:1], {"monitors": {"q": "foo(x)"}}, "<python>: run.monitors.q: unknown function 'foo'"),
+    ],
+)
+def test_what_is_wrong_in_a_mapping_is_named_by_its_keys(steps, keys, message):
+    model = {"name": "m", "states": ["x"], "modes": {"only": {"x'": "-x"}}, "initial": {"x": 1}}
+    with pytest.raises(RunError, match=re.escape(message)):
+        pddecont.run(model, steps=steps, **keys)
+
+
+def test_a_model_that_is_wrong_is_named_by_its_keys():
+    with pytest.raises(ModelError, match=re.escape("<python>: modes.only.x': 'y' is not defined")):
+        pddecont.run({"name": "m", "states": ["x"], "modes": {"only": {"x'": "-y"}}}, steps=STEPS[:1])
+
+
 def test_wrong_steps_keys_and_parameters_are_told():
     with pytest.raises(RunError, match="did you mean 'simulate'"):
         pddecont.run("relay", steps=[{"name": "a", "simulat": {}}])
@@ -250,6 +271,13 @@ def test_importing_the_package_loads_nothing_heavy():
         pddecont.nothing  # noqa: B018
 
 
+def test_what_only_shows_results_is_loaded_when_they_are_shown():
+    shown = ("matplotlib", "jinja2", "plotly", "pandas", "xarray", "IPython", "pddecont.plot.registry")
+    code = f"import sys; from pddecont.api import load, run; print([m for m in {shown} if m in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
 def test_the_examples_in_docstrings_work():
     found = doctest.testmod(pddecont.api)
     assert found.attempted >= 4
@@ -268,3 +296,18 @@ def test_a_diagram_is_explored_as_by_the_command_again_and_again(tmp_path):
         results = pddecont.explore(model, {"a": [-1, 2]}, starts=4, check=0, max_branches=n)
         assert results["explore"].kind == "explore"
         assert [name for name in results if name.startswith("branch")] == [f"branch_{k + 1}" for k in range(n)]
+
+
+def test_an_orbit_is_confirmed_where_the_effect_with_the_delay_is_left_out():
+    # Its past has no delayed values then; what is left is the forced impact oscillator.
+    found = pddecont.run("impact_oscillator", without=["feedback"], until="orbit")
+    row = found["orbit"].table()[0]
+    assert row["verified"] is True
+    assert row["K"] == 0.0
+
+
+def test_types_of_keys_are_those_of_the_schema():
+    run, explore = pddecont.api.RunKeys.__annotations__, pddecont.api.ExploreKeys.__annotations__
+    assert set(run) == set(RunBlock.model_fields) - {"set", "steps"}
+    own = set(list_step_kinds()["explore"].fields.model_fields)
+    assert set(explore) == own - {"over", "max_branches"}

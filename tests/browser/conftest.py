@@ -1,46 +1,30 @@
 """A browser without a window, and pages opened in it; ``make browser-tests`` has what is needed."""
 
+import contextlib
 import os
-import shutil
 
 import pytest
 
 from pddecont.report import render_page
 from pddecont.results import read_results
+from tests.browser.chromium import MissingBrowserError, open_browser
 from tests.browser.explored import Explored
 from tests.plot import equilibria, synthetic
 from tests.report.test_page_data import SIMULATED
 from tests.runs import run
 
-CHROMIUM = ("chromium", "chromium-browser", "google-chrome")
 # Set where a browser must be there, and a test without one fails instead of being left out.
 NEEDED = "PDDECONT_BROWSER"
 
 
-def find_browser():
-    """Return what starts a page in Chromium, and where that is; leave the test out where one is missing."""
-    path = next(filter(None, map(shutil.which, CHROMIUM)), None)
-    try:
-        from playwright.sync_api import sync_playwright
-    except ImportError:
-        sync_playwright = None
-    if not path or not sync_playwright:
-        missing = "these tests need Chromium and the package playwright: 'make browser-tests'"
-        if os.environ.get(NEEDED):
-            pytest.fail(missing)
-        pytest.skip(missing)
-    return sync_playwright, path
-
-
 @pytest.fixture(scope="session")
 def browser():
-    sync_playwright, path = find_browser()
-    with sync_playwright() as playwright:
-        # In containers tests run as root, for whom Chromium has no sandbox.
-        arguments = ["--no-sandbox"] if os.geteuid() == 0 else []
-        started = playwright.chromium.launch(executable_path=path, args=arguments)
+    with contextlib.ExitStack() as stack:
+        try:
+            started = stack.enter_context(open_browser())
+        except MissingBrowserError as exc:
+            (pytest.fail if os.environ.get(NEEDED) else pytest.skip)(str(exc))
         yield started
-        started.close()
 
 
 @pytest.fixture

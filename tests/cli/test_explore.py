@@ -64,3 +64,8 @@ def test_what_is_wrong_is_told(args, code, message, in_folder):
     found, _, err = call("explore", *args)
     assert found == code
     assert message in err
+
+
+def test_a_shipped_model_is_named_so_that_the_file_tells_no_folder(explored):
+    results = read_results(explored[0])
+    assert results.run_text.startswith("model: bouncing_ball\n")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pddecont.errors import ConvergenceError, ResultsError, RunError
-from pddecont.tables import describe_reason
+from pddecont.tables import describe_done, describe_reason
 from pddecont.tables.equilibria import list_roots, list_special_equilibria
 from tests.equilibrium.hopf_models import WRIGHT
 from tests.runs import labels, parameter, plan, run
@@ -219,3 +219,29 @@ def test_states_that_grow_thousandfold_do_not_shorten_the_steps(tmp_path):
     assert np.min(x) < 1e-10 and np.max(x) > 4.9
     assert len(step) < 150
     assert sorted(x[step.points["kind"] == b"LP"]) == pytest.approx([2 - np.sqrt(0.9), 2 + np.sqrt(0.9)], abs=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("equations", "stable", "words"),
+    [
+        # Roots +-i, and of x'(t) = -pi/2 x(t - 1) +-i pi/2.
+        ({"x'": "v", "v'": "-x", "z'": "-z"}, -1, "do not tell whether it is stable"),
+        ({"x'": "-pi/2*x(t - 1)"}, -1, "do not tell whether it is stable"),
+        ({"x'": "v", "v'": "-x - 1e-9*v"}, 1, "stable, leading root"),
+        ({"x'": "v", "v'": "-x + 1e-9*v"}, 0, "unstable (2 roots"),
+        # One that grows decides, whatever lies on the axis.
+        ({"x'": "v", "v'": "-x", "z'": "z"}, 0, "unstable (1 root"),
+    ],
+)
+def test_roots_on_the_axis_do_not_tell_stability(tmp_path, equations, stable, words):
+    states = [name.rstrip("'") for name in equations]
+    model = {"name": "axis", "states": states, "parameters": {"b": 0.5}, "equations": equations}
+    steps = [
+        {"name": "rest", "equilibrium": {"from": {}}},
+        {"name": "along", "continue": {"from": "rest", "free": ["b"], "range": {"b": [0, 1]}}},
+    ]
+    results = run({**model, "run": {"steps": steps}}, tmp_path / "a.h5")
+    assert results.step("rest").points["stable"].tolist() == [stable]
+    assert results.step("rest").points["n_unstable"][0] == (0 if stable else int(words[10]))
+    assert set(results.step("along").points["stable"].tolist()) == {stable}
+    assert words in describe_done(results.step("rest"))

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+import yaml
 
 from pddecont.cli.export import to_csv
 from pddecont.errors import ConvergenceError, ResultsError, RunError
@@ -192,8 +193,9 @@ def test_what_is_wrong_is_told_before_a_run(source, step, words, impacts, tmp_pa
     write_rough(tmp_path / "x.csv", impacts, 0, columns=())
     orbit = {"from": {"trajectory": "x.csv", **source}, **step}
     whole = {"model": "wall_oscillator", "set": {"omega": 2.35}, "steps": [{"name": "orbit", "orbit": orbit}]}
+    (tmp_path / "run.yaml").write_text(yaml.safe_dump(whole, sort_keys=False))
     with pytest.raises(RunError, match=words) as caught:
-        plan(whole)
+        plan("run.yaml")
     assert all(problem.line > 1 and problem.column > 1 for problem in caught.value.problems)
 
 

@@ -64,7 +64,7 @@ def equilibrium_to_row(
     that it has on the imaginary axis by its nature (None: it has none).
     """
     admissible = find_passed_side(at, on_surface) is None
-    known, n_unstable = roots.counted, (roots if others is None else others).n_unstable
+    deciding = roots if others is None else others
     motion, period = at.motion, 2.0 * np.pi / frequency if frequency > 0.0 else 1.0
     resting = make_resting_orbit(motion.numeric, motion.mode, at.states, at.parameters, motion.method, period)
     points: dict[str, Any] = {
@@ -72,10 +72,10 @@ def equilibrium_to_row(
         "arclength": arclength,
         "parameters": at.motion.numeric.with_fixed(at.parameters),
         "states": at.states,
-        "stable": int(n_unstable == 0 and admissible) if known else -1,
+        "stable": _find_stable(deciding, admissible),
         "admissible": admissible,
         "counted": roots.counted,
-        "n_unstable": n_unstable if known else -1,
+        "n_unstable": deciding.n_unstable if deciding.counted else -1,
         "frequency": frequency,
         "coefficient": coefficient,
         "error_estimate": error,
@@ -94,6 +94,14 @@ def equilibrium_to_row(
         "signature": np.frombuffer(at.motion.mode.encode(), dtype=np.uint8),
     }
     return points, rows
+
+
+def _find_stable(roots: Roots, admissible: bool) -> int:
+    """Return 1 for a stable equilibrium, 0 for one that is none or is virtual, -1 where the roots do not tell."""
+    if not roots.counted:
+        return -1
+    stable = roots.stable if admissible else False
+    return -1 if stable is None else int(stable)
 
 
 def add_doubts(reason: Reason, at: Equilibrium, roots: Roots) -> Reason:

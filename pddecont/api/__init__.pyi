@@ -1,0 +1,16 @@
+from .computation import EXPLORATION as EXPLORATION
+from .computation import compute as compute
+from .computation import explore as explore
+from .computation import plan as plan
+from .computation import plan_exploration as plan_exploration
+from .computation import run as run
+from .orbit import Orbit as Orbit
+from .pages import check_report as check_report
+from .pages import write_report as write_report
+from .point import Point as Point
+from .run_keys import ExploreKeys as ExploreKeys
+from .run_keys import RunKeys as RunKeys
+from .run_results import RunResults as RunResults
+from .run_results import load as load
+from .step_results import StepResults as StepResults
+from .table import Table as Table
