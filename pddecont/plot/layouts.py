@@ -68,6 +68,13 @@ def make_panels(n: int) -> tuple[Figure, list[Axes]]:
     return figure, panels[:n]
 
 
+def make_pair() -> tuple[Figure, list[Axes]]:
+    """Return a figure and its two panels, side by side or, in a picture as narrow as a journal's column, stacked."""
+    figure = make_figure(3.4, 5.0) if _is_narrow() else make_figure(9.6, 4.4)
+    shape = (2, 1) if _is_narrow() else (1, 2)
+    return figure, list(np.ravel(figure.subplots(*shape, squeeze=False)))
+
+
 def make_stack(width: float, height: float, n: int, ratios: Sequence[float] | None = None) -> tuple[Figure, list[Axes]]:
     """Return a figure and its ``n`` panels one below the other over one horizontal axis, as high as ``ratios`` say."""
     figure = make_figure(width, height)

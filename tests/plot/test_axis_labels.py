@@ -25,7 +25,17 @@ def test_a_label_is_a_name_and_its_unit():
 
 @pytest.mark.parametrize(
     ("name", "text"),
-    [("contact_time", "contact time"), ("x_1", "$x_{1}$"), ("omega", r"$\omega$"), ("top", "top"), ("a_b_c", "a b c")],
+    [
+        ("contact_time", r"$\mathit{contact\ time}$"),
+        ("x_1", "$x_{1}$"),
+        ("x1", "$x_{1}$"),
+        ("omega", r"$\omega$"),
+        ("tau2", r"$\tau_{2}$"),
+        ("top", r"$\mathit{top}$"),
+        ("a_b_c", r"$\mathit{a\ b\ c}$"),
+        ("error_estimate", "error estimate"),
+        ("x(t - tau)", "x(t - tau)"),
+    ],
 )
 def test_a_name_is_written_as_mathematics_or_in_words(name, text):
     assert format_name(name) == text
