@@ -18,6 +18,8 @@ COLUMNS = (
 )
 # A letter, Greek or not, and a number.
 _NUMBERED = re.compile(r"([A-Za-z]|" + "|".join(GREEK) + r")(\d+)")
+# A delayed value, as recorded orbits name it.
+_DELAYED = re.compile(r"([A-Za-z]\w*)\(t - ([A-Za-z]\w*)\)", re.ASCII)
 _POWER = re.compile(r"(?:\^|\*\*)\(?(-?\d+)\)?")
 
 
@@ -35,6 +37,8 @@ def format_name(name: str) -> str:
     """
     if name in COLUMNS:
         return name.replace("_", " ")
+    if delayed := _DELAYED.fullmatch(name):
+        return "{}$(t - ${}$)$".format(*map(format_name, delayed.groups())).replace("$$", "")
     # In a file from somebody else a name may hold anything.
     name = name.replace("$", r"\$")
     if not name.isidentifier() or not name.isascii():
