@@ -129,7 +129,7 @@ def draw_plane(axes: Axes, steps: Sequence[Step], x: str, y: str) -> tuple[list[
     n_numbers = sum(write_side_counts(axes, step, x, y) for step in steps)
     axes.set_xlabel(format_axis_label(steps, x))
     axes.set_ylabel(format_axis_label(steps, y))
-    handles = [*make_curve_handles(steps), *make_style_handles(steps)]
+    handles = [*make_curve_handles(steps, marked=True), *make_style_handles(steps)]
     numbers = [make_line_handle(NUMBERS, ls="")] if n_numbers else []
     return name_apart(labels), [*handles, *_make_point_handles(steps), *_make_side_handles(shaded), *numbers]
 
@@ -157,11 +157,13 @@ def find_stable_side(step: Step) -> NDArray[np.bool_] | None:
     return np.asarray(stable == 1) if np.any(stable >= 0) else None
 
 
-def make_curve_handles(steps: Sequence[Step]) -> list[Artist]:
-    """Return the legend's handles, one a sort of curve, in words."""
+def make_curve_handles(steps: Sequence[Step], *, marked: bool = False) -> list[Artist]:
+    """Return the legend's handles, one a sort of curve, in words; of several sorts ``marked`` ones have their marks."""
     sorts = _name_sorts(steps, _describe_curves)
     return [
-        make_line_handle(words, color=sort.colour, lw=1.8, **(make_hollow_mark(sort) if len(sorts) > 1 else {}))
+        make_line_handle(
+            words, color=sort.colour, lw=1.8, **(make_hollow_mark(sort) if marked and len(sorts) > 1 else {})
+        )
         for sort, words in sorts.items()
     ]
 
