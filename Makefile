@@ -10,7 +10,7 @@ FIRST ?= 1000
 BEFORE ?= 0d30e19
 LARGE ?=
 
-.PHONY: setup demo figures test browser browser-tests page-times page-pictures reliability random-models random-delays stress packages check docs reference layers bench versions cost tracking chain-order schema clean \
+.PHONY: setup demo figures images test browser browser-tests page-times page-pictures reliability random-models random-delays stress packages check docs reference layers bench versions cost tracking chain-order schema clean \
   distclean
 setup: $(ENV)/ready
 
@@ -107,6 +107,9 @@ reference: setup     ## pages of docs/reference from the schemas and the command
 
 layers: setup        ## the picture in docs/architecture.md of which folder imports which
 	$(BIN)/python docs/layers.py
+
+images: figures cost  ## the pictures in docs/images that commands draw
+	$(BIN)/python docs/draw_images.py $(FIGURES) $(OUT)
 
 docs: setup          ## the pages of docs/ as a site in out/site; warnings are errors
 	$(BIN)/python -m pip install --quiet -e ".[docs]"

@@ -11,6 +11,15 @@ GREEK = (
     *("alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "kappa", "lambda", "mu", "nu"),
     *("xi", "pi", "rho", "sigma", "tau", "phi", "chi", "psi", "omega"),
 )
+# Columns of their own that axes may show beside parameters and monitors.
+COLUMNS = (
+    *("period", "error_estimate", "clearance", "arclength", "n_unstable", "trivial_error"),
+    *("frequency", "coefficient"),
+)
+# A letter, Greek or not, and a number.
+_NUMBERED = re.compile(r"([A-Za-z]|" + "|".join(GREEK) + r")(\d+)")
+# A delayed value, as recorded orbits name it.
+_DELAYED = re.compile(r"([A-Za-z]\w*)\(t - ([A-Za-z]\w*)\)", re.ASCII)
 _POWER = re.compile(r"(?:\^|\*\*)\(?(-?\d+)\)?")
 
 
@@ -22,14 +31,24 @@ def format_axis_label(steps: Step | Sequence[Step], name: str) -> str:
 
 
 def format_name(name: str) -> str:
-    """Return a name as it is written in mathematics: ``tau_d`` with its Greek letter and index."""
+    """Return a name in italics, as in mathematics: ``tau_d`` with its Greek letter and index, words as they are.
+
+    Columns that every file has (:data:`COLUMNS`) are no names but words.
+    """
+    if name in COLUMNS:
+        return name.replace("_", " ")
+    if delayed := _DELAYED.fullmatch(name):
+        return "{}$(t - ${}$)$".format(*map(format_name, delayed.groups())).replace("$$", "")
     # In a file from somebody else a name may hold anything.
     name = name.replace("$", r"\$")
-    if "(" in name:
+    if not name.isidentifier() or not name.isascii():
         return name
     first, _, rest = name.partition("_")
+    if not rest and (numbered := _NUMBERED.fullmatch(first)):
+        first, rest = numbered.groups()
     if "_" in rest or not (first in GREEK or len(first) == 1):
-        return name.replace("_", " ")
+        words = name.strip("_").replace("_", r"\ ") or r"\_"
+        return f"$\\mathit{{{words}}}$"
     body = f"\\{first}" if first in GREEK else first
     # An index of several letters is a word.
     index = rest if len(rest) < 2 or rest.isdigit() else f"\\mathrm{{{rest}}}"

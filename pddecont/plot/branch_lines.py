@@ -28,19 +28,25 @@ MARKS = {
 
 
 def draw_parts(
-    axes: Axes, step: Step, xs: Array, heights: Array, find_colour: Callable[[Step, Family], str], width: float
+    axes: Axes,
+    step: Step,
+    columns: Array,
+    find_colour: Callable[[Step, Family], str],
+    width: float,
+    slopes: Array | None = None,
 ) -> None:
-    """Draw a branch, lines ``heights`` (n_lines, n_points) over ``xs`` (n_points,), in the colours of its families.
+    """Draw a branch, ``columns`` (1 + n_lines, n_points) over the first one, in the colours of its families.
 
+    ``slopes`` are those of the columns along the branch, as :func:`smooth_branch` takes them.
     Unstable parts are dashed, those that are not admissible dotted and thinner than the ``width`` in points; one or two
     points alone are marked, and so are points that lie on no branch (:data:`MARKS`).
     """
-    line = smooth_branch(step, np.vstack([xs, heights])) if step.format.has_branch else None
+    line = smooth_branch(step, columns, slopes) if step.format.has_branch else None
     for part in split_branch(step):
-        style: dict[str, Any] = {"ls": part.style, "marker": "." if len(xs) < 3 else None}
+        style: dict[str, Any] = {"ls": part.style, "marker": "." if columns.shape[1] < 3 else None}
         if not step.format.has_branch and holds_equilibria(step):
             style = {"ls": "", **MARKS[part.style]}
-        shown_xs, *shown = np.vstack([xs, heights])[:, part.rows] if line is None else line[:, slice_part(part)]
+        shown_xs, *shown = columns[:, part.rows] if line is None else line[:, slice_part(part)]
         for ys in shown:
             axes.plot(
                 shown_xs,

@@ -9,16 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.errors import ResultsError, suggest
-from pddecont.plot.axis_labels import format_name
+from pddecont.plot.axis_labels import COLUMNS, format_name
 from pddecont.plot.engineering import write_number
 from pddecont.results import Step
 from pddecont.tables import holds_equilibria
-
-# Columns of their own that axes may show beside parameters and monitors.
-PLAIN = (
-    *("period", "error_estimate", "clearance", "arclength", "n_unstable", "trivial_error"),
-    *("frequency", "coefficient"),
-)
 
 
 def read_column(step: Step, name: str) -> NDArray[Any]:
@@ -36,7 +30,7 @@ def list_columns(step: Step) -> list[str]:
     """Return the names that :func:`read_column` takes."""
     return [
         *(name for group in _list_groups(step) for name in step.meta[group]),
-        *(n for n in PLAIN if n in step.points),
+        *(n for n in COLUMNS if n in step.points),
     ]
 
 

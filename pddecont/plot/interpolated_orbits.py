@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,8 +13,8 @@ from pddecont.errors import ResultsError
 from pddecont.results import Step
 
 Array = NDArray[np.float64]
-# Points of a curve in one mesh interval: a polynomial of degree 20 looks smooth.
-PER_INTERVAL = 24
+# Points of a curve in one mesh interval: one over the whole width of a picture looks smooth.
+PER_INTERVAL = 64
 
 
 def interpolate_segments(step: Step, row: int, what: str = "states") -> list[tuple[Array, Array]]:
@@ -27,6 +30,16 @@ def interpolate_segments(step: Step, row: int, what: str = "states") -> list[tup
         inside = orbit["segment"] == number
         result.append(_interpolate(orbit["time"][inside], orbit[what][inside], degree))
     return result
+
+
+def interpolate_values(orbit: Mapping[str, Any], values: Array) -> Array:
+    """Return what has a value at each base point of an orbit, shape (n_base,), between them, in order, shape (n,)."""
+    degree, segment, times = int(orbit["mesh"][0]), orbit["segment"], orbit["time"]
+    found = [
+        _interpolate(times[segment == number], values[segment == number, None], degree)[1][:, 0]
+        for number in np.unique(segment)
+    ]
+    return np.concatenate(found)
 
 
 def _interpolate(times: Array, values: Array, degree: int) -> tuple[Array, Array]:

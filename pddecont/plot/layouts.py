@@ -58,14 +58,21 @@ def make_axes(width: float, height: float) -> tuple[Figure, Axes]:
 
 
 def make_panels(n: int) -> tuple[Figure, list[Axes]]:
-    """Return a figure and its ``n`` panels of equal size, at most three in a row."""
-    columns = 2 if n == 4 else min(n, 3)
+    """Return a figure and its ``n`` panels of equal size, at most three in a row, one in a narrow picture."""
+    columns = 1 if _is_narrow() else 2 if n == 4 else min(n, 3)
     rows = -(-n // columns)
-    figure = make_figure(4.2 * columns, 3.4 * rows)
+    figure = make_figure(3.4, 2.4 * rows) if _is_narrow() else make_figure(4.2 * columns, 3.4 * rows)
     panels = list(np.ravel(figure.subplots(rows, columns, squeeze=False)))
     for spare in panels[n:]:
         spare.set_visible(False)
     return figure, panels[:n]
+
+
+def make_pair() -> tuple[Figure, list[Axes]]:
+    """Return a figure and its two panels, side by side or, in a picture as narrow as a journal's column, stacked."""
+    figure = make_figure(3.4, 5.0) if _is_narrow() else make_figure(9.6, 4.4)
+    shape = (2, 1) if _is_narrow() else (1, 2)
+    return figure, list(np.ravel(figure.subplots(*shape, squeeze=False)))
 
 
 def make_stack(width: float, height: float, n: int, ratios: Sequence[float] | None = None) -> tuple[Figure, list[Axes]]:
@@ -87,7 +94,9 @@ def make_panel_beside_orbits(
         return make_axes(6.4, 4.4)
     figure, axes, panels = _make_room_below(len(rows)) if _is_narrow() else _make_room_beside(len(rows))
     for panel, (step, row), own in zip(panels, rows, colours, strict=True):
-        draw_orbit(panel, step, row, states[0], states[1], own, describe_point(step, row))
+        shared = any(s.name != step.name and s.labels[i] == step.labels[row] for s, i in rows)
+        title = f"{step.name}: {describe_point(step, row)}" if shared else describe_point(step, row)
+        draw_orbit(panel, step, row, states[0], states[1], own, title)
     name_segments(panels, rows)
     return figure, axes
 

@@ -43,7 +43,7 @@ register_view(
 register_view(
     View(
         "plane",
-        "curves of special points in two parameters",
+        "curves of special points in two parameters, and the branches that they start from",
         "pddecont.plot.views.plane:DRAWING",
         places={"curve": 0, "equilibrium_curve": 0},
         together=("curve", "equilibrium_curve"),

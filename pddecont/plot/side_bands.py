@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.plot.columns import list_free_parameters, read_column
+from pddecont.plot.columns import list_free_parameters
+from pddecont.plot.slopes import read_columns_with_slopes
 from pddecont.plot.smooth_lines import PIECES, smooth_branch
 from pddecont.plot.special_points import read_curve_sort
 from pddecont.results import Step
@@ -61,7 +62,7 @@ def find_sides(axes: Axes, step: Step, x: str, y: str) -> Sides | None:
     rows = step.order
     limits = np.array([axes.get_xlim(), axes.get_ylim()])
     scale = np.array([axes.bbox.width, axes.bbox.height]) / (limits[:, 1] - limits[:, 0])
-    curve = smooth_branch(step, np.vstack([read_column(step, x), read_column(step, y)])).T * scale
+    curve = smooth_branch(step, *read_columns_with_slopes(step, x, y)).T * scale
     normals = _find_normals(curve)
     side = step.points["side"][rows][:, [free.index(x), free.index(y)]] * scale
     return Sides(rows, curve, normals, np.sign(np.nan_to_num(np.sum(normals[::PIECES] * side, axis=1))), scale)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 # Of more steps labels stay short, and repeat.
 MOST_NAMED = 4
-# Points of two steps whose places differ by less than this part of them all are one.
+# Points of two steps whose places differ by less than this part of the largest are one.
 SAME_PLACE = 1e-6
 # The kind of an end point of a branch, which is labelled and recorded as special points are but is not marked.
 END = "EP"
@@ -75,7 +75,7 @@ def name_apart(labels: Mapping[str, Sequence[PointLabel]]) -> list[PointLabel]:
     if len(labels) > MOST_NAMED or not together:
         return [label for _, label in together]
     places = np.array([(label.x, label.y) for _, label in together])
-    size = np.ptp(places, axis=0)
+    size = np.maximum(np.ptp(places, axis=0), np.max(np.abs(places), axis=0))
     apart = np.any(np.abs(places[:, None] - places[None]) > SAME_PLACE * size, axis=2)
 
     def has_double(k: int) -> bool:

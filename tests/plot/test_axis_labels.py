@@ -16,7 +16,7 @@ def test_a_label_is_a_name_and_its_unit():
     assert format_axis_label(step, "tau_d") == r"$\tau_{d}$ (s)"
     assert format_axis_label([step], "x") == "$x$ (m/s$^{2}$)"
     assert format_axis_label(step, "K") == "$K$ (N*s$^{-1}$)"
-    assert format_axis_label(step, "x(t - tau_d)") == "x(t - tau_d) (m/s$^{2}$)"
+    assert format_axis_label(step, "x(t - tau_d)") == r"$x(t - \tau_{d})$ (m/s$^{2}$)"
     assert format_axis_label(step, "period") == "period (s)"
     assert format_axis_label(step, "h_GR") == r"$h_{\mathrm{GR}}$"
     assert find_unit({}, "x") == ""
@@ -25,7 +25,18 @@ def test_a_label_is_a_name_and_its_unit():
 
 @pytest.mark.parametrize(
     ("name", "text"),
-    [("contact_time", "contact time"), ("x_1", "$x_{1}$"), ("omega", r"$\omega$"), ("top", "top"), ("a_b_c", "a b c")],
+    [
+        ("contact_time", r"$\mathit{contact\ time}$"),
+        ("x_1", "$x_{1}$"),
+        ("x1", "$x_{1}$"),
+        ("omega", r"$\omega$"),
+        ("tau2", r"$\tau_{2}$"),
+        ("top", r"$\mathit{top}$"),
+        ("a_b_c", r"$\mathit{a\ b\ c}$"),
+        ("error_estimate", "error estimate"),
+        ("x(t - tau)", r"$x(t - \tau)$"),
+        ("x(t - tau - T)", "x(t - tau - T)"),
+    ],
 )
 def test_a_name_is_written_as_mathematics_or_in_words(name, text):
     assert format_name(name) == text

@@ -15,7 +15,8 @@ def names(views):
 @pytest.mark.parametrize(
     ("request_", "view", "steps"),
     [
-        (ViewRequest(), "plane", ["grazing", "folds"]),
+        (ViewRequest(), "plane", ["in_gain", "doubled", "grazing", "folds"]),
+        (ViewRequest("plane"), "plane", ["grazing", "folds"]),
         (ViewRequest("diagram"), "diagram", ["in_gain", "doubled"]),
         (ViewRequest("orbit"), "orbit", ["folds"]),
         (ViewRequest("multipliers"), "multipliers", ["doubled"]),

@@ -31,6 +31,8 @@ NOWHERE, NO_CLASS = "#d9d9d9", "none"
 OPACITY = 0.75
 # Attractors that a legend lists: below a figure of one basin, and below one panel of several.
 MAX_ATTRACTORS, MAX_IN_PANEL = 20, 6
+# How far below a panel its legend begins, in inches: under the numbers and the name of the axis.
+LEGEND_BELOW = 0.42
 # Letters of a reason in one line of a legend.
 LINE_LENGTH = 44
 # A note goes on after these with numbers and advice.
@@ -39,6 +41,8 @@ _END_OF_REASON = re.compile(r": |; | \(| (?:at|near|after) t = ")
 
 def draw_figure(steps: list[Step], request: ViewRequest) -> Figure:
     """Return a panel for each basin, with the parameters in which they differ."""
+    from matplotlib.transforms import ScaledTranslation
+
     colours = assign_attractor_colours(steps)
     if len(steps) == 1:
         figure, axes = make_axes(6.4, 5.4)
@@ -49,7 +53,8 @@ def draw_figure(steps: list[Step], request: ViewRequest) -> Figure:
     for axes, step, title in zip(panels, steps, titles, strict=True):
         handles = draw_basin(axes, step, colours, MAX_IN_PANEL)
         axes.set_title(title or step.name, fontsize=TITLE_SIZE)
-        axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.16), fontsize=7.5)
+        below = axes.transAxes + ScaledTranslation(0.0, -LEGEND_BELOW, figure.dpi_scale_trans)
+        axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, 0.0), bbox_transform=below, fontsize=7.5)
     return figure
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from pddecont.plot.axis_labels import format_axis_label
 from pddecont.plot.births import find_birth
 from pddecont.plot.branch_colours import BranchColours, assign_branch_colours, make_style_handles
@@ -17,6 +19,7 @@ from pddecont.plot.limits import widen_for_columns
 from pddecont.plot.point_labels import PointLabel
 from pddecont.plot.point_selection import select_orbits
 from pddecont.plot.segment_colours import match_diagram
+from pddecont.plot.slopes import read_slopes
 from pddecont.plot.special_points import mark_special_points, name_apart
 from pddecont.plot.view import Drawing, ViewRequest
 from pddecont.results import Results, Step
@@ -49,8 +52,10 @@ def draw_diagram(
     """Draw branches: unstable parts dashed, not admissible ones dotted, in ``colours`` or those of signatures.
 
     Where ``y`` is a state equilibria are one line, and orbits two: the state's largest and its smallest value. Returns
-    the labels of special points, which go in last, and the handles of the legend.
+    the labels of special points, which go in last, and the handles of the legend. Branches that ``y`` says nothing of
+    are left out.
     """
+    steps = [step for step in steps if np.isfinite(read_heights(step, y)).any()] or steps
     chosen = colours or assign_branch_colours(steps)
 
     def find_colour(step: Step, family: Family) -> str:
@@ -59,7 +64,8 @@ def draw_diagram(
     labels: dict[str, list[PointLabel]] = {}
     columns, heights = [read_column(step, x) for step in steps], [read_heights(step, y) for step in steps]
     for step, xs, lines in zip(steps, columns, heights, strict=True):
-        draw_parts(axes, step, xs, lines, find_colour, WIDTH)
+        slopes = np.vstack([read_slopes(step, x), read_slopes(step, y)])
+        draw_parts(axes, step, np.vstack([xs, lines]), find_colour, WIDTH, slopes)
         birth = find_birth(step, steps)
         if birth and len(lines) > 1:
             source, row = birth

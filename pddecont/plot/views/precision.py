@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pddecont.plot.axis_labels import format_name
 from pddecont.plot.chain_distances import METHOD_MARKERS, draw_distances
-from pddecont.plot.layouts import finish_figure, make_figure
+from pddecont.plot.layouts import finish_figure, make_panels
 from pddecont.plot.style import COLOURS
 from pddecont.plot.view import Drawing, ViewRequest
 from pddecont.results import Step
@@ -34,8 +34,7 @@ def draw_figure(steps: list[Step], request: ViewRequest) -> Figure:
     step = steps[0]
     costs = [request.x] if request.x else list_costs(step)
     n_panels = len(costs) + (bool(measure_distances(step)) and not request.x)
-    figure = make_figure(4.4 * n_panels, 4.6)
-    panels = list(figure.subplots(1, n_panels, squeeze=False)[0])
+    figure, panels = make_panels(n_panels)
     handles = [draw_work(axes, step, cost) for axes, cost in zip(panels, costs, strict=False)]
     for axes in panels[1 : len(costs)]:
         axes.set_ylabel("")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,11 +11,13 @@ from numpy.typing import NDArray
 from pddecont.errors import ResultsError
 from pddecont.plot.axis_labels import format_axis_label
 from pddecont.plot.branch_returns import draw_branch_returns
+from pddecont.plot.class_colours import assign_class_colours, find_inside, find_middle, list_attractor_rows
 from pddecont.plot.columns import find_state, list_free_parameters, read_parameter, share_values
 from pddecont.plot.layouts import finish_figure, make_axes, make_stack
 from pddecont.plot.legend import make_area_handle, make_line_handle
 from pddecont.plot.limits import measure_size, varies, widen_axis
-from pddecont.plot.style import COLOURS
+from pddecont.plot.point_labels import PointLabel
+from pddecont.plot.style import LABEL_SHARE, scale_text
 from pddecont.plot.view import Drawing, ViewRequest
 from pddecont.results import Results, Step
 from pddecont.tables import name_motion
@@ -26,9 +28,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
-# Classes of motion that have a colour of their own; the others are grey.
-MAX_CLASSES = 7
-OTHER_COLOUR = "0.6"
 # Dots are smaller the more there are: (beyond so many, size in points); beyond the last number they are an image.
 DOT_SIZES = ((0, 5.0), (1000, 3.0), (5000, 1.2))
 MAX_VECTOR_DOTS = 20_000
@@ -46,11 +45,11 @@ def draw_figure(steps: list[Step], request: ViewRequest) -> Figure:
     measured = [s for s in sweeps if np.any(np.isfinite(s.points["lyapunov"]))]
     figure, panels = make_stack(7.4, 6.6, 2, [2, 1]) if measured else make_stack(7.4, 4.6, 1)
     labels, of_branches = draw_branch_returns(panels[0], branches, sweeps[-1], x, y)
-    handles = [*draw_returns(panels[0], sweeps, x, y), *of_branches]
+    numbers, of_classes = draw_returns(panels[0], sweeps, x, y)
     if measured:
         panels[0].set_xlabel("")
         draw_exponents(panels[1], measured, x)
-    return finish_figure(figure, panels[0], labels, handles)
+    return finish_figure(figure, panels[0], [*labels, *numbers], [*of_classes, *of_branches])
 
 
 def choose_steps(steps: list[Step], results: Results, request: ViewRequest) -> list[Step]:
@@ -82,33 +81,19 @@ def choose_state(steps: Sequence[Step]) -> str:
     return next(found, states[0])
 
 
-def assign_class_colours(steps: Sequence[Step]) -> dict[str, str]:
-    """Return the colour of each class of motion, the most frequent first; those beyond the palette are grey."""
-    counts: dict[str, int] = {}
-    for step in steps:
-        for i in _list_attractors(step):
-            name = name_motion(step, i)
-            counts[name] = counts.get(name, 0) + 1
-    ordered = sorted(counts, key=lambda name: (-counts[name], name))
-    return {name: COLOURS[k] if k < MAX_CLASSES else OTHER_COLOUR for k, name in enumerate(ordered)}
+def draw_returns(axes: Axes, steps: Sequence[Step], x: str, state: str) -> tuple[list[PointLabel], list[Artist]]:
+    """Draw the returns of all attractors over the parameter ``x``.
 
-
-def name_colours(colours: Mapping[str, str]) -> dict[str, str]:
-    """Return what a legend lists of the classes and their colours: those that are grey together, with their number."""
-    grey = [name for name, colour in colours.items() if colour == OTHER_COLOUR]
-    if len(grey) < 2:
-        return dict(colours)
-    return {name: colours[name] for name in colours if name not in grey} | {f"{len(grey)} other classes": OTHER_COLOUR}
-
-
-def draw_returns(axes: Axes, steps: Sequence[Step], x: str, state: str) -> list[Artist]:
-    """Draw the returns of all attractors over the parameter ``x``, and return the handles of the legend."""
-    colours = assign_class_colours(steps)
-    for name, colour in reversed(colours.items()):
+    Returns the numbers of classes that have one, as labels, and the handles of the legend.
+    """
+    classes, labels = assign_class_colours(steps), []
+    for name, colour in reversed(list(classes.colours.items())):
+        found = []
         for step in steps:
             xs, j = read_parameter(step, x), find_state(step, state)
-            rows = [i for i in _list_attractors(step) if name_motion(step, i) == name]
+            rows = [i for i in list_attractor_rows(step) if name_motion(step, i) == name]
             returns = [step.orbit(i)["returns"][:, j] for i in rows]
+            found += [(float(xs[i]), float(values[0])) for i, values in zip(rows, returns, strict=True) if len(values)]
             ys = np.concatenate([np.empty(0), *returns])
             size = [size for least, size in DOT_SIZES if len(ys) >= least][-1]
             axes.plot(
@@ -121,19 +106,22 @@ def draw_returns(axes: Axes, steps: Sequence[Step], x: str, state: str) -> list[
                 zorder=3,
                 rasterized=len(ys) > MAX_VECTOR_DOTS,
             )
+        if name in classes.numbers and found:
+            place = found[find_middle(np.array([place for place, _ in found]))]
+            labels.append(PointLabel(str(classes.numbers[name]), *place))
     widen_axis(axes, "y", measure_size(steps, _collect_returns(steps, state)))
     axes.set_xlabel(format_axis_label(steps, x))
     axes.set_ylabel(f"{format_axis_label(steps, state)} at returns")
-    return [make_line_handle(name, marker=".", ls="", color=colour) for name, colour in name_colours(colours).items()]
+    return labels, [make_line_handle(text, marker=".", ls="", color=c) for text, c in classes.list_legend()]
 
 
 def draw_exponents(axes: Axes, steps: Sequence[Step], x: str) -> None:
     """Draw the largest Lyapunov exponents of all attractors over the parameter ``x``."""
-    colours = assign_class_colours(steps)
+    classes = assign_class_colours(steps)
     for step in steps:
         xs = read_parameter(step, x)
-        for name, colour in colours.items():
-            rows = [i for i in _list_attractors(step) if name_motion(step, i) == name]
+        for name, colour in classes.colours.items():
+            rows = [i for i in list_attractor_rows(step) if name_motion(step, i) == name]
             axes.plot(xs[rows], step.points["lyapunov"][rows], ".", ms=3.5, mew=0, color=colour)
     axes.axhline(0.0, color="0.3", lw=0.8)
     axes.set_xlabel(format_axis_label(steps, x))
@@ -144,11 +132,11 @@ def draw_classes(axes: Axes, step: Step, x: str, y: str) -> list[Artist]:
     """Draw over two parameters which class of motion most starts lead to, and return the handles of the legend."""
     from matplotlib.colors import ListedColormap
 
-    colours = assign_class_colours([step])
-    names = list(colours)
+    classes = assign_class_colours([step])
+    names = list(classes.colours)
     (xs, columns), (ys, rows) = (np.unique(read_parameter(step, name), return_inverse=True) for name in (x, y))
     best, image = np.zeros((len(ys), len(xs))), np.full((len(ys), len(xs)), np.nan)
-    for i in _list_attractors(step):
+    for i in list_attractor_rows(step):
         cell, share = (rows[i], columns[i]), step.points["share"][i]
         if share > best[cell]:
             best[cell], image[cell] = share, names.index(name_motion(step, i))
@@ -156,26 +144,35 @@ def draw_classes(axes: Axes, step: Step, x: str, y: str) -> list[Artist]:
         xs,
         ys,
         np.ma.masked_invalid(image),
-        cmap=ListedColormap(list(colours.values())),
+        cmap=ListedColormap(list(classes.colours.values())),
         vmin=-0.5,
         vmax=len(names) - 0.5,
         shading="nearest",
         rasterized=True,
     )
+    for name, number in classes.numbers.items():
+        if np.any(image == names.index(name)):
+            row, column = find_inside(image == names.index(name))
+            _write_number(axes, number, xs[column], ys[row])
     axes.grid(False)
     axes.set_xlabel(format_axis_label(step, x))
     axes.set_ylabel(format_axis_label(step, y))
-    return [make_area_handle(name, color=colour) for name, colour in name_colours(colours).items()]
+    return [make_area_handle(text, color=colour) for text, colour in classes.list_legend()]
 
 
-def _list_attractors(step: Step) -> list[int]:
-    """Return the rows that are attractors, not motions that failed."""
-    return [i for i in range(len(step)) if step.labels[i]]
+def _write_number(axes: Axes, number: int, x: float, y: float) -> None:
+    """Write a class's number into its region, with a rim that keeps it readable on every colour."""
+    from matplotlib.patheffects import withStroke
+
+    rim = [withStroke(linewidth=2.0, foreground="white")]
+    axes.text(
+        x, y, str(number), ha="center", va="center", fontsize=scale_text(LABEL_SHARE), path_effects=rim, clip_on=True
+    )
 
 
 def _collect_returns(steps: Sequence[Step], state: str) -> Array:
     """Return a state at all returns of all attractors, shape (n_returns,)."""
-    values = [step.orbit(i)["returns"][:, find_state(step, state)] for step in steps for i in _list_attractors(step)]
+    values = [step.orbit(i)["returns"][:, find_state(step, state)] for step in steps for i in list_attractor_rows(step)]
     return np.concatenate([np.empty(0), *values])
 
 

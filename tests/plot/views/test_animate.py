@@ -54,7 +54,9 @@ def test_of_one_state_time_stands_in_for_the_first(every, axes):
     assert axes.get_xlim() == (0.0, 7.0)
 
 
-@pytest.mark.parametrize(("step", "labels"), [("in_gain", ("$K$", "top")), ("grazing", ("$\\tau_{d}$", "$K$"))])
+@pytest.mark.parametrize(
+    ("step", "labels"), [("in_gain", ("$K$", r"$\mathit{top}$")), ("grazing", ("$\\tau_{d}$", "$K$"))]
+)
 def test_a_mark_goes_along_the_diagram_or_the_plane(every, step, labels, monkeypatch, tmp_path):
     from matplotlib.animation import PillowWriter
 

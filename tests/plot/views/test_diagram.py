@@ -113,7 +113,7 @@ def test_equilibria_and_orbits_are_in_one_picture(resting, show):
 
 def test_equilibria_and_orbits_are_drawn_by_a_monitor_that_both_have(resting, show):
     axes = show(resting, "diagram", ("resting", "cycles"), y="top").axes[0]
-    assert axes.get_ylabel() == "top"
+    assert axes.get_ylabel() == r"$\mathit{top}$"
     assert len(lines(axes, "-")) == 2
 
 

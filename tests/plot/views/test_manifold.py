@@ -33,7 +33,7 @@ def test_curves_are_thick_and_branches_in_their_plane_thin(every, show):
     assert [c[1] for c in thin] == ["-", "-", "--", "--", ":", "-"]
     assert np.ptp(thin[0][0][1]) == 0
     assert all(np.all(c[0][0] == 3.8) for c in thin[1:])
-    assert (axes.get_xlabel(), axes.get_ylabel(), axes.get_zlabel()) == ("$\\tau_{d}$", "$K$", "top")
+    assert (axes.get_xlabel(), axes.get_ylabel(), axes.get_zlabel()) == ("$\\tau_{d}$", "$K$", r"$\mathit{top}$")
     assert list(legend(axes.figure))[:2] == ["grazing", "fold"]
 
 

@@ -12,8 +12,7 @@ from tests.plot.synthetic import point
 
 
 def test_curves_with_the_same_pair_are_drawn_whatever_its_order(every, show):
-    figure = show(every)
-    axes = figure.axes[0]
+    axes = show(every, "plane").axes[0]
     # The last curve's first free parameter is the horizontal one; all others are turned to fit.
     first = show(every, steps=("folds",)).axes[0]
     assert (axes.get_xlabel(), axes.get_ylabel()) == (first.get_xlabel(), first.get_ylabel()) == ("$K$", "$\\tau_{d}$")
@@ -25,7 +24,7 @@ def test_curves_with_the_same_pair_are_drawn_whatever_its_order(every, show):
 
 
 def test_kinds_and_sides_are_named_in_words(every, show):
-    names = legend(show(every))
+    names = legend(show(every, "plane"))
     assert names["grazing"] == CURVE_COLOURS["GR"]
     assert names["fold"] == CURVE_COLOURS["LP"]
     assert list(names)[2:-2] == ["stable", "unstable", "GG: double grazing", "R1: resonance 1:1", "R2: resonance 1:2"]
@@ -34,7 +33,7 @@ def test_kinds_and_sides_are_named_in_words(every, show):
 
 
 def test_points_of_codimension_two_are_labelled(every, show):
-    found = texts(show(every).axes[0])
+    found = texts(show(every, "plane").axes[0])
     assert set(found) == {"GG1", "R1_1", "R2_1"}
     assert found["GG1"].xy == pytest.approx((0.5, 3.0))
 
@@ -70,8 +69,30 @@ def test_a_curve_without_sides_is_drawn_without_a_band(made, show):
     assert list(legend(figure)) == ["user function x_is_1", "curve"]
 
 
+def test_the_branches_stand_beside_their_curves_when_nobody_asks_for_a_view(every, show):
+    figure = show(every)
+    response, plane = figure.axes
+    assert (response.get_xlabel(), response.get_ylabel()) == ("$K$", r"$\mathit{top}$")
+    assert (plane.get_xlabel(), plane.get_ylabel()) == ("$K$", "$\\tau_{d}$")
+    assert {"LP1", "GR1"} <= set(texts(response))
+    assert set(texts(plane)) == {"GG1", "R1_1", "R2_1"}
+    names = list(legend(figure))
+    assert len(names) == len(set(names))
+    assert {"fold", "grazing", "stable"} <= set(names)
+    for options in ({"x": "tau_d"}, {"steps": ("grazing",)}):
+        assert len(show(every, **options).axes) == 1
+
+
+def test_curves_of_several_kinds_have_marks_that_tell_them_apart_without_colours(every, show):
+    axes = show(every, "plane").axes[0]
+    marks = {line.get_marker() for line in axes.lines if line.get_markevery() is not None}
+    assert marks == {find_marker("GR"), find_marker("LP")}
+    alone = show(every, steps=("folds",)).axes[0]
+    assert all(line.get_markevery() is None for line in alone.lines)
+
+
 def test_orbits_are_shown_beside_when_asked_for(every, show):
-    assert len(show(every).axes) == 1
+    assert len(show(every, "plane").axes) == 1
     figure = show(every, labels=("GG1",))
     assert figure.axes[1].get_title() == "GG1  $\\tau_{d}$ = 3  $K$ = 0.5"
 

@@ -12,7 +12,7 @@ def test_errors_are_drawn_against_cost_with_their_slopes(compared, axes):
     assert [h.get_label() for h in handles] == ["direct, slope -4.0", "chain of order 1, slope -4.0"]
     best = handles[0].get_xydata()
     assert best == pytest.approx(np.array([[10 * n, n**-4.0] for n in (4, 8, 16, 32)]))
-    assert (axes.get_xlabel(), axes.get_ylabel()) == ("unknowns", "relative error of top")
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("unknowns", r"relative error of $\mathit{top}$")
     assert axes.texts[0].get_text() == "error of the reference"
     assert not axes.collections
 
@@ -28,6 +28,6 @@ def test_a_panel_for_each_cost_and_for_the_distance(compared, show):
     assert list_costs(compared.step("fine")) == ["cpu", "n_unknowns"]
     figure = show(compared)
     assert [axes.get_xlabel() for axes in figure.axes] == ["CPU time (s)", "unknowns", "N"]
-    assert [axes.get_ylabel() for axes in figure.axes] == ["relative error of top", "", "Dist(N)"]
+    assert [axes.get_ylabel() for axes in figure.axes] == [r"relative error of $\mathit{top}$", "", "Dist(N)"]
     assert len(legend(figure)) == 2
     assert [axes.get_xlabel() for axes in show(compared, "precision", x="memory").axes] == ["memory (bytes)"]

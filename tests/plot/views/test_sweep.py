@@ -5,17 +5,11 @@ import pytest
 from matplotlib.colors import to_hex
 
 from pddecont.errors import ResultsError
-from pddecont.plot.style import COLOURS
+from pddecont.plot import class_colours
+from pddecont.plot.class_colours import OTHER_COLOUR, assign_class_colours, find_inside, find_middle
 from pddecont.plot.style_sheet import apply_style
 from pddecont.plot.views import sweep
-from pddecont.plot.views.sweep import (
-    MAX_CLASSES,
-    OTHER_COLOUR,
-    assign_class_colours,
-    choose_state,
-    draw_classes,
-    draw_returns,
-)
+from pddecont.plot.views.sweep import choose_state, draw_classes, draw_returns
 from tests.plot.drawn import legend
 
 CLASSES = ["period 2, 1 NC, 1 C", "period 2, 2 NC, 2 C"]
@@ -23,7 +17,8 @@ CLASSES = ["period 2, 1 NC, 1 C", "period 2, 2 NC, 2 C"]
 
 def test_every_return_is_a_dot_in_its_classes_colour(simulated, axes):
     step = simulated.steps["diagram"]
-    handles = draw_returns(axes, [step], "beta", "x")
+    labels, handles = draw_returns(axes, [step], "beta", "x")
+    assert not labels
     dots = np.concatenate([line.get_xydata() for line in axes.lines])
     recorded = np.concatenate(
         [
@@ -32,16 +27,53 @@ def test_every_return_is_a_dot_in_its_classes_colour(simulated, axes):
         ]
     )
     assert {tuple(d) for d in dots} == {tuple(d) for d in recorded}
-    assert [h.get_label() for h in handles] == list(assign_class_colours([step])) == CLASSES
+    assert [h.get_label() for h in handles] == list(assign_class_colours([step]).colours) == CLASSES
     assert choose_state([step]) == "x"
 
 
-def test_classes_beyond_the_palette_are_grey(simulated, monkeypatch):
-    monkeypatch.setattr(sweep, "name_motion", lambda step, i: f"class {i:02}")
-    colours = assign_class_colours([simulated.steps["diagram"]] * 2)
-    n = len(simulated.steps["diagram"])
-    assert list(colours) == [f"class {i:02}" for i in range(n)]
-    assert list(colours.values()) == [*COLOURS[:MAX_CLASSES], *[OTHER_COLOUR] * n][:n]
+@pytest.fixture
+def rename(monkeypatch):
+    """Return a function that gives each row of a sweep the class that ``name(step, row)`` says."""
+
+    def patch(name):
+        for module in (sweep, class_colours):
+            monkeypatch.setattr(module, "name_motion", name)
+
+    return patch
+
+
+def test_many_classes_are_numbered_in_the_order_of_their_periods(simulated, rename, monkeypatch):
+    rename(lambda step, i: f"class {i:02}")
+    step = simulated.steps["diagram"]
+    n = len(step)
+    few = assign_class_colours([step])
+    assert set(few.colours) == {f"class {i:02}" for i in range(n)}
+    assert not few.numbers
+    monkeypatch.setattr(class_colours, "MAX_UNNUMBERED", 2)
+    many = assign_class_colours([step])
+    assert list(many.numbers.values()) == list(range(1, n + 1))
+    assert [text for text, _ in many.list_legend()] == [f"{k}: {name}" for k, name in enumerate(many.colours, 1)]
+    periods = [step.points["period"][int(name[-2:])] or np.inf for name in many.colours]
+    assert periods == sorted(periods)
+    assert len(set(many.colours.values())) == n
+
+
+@pytest.mark.parametrize("name", ["diagram", "plane"])
+def test_the_numbers_of_classes_stand_in_the_picture(simulated, show, rename, monkeypatch, name):
+    monkeypatch.setattr(class_colours, "MAX_UNNUMBERED", 1)
+    rename(lambda step, i: f"class {i % 3}")
+    figure = show(simulated, "sweep", (name,))
+    written = {text.get_text() for text in figure.axes[0].texts}
+    assert {"1", "2", "3"} <= {number for text in written for number in text.split(", ")}
+    assert [text for text in legend(figure) if text[0].isdigit()] == ["1: class 0", "2: class 1", "3: class 2"]
+
+
+def test_a_number_stands_in_the_middle_of_where_its_class_is_found():
+    assert find_middle(np.array([5.0, 1.0, 1.1, 1.2, 1.3, 1.4, 5.1])) == 3
+    assert find_middle(np.array([2.0, 2.0, 2.0])) == 1
+    image = np.zeros((6, 9), dtype=bool)
+    image[1:4, 2:7] = True
+    assert find_inside(image) == (2, 3)
 
 
 def test_over_two_parameters_the_class_of_most_starts_is_shown(simulated, axes):
@@ -76,10 +108,10 @@ def test_what_is_no_parameter_is_said(simulated, show):
 
 
 @pytest.fixture
-def many_classes(simulated, monkeypatch):
+def many_classes(simulated, rename, monkeypatch):
     """The results of sweeps in which every attractor is of a class of its own, with a long name."""
-    monkeypatch.setattr(sweep, "name_motion", lambda step, i: f"period {i + 1}, {i + 1} of one segment, {i} of another")
-    monkeypatch.setattr(sweep, "MAX_CLASSES", 3)
+    rename(lambda step, i: f"period {i + 1}, {i + 1} of one segment, {i} of another")
+    monkeypatch.setattr(class_colours, "MAX_CLASSES", 3)
     return simulated
 
 
@@ -93,10 +125,10 @@ def test_classes_without_a_colour_of_their_own_are_one_line_of_the_legend(many_c
 
 
 @pytest.mark.parametrize("step", ["diagram", "plane"])
-def test_the_diagram_keeps_its_room(simulated, show, step, monkeypatch):
+def test_the_diagram_keeps_its_room(simulated, show, step, rename):
     heights = []
     for words in ("", " of a name that goes on and on, with the number of each segment"):
-        monkeypatch.setattr(sweep, "name_motion", lambda _, i, words=words: f"{i}{words}")
+        rename(lambda _, i, words=words: f"{i}{words}")
         with apply_style():
             figure = show(simulated, "sweep", (step,))
             figure.draw_without_rendering()

@@ -8,7 +8,7 @@ from pddecont.errors import ResultsError
 
 def test_the_first_states_and_all_signals_have_a_panel(simulated, show):
     figure = show(simulated, "trajectory")
-    assert [axes.get_ylabel() for axes in figure.axes] == ["$x$", "$v$", "wall"]
+    assert [axes.get_ylabel() for axes in figure.axes] == ["$x$", "$v$", r"$\mathit{wall}$"]
     assert [axes.get_xlabel() for axes in figure.axes] == ["", "", "$t$"]
     rows = simulated.steps["t"].orbit(0)
     for axes, values in zip(figure.axes, (*rows["states"][:, :2].T, rows["signals"][:, 0]), strict=True):
@@ -17,7 +17,7 @@ def test_the_first_states_and_all_signals_have_a_panel(simulated, show):
 
 def test_one_may_be_chosen(simulated, show):
     [axes] = show(simulated, "trajectory", y="wall").axes
-    assert axes.get_ylabel() == "wall"
+    assert axes.get_ylabel() == r"$\mathit{wall}$"
     with pytest.raises(ResultsError, match="did you mean 'wall'"):
         show(simulated, "trajectory", y="wal")
 
