@@ -1,6 +1,6 @@
-"""What the program says where something is wrong: texts found in its syntax tree; ``python docs/messages.py`` lists them.
+"""What the program says where something is wrong: texts in its syntax tree. ``python docs/messages.py`` lists them.
 
-They are what an index of messages with cause and cure has to explain; there is no such index yet.
+They are what the index of messages, ``pddecont/data/messages``, has to explain; tests compare the two.
 """
 
 from __future__ import annotations
