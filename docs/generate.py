@@ -8,6 +8,8 @@ from typing import Any
 from click.testing import CliRunner
 
 from pddecont.cli import COMMANDS, group
+from pddecont.data import read_entries
+from pddecont.data.message_index import HOLE
 from pddecont.steps.json_schema import make_schemas
 
 FOLDER = Path(__file__).parent / "reference"
@@ -26,6 +28,15 @@ RUN_NOTE = """\
 What `pddecont run` reads as a run. A number may be an expression in the parameters where the table says so. `from`
 takes the name of a step, or a mapping to be more exact. A mapping takes names that you choose to what is said."""
 
+MESSAGES_NOTE = """\
+What the program says where something is wrong, or ends, or is worth knowing: why, and what to do. `...` stands for what
+varies; often only the part by which a message can be told is listed. `pddecont explain "MESSAGE"` finds the entry of
+a message that was printed:
+
+```text
+$ pddecont run model.yaml 2>&1 | pddecont explain
+```"""
+
 RUN_BLOCK = "A run without its model: what stands under ``run`` in a model file."
 STEP = "One step of a run; exactly one of its kinds."
 
@@ -40,6 +51,7 @@ def pages() -> dict[str, str]:
         "model_file.md": file_page("Model file", MODEL_NOTE, model),
         "run_file.md": file_page("Run file", RUN_NOTE, run),
         "commands.md": commands_page(),
+        "messages.md": messages_page(),
     }
 
 
@@ -146,6 +158,19 @@ def commands_page() -> str:
 | 2 | wrong usage |
 | 3 | a computation did not converge; what was computed before it is kept |
 | 130 | interrupted; likewise kept |""")
+    return "\n\n".join(parts) + "\n"
+
+
+def messages_page() -> str:
+    """Return the page of all messages: by subject what they say, why, and what to do."""
+    parts = [f"# Messages\n\nWritten from the index of messages by `make reference`.\n\n{MESSAGES_NOTE}"]
+    subject = ""
+    for entry in read_entries():
+        if entry.subject != subject:
+            subject = entry.subject
+            parts.append(f"## {subject}")
+        says = "\n".join(f"- `{text.replace(HOLE, '...')}`" for text in entry.says)
+        parts.append(f"{says}\n\n**Cause.** {entry.cause}\n\n**Cure.** {entry.cure}\n\n---")
     return "\n\n".join(parts) + "\n"
 
 

@@ -22,6 +22,7 @@ COMMANDS = {
     "explore": "Compute the whole diagram of a model over a parameter.",
     "plot": "Draw what a results file holds.",
     "check": "Report every problem in model and run files.",
+    "explain": "Say what a message means and what to do.",
     "info": "Say what is in a model, a run file or a results file.",
     "export": "Write a table of a results file.",
     "report": "Write one HTML page on results files.",

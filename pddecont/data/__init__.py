@@ -1,4 +1,4 @@
-"""Models, run files and JSON Schemas that come with the program."""
+"""Models, run files, JSON Schemas and the index of messages that come with the program."""
 
 import lazy_loader
 

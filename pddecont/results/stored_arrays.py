@@ -95,5 +95,5 @@ def _open(parent: h5g.GroupID, name: str, kind: type, what: str) -> Any:
         raise ResultsError(f"'{name}' is missing or leads elsewhere; only what stands in the file itself is read")
     item = h5o.open(parent, place)
     if not isinstance(item, kind):
-        raise ResultsError(f"'{name}' is not a {what}")
+        raise ResultsError(f"'{name}' is not stored as a {what}")
     return item
