@@ -6,6 +6,7 @@ import logging
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 from pddecont.errors import ResultsError, suggest
@@ -19,12 +20,23 @@ def apply_style(style: str | None = None, size: PictureSize | None = None) -> It
 
     A picture of a ``size`` has it as ``figure.figsize``, which figures take for theirs; a style may say so too.
     """
-    import matplotlib
-
+    matplotlib = _import_quietly()
     journal = JOURNAL_SETTINGS if size is not None and size.width < JOURNAL_WIDTH else {}
     asked: dict[Any, Any] = {"figure.figsize": (size.width, size.height)} if size is not None else {}
     with matplotlib.rc_context({**SETTINGS, **journal, **(read_style_sheet(style) if style else {}), **asked}):
         yield
+
+
+def _import_quietly() -> ModuleType:
+    """Return matplotlib, which does not say where it keeps its cache if the home folder cannot be written."""
+    logger = logging.getLogger("matplotlib")
+    level = logger.level
+    logger.setLevel(logging.ERROR)
+    try:
+        import matplotlib
+    finally:
+        logger.setLevel(level)
+    return matplotlib
 
 
 def list_styles() -> list[str]:

@@ -1,5 +1,9 @@
 """Style sheets over the program's own settings."""
 
+import os
+import subprocess
+import sys
+
 import matplotlib
 import pytest
 from PIL import Image
@@ -44,3 +48,17 @@ def test_the_nearest_to_an_unknown_style_is_suggested():
     # A style is no address: nothing is fetched.
     with pytest.raises(ResultsError, match="no such file"), apply_style("https://example.org/a.mplstyle"):
         pass
+
+
+def test_a_home_folder_that_cannot_be_written_is_no_matter(tmp_path):
+    code = (
+        "import logging; from pddecont.plot.style_sheet import apply_style\n"
+        "with apply_style(): import matplotlib.figure\n"
+        "print(logging.getLogger('matplotlib').level)"
+    )
+    environment = {k: v for k, v in os.environ.items() if not k.startswith(("XDG_", "MPL"))}
+    for home in (str(tmp_path), os.devnull):
+        done = subprocess.run(
+            [sys.executable, "-c", code], env=environment | {"HOME": home}, capture_output=True, text=True, timeout=120
+        )
+        assert (done.stdout.strip(), done.stderr) == ("0", "")
