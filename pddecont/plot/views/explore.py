@@ -13,6 +13,7 @@ from pddecont.plot.columns import find_state, list_free_parameters, read_paramet
 from pddecont.plot.heights import choose_state
 from pddecont.plot.layouts import finish_figure, make_axes
 from pddecont.plot.legend import make_line_handle, shorten_list
+from pddecont.plot.region_labels import label_regions, number_long_names
 from pddecont.plot.style import COLOURS
 from pddecont.plot.view import Drawing, ViewRequest
 from pddecont.plot.views.diagram import draw_diagram
@@ -34,6 +35,8 @@ MAX_LABELS = 24
 # Marks of motions in the plane, when the colours are used up.
 PLANE_MARKERS = ("o", "s", "^", "v")
 DOT, CROSS = 5.5, 5.0
+# Letters of the name of a motion that are written into its regions; longer ones are numbered.
+LONGEST_NAME = 22
 
 
 def draw_figure(steps: list[Step], request: ViewRequest) -> Figure:
@@ -67,7 +70,7 @@ def list_beside_stable(step: Step, x: str) -> list[tuple[str, float]]:
 
 
 def draw_two_parameters(curves: list[Step], exploration: Step) -> Figure:
-    """Return the curves in two parameters, over what motions settle to at random places."""
+    """Return the curves in two parameters, over what motions settle to at random places, with names in regions."""
     x, y = list_free_parameters(exploration)
     figure, axes = make_axes(8.4, 5.8)
     labels, of_curves = draw_plane(axes, curves, x, y) if curves else ([], [])
@@ -78,16 +81,20 @@ def draw_two_parameters(curves: list[Step], exploration: Step) -> Figure:
             found.setdefault(name_settled(reason), []).append(i)
     xs, ys = read_parameter(exploration, x), read_parameter(exploration, y)
     handles = []
-    for k, (name, places) in enumerate(sorted(found.items(), key=lambda item: (-len(item[1]), item[0]))):
+    ordered = dict(sorted(found.items(), key=lambda item: (-len(item[1]), item[0])))
+    written = number_long_names(list(ordered), LONGEST_NAME)
+    for k, (name, places) in enumerate(ordered.items()):
         style: dict[str, Any] = {"color": COLOURS[k % len(COLOURS)] if k < len(COLOURS) else ON_BRANCH}
         style |= {"marker": PLANE_MARKERS[k // len(COLOURS) % len(PLANE_MARKERS)], "ms": DOT, "mew": 0, "alpha": 0.55}
         axes.plot(xs[places], ys[places], ls="", zorder=0.5, **style)
-        handles.append(make_line_handle(name, ls="", **style))
+        text = name if written[name] == name else f"{written[name]}: {name}"
+        handles.append(make_line_handle(text, ls="", **style))
     rows = [i for of_motion in found.values() for i in of_motion]
     if rows:
         # Curves alone had their limits fixed before.
         for get, put, values in ((axes.get_xlim, axes.set_xlim, xs), (axes.get_ylim, axes.set_ylim, ys)):
             put(min(get()[0], values[rows].min()), max(get()[1], values[rows].max()))
+    label_regions(axes, {written[name]: np.column_stack([xs[own], ys[own]]) for name, own in ordered.items()})
     axes.set_xlabel(format_axis_label([exploration], x))
     axes.set_ylabel(format_axis_label([exploration], y))
     return finish_figure(figure, axes, labels, [*of_curves, *shorten_list(handles)])
