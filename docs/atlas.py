@@ -7,12 +7,12 @@ Results and pictures lie in the folder that is named; what is there is gone on w
 from __future__ import annotations
 
 import argparse
-import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import yaml
+from PIL import Image
 
 from pddecont.data import describe_shipped, find_shipped_folders
 from pddecont.errors import PddecontError
@@ -23,6 +23,8 @@ DOCS = Path(__file__).parent
 IMAGES = DOCS / "images" / "atlas"
 # Once the budget is spent a motion or a step that is under way ends; it is waited for so many seconds more.
 GRACE = 120.0
+# Of a picture in the documents, in pixels.
+WIDTH = 900
 INTRODUCTION = """\
 # Atlas
 
@@ -49,7 +51,7 @@ def list_ranges() -> dict[str, dict[str, list[float]]]:
 
 
 def explore(name: str, over: dict[str, list[float]], folder: Path, seconds: float, workers: int) -> None:
-    """Explore a model into a file, or go on with it, and draw it."""
+    """Explore a model into a file, or go on with it."""
     file = folder / f"{name}.h5"
     ranges = [f"--over={key}={low}:{high}" for key, (low, high) in over.items()]
     how = ["--resume"] if file.exists() else []
@@ -59,7 +61,22 @@ def explore(name: str, over: dict[str, list[float]], folder: Path, seconds: floa
             call(words, seconds + GRACE)
         except subprocess.TimeoutExpired:
             print(f"{name}: took longer than {seconds + GRACE:g} s", flush=True)
-    call(["plot", str(file), "-o", str(folder / f"{name}.png"), "--size", "120mm"], GRACE)
+
+
+def draw(name: str, folder: Path) -> None:
+    """Draw an exploration, if there is one."""
+    file = folder / f"{name}.h5"
+    if "explore" in read_results(file).steps:
+        call(["plot", str(file), "--view", "explore", "-o", str(folder / f"{name}.png"), "--size", "120mm"], GRACE)
+
+
+def shrink(picture: Path, kept: Path) -> None:
+    """Keep a picture as narrow as a page, in few colours."""
+    with Image.open(picture) as image:
+        size = (WIDTH, round(image.height * WIDTH / image.width))
+        image.convert("RGB").resize(size, Image.Resampling.LANCZOS).quantize(48, dither=Image.Dither.NONE).save(
+            kept, optimize=True
+        )
 
 
 def is_done(file: Path) -> bool:
@@ -81,9 +98,9 @@ def describe(name: str, over: dict[str, list[float]], folder: Path) -> str:
     path = find_shipped_folders()[0] / f"{name}.yaml"
     ranges = ", ".join(f"`{key}` from {low} to {high}" for key, (low, high) in over.items())
     head = f"## {name}\n\n{describe_shipped(path)}. Over {ranges}."
-    if not (folder / f"{name}.png").exists():
-        return f"{head}\n\nNothing was found in the time."
-    step = read_results(folder / f"{name}.h5").step("explore")
+    step = read_results(folder / f"{name}.h5").steps.get("explore")
+    if step is None or not len(step):
+        return f"{head}\n\nNot explored to an end in the time: a motion or a step along a branch takes longer."
     text = "; ".join(describe_endings(step)) or "The time was over before it ended"
     return f"{head}\n\n{text}\n\n![{name}: all branches that were found](images/atlas/{name}.png)"
 
@@ -94,19 +111,22 @@ def main() -> None:
     parser.add_argument("folder", type=Path)
     parser.add_argument("--seconds", type=float, default=60.0)
     parser.add_argument("--workers", type=int, default=1)
+    parser.add_argument("--draw", action="store_true", help="draw what is there, and compute nothing")
     parser.add_argument("--docs", action="store_true")
     parser.add_argument("--only", action="append", help="a model; may be repeated")
     given = parser.parse_args()
     given.folder.mkdir(parents=True, exist_ok=True)
     ranges = {name: over for name, over in list_ranges().items() if not given.only or name in given.only}
     for name, over in ranges.items():
-        explore(name, over, given.folder, given.seconds, given.workers)
+        if not given.draw:
+            explore(name, over, given.folder, given.seconds, given.workers)
+        draw(name, given.folder)
         print(f"{name}: done", flush=True)
     if given.docs:
         IMAGES.mkdir(exist_ok=True)
         for name in ranges:
             if (given.folder / f"{name}.png").exists():
-                shutil.copyfile(given.folder / f"{name}.png", IMAGES / f"{name}.png")
+                shrink(given.folder / f"{name}.png", IMAGES / f"{name}.png")
         parts = [INTRODUCTION.format(seconds=given.seconds).rstrip()]
         parts += [describe(name, over, given.folder) for name, over in ranges.items()]
         (DOCS / "atlas.md").write_text("\n\n".join(parts) + "\n", encoding="utf-8")
