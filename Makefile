@@ -10,7 +10,7 @@ FIRST ?= 1000
 BEFORE ?= 0d30e19
 LARGE ?=
 
-.PHONY: setup demo figures images test browser browser-tests page-times page-pictures reliability random-models random-delays stress packages check docs reference layers bench versions cost tracking chain-order schema clean \
+.PHONY: setup demo figures images atlas test browser browser-tests page-times page-pictures reliability random-models random-delays stress packages check docs reference layers bench versions cost tracking chain-order schema clean \
   distclean
 setup: $(ENV)/ready
 
@@ -110,6 +110,10 @@ layers: setup        ## the picture in docs/architecture.md of which folder impo
 
 images: figures cost  ## the pictures in docs/images that commands draw
 	$(BIN)/python docs/draw_images.py $(FIGURES) $(OUT)
+
+SECONDS := 60
+atlas: setup         ## every shipped model explored, SECONDS each; results in out/atlas, the gallery in docs/atlas.md
+	$(BIN)/python docs/atlas.py $(OUT)/atlas --seconds $(SECONDS) --docs
 
 docs: setup          ## the pages of docs/ as a site in out/site; warnings are errors
 	$(BIN)/python -m pip install --quiet -e ".[docs]"

@@ -75,12 +75,3 @@ def find_middle(places: NDArray[np.float64]) -> int:
     runs = np.split(order, ends)
     longest = max(runs, key=len)
     return int(longest[len(longest) // 2])
-
-
-def find_inside(image: NDArray[np.bool_]) -> tuple[int, int]:
-    """Return the row and column of a cell of an ``image`` that is furthest inside its cells, ties by the first."""
-    from scipy.ndimage import distance_transform_edt
-
-    distances = distance_transform_edt(np.pad(image, 1))[1:-1, 1:-1]
-    row, column = np.unravel_index(int(np.argmax(distances)), image.shape)
-    return int(row), int(column)

@@ -226,7 +226,10 @@ def is_stationary(earlier: Array, later: Array) -> bool:
     """
     if len(earlier) < 2 or len(later) < 2:
         return False
-    spread_a, spread_b = earlier.std(axis=0), later.std(axis=0)
+    with np.errstate(over="ignore"):
+        spread_a, spread_b = earlier.std(axis=0), later.std(axis=0)
+    if not (np.isfinite(spread_a).all() and np.isfinite(spread_b).all()):
+        return False
     noise = 1e-9 * np.maximum(np.abs(earlier).max(axis=0), np.abs(later).max(axis=0)) + 1e-300
     alike = np.abs(earlier.mean(axis=0) - later.mean(axis=0)) <= np.maximum(spread_a, spread_b) + noise
     ratio = (spread_a + noise) / (spread_b + noise)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pddecont.errors import ResultsError
 from pddecont.plot.axis_labels import format_axis_label
@@ -13,6 +14,7 @@ from pddecont.plot.columns import find_state, list_free_parameters, read_paramet
 from pddecont.plot.heights import choose_state
 from pddecont.plot.layouts import finish_figure, make_axes
 from pddecont.plot.legend import make_line_handle, shorten_list
+from pddecont.plot.region_labels import label_regions, number_long_names
 from pddecont.plot.style import COLOURS
 from pddecont.plot.view import Drawing, ViewRequest
 from pddecont.plot.views.diagram import draw_diagram
@@ -34,6 +36,10 @@ MAX_LABELS = 24
 # Marks of motions in the plane, when the colours are used up.
 PLANE_MARKERS = ("o", "s", "^", "v")
 DOT, CROSS = 5.5, 5.0
+# How far beyond those on branches motions are shown, as a multiple of how far these go.
+FARTHER = 10.0
+# Letters of the name of a motion that are written into its regions; longer ones are numbered.
+LONGEST_NAME = 22
 
 
 def draw_figure(steps: list[Step], request: ViewRequest) -> Figure:
@@ -44,10 +50,12 @@ def draw_figure(steps: list[Step], request: ViewRequest) -> Figure:
         return draw_two_parameters([step for step in branches if len(list_free_parameters(step)) == 2], exploration)
     branches = [step for step in branches if len(list_free_parameters(step)) == 1]
     x = request.x or free[0]
-    y = request.y or choose_state(branches or [exploration])
+    y = request.y or (choose_state(branches) if branches else exploration.meta["states"][0])
     figure, axes = make_axes(8.4, 5.4)
     handles = draw_motions(axes, exploration, x, y) if y in exploration.meta["states"] else []
     if not branches:
+        axes.set_xlabel(format_axis_label([exploration], x))
+        axes.set_ylabel(format_axis_label([exploration], y))
         return finish_figure(figure, axes, handles=handles)
     labels, of_branches = draw_diagram(axes, branches, x, y, assign_kind_colours(branches))
     if len(labels) > MAX_LABELS:
@@ -67,7 +75,7 @@ def list_beside_stable(step: Step, x: str) -> list[tuple[str, float]]:
 
 
 def draw_two_parameters(curves: list[Step], exploration: Step) -> Figure:
-    """Return the curves in two parameters, over what motions settle to at random places."""
+    """Return the curves in two parameters, over what motions settle to at random places, with names in regions."""
     x, y = list_free_parameters(exploration)
     figure, axes = make_axes(8.4, 5.8)
     labels, of_curves = draw_plane(axes, curves, x, y) if curves else ([], [])
@@ -78,16 +86,20 @@ def draw_two_parameters(curves: list[Step], exploration: Step) -> Figure:
             found.setdefault(name_settled(reason), []).append(i)
     xs, ys = read_parameter(exploration, x), read_parameter(exploration, y)
     handles = []
-    for k, (name, places) in enumerate(sorted(found.items(), key=lambda item: (-len(item[1]), item[0]))):
+    ordered = dict(sorted(found.items(), key=lambda item: (-len(item[1]), item[0])))
+    written = number_long_names(list(ordered), LONGEST_NAME)
+    for k, (name, places) in enumerate(ordered.items()):
         style: dict[str, Any] = {"color": COLOURS[k % len(COLOURS)] if k < len(COLOURS) else ON_BRANCH}
         style |= {"marker": PLANE_MARKERS[k // len(COLOURS) % len(PLANE_MARKERS)], "ms": DOT, "mew": 0, "alpha": 0.55}
         axes.plot(xs[places], ys[places], ls="", zorder=0.5, **style)
-        handles.append(make_line_handle(name, ls="", **style))
+        text = name if written[name] == name else f"{written[name]}: {name}"
+        handles.append(make_line_handle(text, ls="", **style))
     rows = [i for of_motion in found.values() for i in of_motion]
     if rows:
         # Curves alone had their limits fixed before.
         for get, put, values in ((axes.get_xlim, axes.set_xlim, xs), (axes.get_ylim, axes.set_ylim, ys)):
             put(min(get()[0], values[rows].min()), max(get()[1], values[rows].max()))
+    label_regions(axes, {written[name]: np.column_stack([xs[own], ys[own]]) for name, own in ordered.items()})
     axes.set_xlabel(format_axis_label([exploration], x))
     axes.set_ylabel(format_axis_label([exploration], y))
     return finish_figure(figure, axes, labels, [*of_curves, *shorten_list(handles)])
@@ -102,13 +114,32 @@ def draw_motions(axes: Axes, step: Step, x: str, state: str) -> list[Artist]:
         "on_torus": ("tori that were followed", {"marker": "|", "ms": CROSS, "color": OF_TORUS, "mew": 0.8}),
         "unexplained": ("motions on no branch", {"marker": "x", "ms": CROSS, "color": ON_NONE, "mew": 0.8}),
     }
+    shown = find_shown(step, j)
     for code, (text, style) in styles.items():
-        rows = np.flatnonzero(codes == code)
+        rows = np.flatnonzero((codes == code) & shown)
+        text += f" ({n} farther away not shown)" if (n := np.count_nonzero((codes == code) & ~shown)) else ""
         for key in ("lowest", "highest"):
             axes.plot(xs[rows], step.points[key][rows, j], ls="", zorder=1, **style)
         if len(rows):
             handles.append(make_line_handle(text, ls="", **style))
     return handles
+
+
+def find_shown(step: Step, state: int) -> NDArray[np.bool_]:
+    """Return the rows of motions that have room beside those on branches, shape (n_points,).
+
+    What goes away without bound would leave nothing of the diagram to be seen.
+    """
+    codes = np.array([step.reason(i).code for i in range(len(step))])
+    lowest, highest = step.points["lowest"][:, state], step.points["highest"][:, state]
+    on_branch = (codes == "explained") & np.isfinite(lowest) & np.isfinite(highest)
+    away = np.array([step.reason(i).values.get("look") == "away" for i in range(len(step))], dtype=bool)
+    if not on_branch.any():
+        return ~away
+    low, high = lowest[on_branch].min(), highest[on_branch].max()
+    room = FARTHER * max(high - low, abs(low), abs(high))
+    with np.errstate(invalid="ignore"):
+        return np.asarray(~away & ~(lowest < low - room) & ~(highest > high + room))
 
 
 def choose_steps(steps: list[Step], results: Results, request: ViewRequest) -> list[Step]:

@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 from pddecont.errors import ResultsError
 from pddecont.plot.axis_labels import format_axis_label
 from pddecont.plot.branch_returns import draw_branch_returns
-from pddecont.plot.class_colours import assign_class_colours, find_inside, find_middle, list_attractor_rows
+from pddecont.plot.class_colours import assign_class_colours, find_middle, list_attractor_rows
 from pddecont.plot.columns import find_state, list_free_parameters, read_parameter, share_values
 from pddecont.plot.layouts import finish_figure, make_axes, make_stack
 from pddecont.plot.legend import make_area_handle, make_line_handle
 from pddecont.plot.limits import measure_size, varies, widen_axis
 from pddecont.plot.point_labels import PointLabel
-from pddecont.plot.style import LABEL_SHARE, scale_text
+from pddecont.plot.region_labels import find_inside, write_in_region
 from pddecont.plot.view import Drawing, ViewRequest
 from pddecont.results import Results, Step
 from pddecont.tables import name_motion
@@ -153,21 +153,11 @@ def draw_classes(axes: Axes, step: Step, x: str, y: str) -> list[Artist]:
     for name, number in classes.numbers.items():
         if np.any(image == names.index(name)):
             row, column = find_inside(image == names.index(name))
-            _write_number(axes, number, xs[column], ys[row])
+            write_in_region(axes, str(number), xs[column], ys[row])
     axes.grid(False)
     axes.set_xlabel(format_axis_label(step, x))
     axes.set_ylabel(format_axis_label(step, y))
     return [make_area_handle(text, color=colour) for text, colour in classes.list_legend()]
-
-
-def _write_number(axes: Axes, number: int, x: float, y: float) -> None:
-    """Write a class's number into its region, with a rim that keeps it readable on every colour."""
-    from matplotlib.patheffects import withStroke
-
-    rim = [withStroke(linewidth=2.0, foreground="white")]
-    axes.text(
-        x, y, str(number), ha="center", va="center", fontsize=scale_text(LABEL_SHARE), path_effects=rim, clip_on=True
-    )
 
 
 def _collect_returns(steps: Sequence[Step], state: str) -> Array:

@@ -1,12 +1,15 @@
 """The picture of an exploration shows its branches, and every motion that was looked at."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from pddecont.errors import ResultsError
 from pddecont.plot import ViewRequest
 from pddecont.plot.view_selection import select_view
-from pddecont.plot.views.explore import draw_motions, list_beside_stable, pick_steps
+from pddecont.plot.views.explore import draw_motions, find_shown, list_beside_stable, pick_steps
+from pddecont.reasons import Reason
 from tests.plot.drawn import legend
 from tests.runs import run
 
@@ -51,6 +54,41 @@ def test_every_motion_that_settled_is_a_dot_at_its_lowest_and_highest(one, axes)
     assert len(dots) == 2 * len(rows) == 2 * 14
     # They rest at the stable equilibria of x' = a x - x^3.
     assert dots[:, 1] ** 2 == pytest.approx(np.maximum(dots[:, 0], 0.0), abs=1e-5)
+
+
+def test_what_goes_away_without_bound_leaves_the_rest_its_room(one, axes):
+    step = one.steps["all"]
+    highest = step.points["highest"].copy()
+    (far, *_) = [i for i in range(len(step)) if step.reason(i).code == "explained"]
+    shown = find_shown(step, 0)
+    assert shown.all()
+    highest[far] = 1e200
+    away = replace(step, points={**step.points, "highest": highest})
+    codes = ["unexplained" if i == far else step.reason(i).code for i in range(len(step))]
+    found = find_shown(SimpleStep(away, codes), 0)
+    assert np.flatnonzero(~found).tolist() == [far]
+
+
+class SimpleStep:
+    """A step whose reasons have other codes."""
+
+    def __init__(self, step, codes):
+        self.points, self._step, self._codes = step.points, step, codes
+
+    def __len__(self):
+        return len(self._codes)
+
+    def reason(self, row):
+        return Reason(self._codes[row], dict(self._step.reason(row).values))
+
+
+def test_an_exploration_without_branches_is_drawn(tmp_path, show):
+    steps = [{"name": "all", "explore": {"over": {"a": [-1, 2]}, "starts": 4, "check": 0, "max_branches": 1}}]
+    results = run({**MODEL, "run": {"steps": steps}}, tmp_path / "a.h5")
+    step = results.step("all")
+    alone = replace(results, steps={"all": step}, names=("all",))
+    figure = show(alone, "explore")
+    assert figure.axes[0].get_ylabel() == "$x$"
 
 
 def test_labels_beside_what_is_stable_are_kept(one):

@@ -6,7 +6,8 @@ from matplotlib.colors import to_hex
 
 from pddecont.errors import ResultsError
 from pddecont.plot import class_colours
-from pddecont.plot.class_colours import OTHER_COLOUR, assign_class_colours, find_inside, find_middle
+from pddecont.plot.class_colours import OTHER_COLOUR, assign_class_colours, find_middle
+from pddecont.plot.region_labels import find_inside
 from pddecont.plot.style_sheet import apply_style
 from pddecont.plot.views import sweep
 from pddecont.plot.views.sweep import choose_state, draw_classes, draw_returns
