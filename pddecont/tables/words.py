@@ -50,7 +50,7 @@ _WORDS: dict[str, Callable[[Values], str]] = {
     ),
     "linear_hopf": lambda v: f"frequency {v['frequency']:.8g}, l1 = 0: the equations are linear to the third order",
     "homoclinic": lambda v: "curves of folds, Hopf points and homoclinic orbits meet here",
-    "fold_normal_form": lambda v: f"a = {v['coefficient']:.5g}",
+    "fold_normal_form": lambda v: f"quadratic coefficient {v['coefficient']:.5g}",
     "boundary_equilibrium": lambda v: (
         (f"{v['nature']}: " if v.get("nature") else "") + f"on the surface of event '{v['event']}'"
     ),
