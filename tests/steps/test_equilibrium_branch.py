@@ -67,7 +67,7 @@ def test_where_equilibria_cross_and_turn(tmp_path):
     assert count(step, "LP1") == (0, 1) and count(step, "BP1") == (0, 1)
     # p Delta'(0) q = 1 + 2 0.3 x tau; the second derivative is 0.6 - 6 x = -0.3.
     assert step.points["coefficient"][step.row("LP1")] == pytest.approx(-0.15 / (1 + 0.09 * 0.3), rel=1e-10)
-    assert describe_reason(step.reason(step.row("LP1"))).startswith("a = -0.146")
+    assert describe_reason(step.reason(step.row("LP1"))).startswith("quadratic coefficient -0.146")
     assert np.all(results.step("back").points["states"] == pytest.approx(0.0, abs=1e-12))
 
 
