@@ -112,6 +112,8 @@ def test_a_message_may_come_from_a_pipe_and_may_be_unknown(monkeypatch):
     code, out, _ = call("explain")
     assert code == 0
     assert "  cause: This mapping has no such key" in out
+    for part in ("model.yaml:3:1: unknown key 'stats'", "no shipped model or run", "unknown key 'stats'"):
+        assert call("explain", part)[0] == 0
     code, _, err = call("explain", "a sentence that nobody says here")
     assert code == 2
     assert "no message of this program is like this one" in err

@@ -59,8 +59,13 @@ def read_entries() -> tuple[Entry, ...]:
 
 
 def explain_message(message: str) -> list[Entry]:
-    """Return the entries that explain a message as it was printed, the one that tells most of it first."""
+    """Return the entries that explain a message as it was printed, the one that tells most of it first.
+
+    Of a part of a message that no text tells these are the entries whose texts hold it.
+    """
     text = " ".join(message.split())
+    part = [entry for entry in read_entries() if len(text) >= FEWEST_LETTERS and any(text in s for s in entry.says)]
     found = sorted(((entry.match(text), k) for k, entry in enumerate(read_entries())), key=lambda m: (-m[0], m[1]))
     best = found[0][0] if found else 0
-    return [read_entries()[k] for letters, k in found if letters and letters >= FAR_SHORTER * best][:MOST_ENTRIES]
+    told = [read_entries()[k] for letters, k in found if letters and letters >= FAR_SHORTER * best]
+    return (told or part)[:MOST_ENTRIES]
