@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from pddecont.continuation.adaptive import solve_adaptively
 from pddecont.continuation.arclength import find_tangent, solve_with_row, tangent_at
-from pddecont.continuation.boundary import Approach, Boundary, E_contra
+from pddecont.continuation.boundary import Approach, Boundary, E_contra, refuse_out_of_reach
 from pddecont.continuation.curve_point import CurvePoint
 from pddecont.continuation.newton import NewtonSettings, Solution
 from pddecont.continuation.system import AdaptiveSystem, E
@@ -168,7 +168,7 @@ def _look_ahead(
         # Unknowns grow, and so do rounding errors.
         at_size = replace(settings, step_tol=settings.step_tol * grown, residual_tol=settings.residual_tol * grown)
         try:
-            ahead = _find_ahead(horizon, point, slope.k, float(np.exp(step)), at_size)
+            ahead = _find_ahead(horizon, point, slope.k, float(np.exp(step)), boundaries, at_size)
             there = _find_slope(horizon, ahead, slope.k)
         except ConvergenceError:
             step *= 0.5
@@ -190,9 +190,20 @@ def _look_ahead(
 
 
 def _find_ahead(
-    horizon: Horizon[E], point: CurvePoint[E], k: int, factor: float, settings: NewtonSettings
+    horizon: Horizon[E],
+    point: CurvePoint[E],
+    k: int,
+    factor: float,
+    boundaries: Sequence[Boundary[E]],
+    settings: NewtonSettings,
 ) -> CurvePoint[E]:
-    """Return the point of the branch at which quantity ``k`` is ``factor`` times what it is at ``point``."""
+    """Return the point of the branch at which quantity ``k`` is ``factor`` times what it is at ``point``.
+
+    Raises
+    ------
+    ConvergenceError
+        If it is not found, or the way there leads where there are no equations.
+    """
     system = point.system.update_reference(point.at)
     row, level = horizon.rows(point.at)[k], factor * float(horizon.sizes(point.at)[k])
 
@@ -201,6 +212,7 @@ def _find_ahead(
 
     along = point.tangent / float(row @ point.tangent)
     guess = point.x + (level - float(row @ point.x)) * along
+    refuse_out_of_reach(boundaries, system.at(guess))
     system, solution = solve_adaptively(system, guess, solve)
     towards = tangent_at(solution, system.scaling, system.scaling.size * horizon.rows(solution.at)[k])
     return CurvePoint(system, solution.at, solution, find_tangent(solution.at, system.scaling, towards))

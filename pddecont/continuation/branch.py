@@ -46,10 +46,12 @@ AT_START = 1e-4
 NEAR = 0.02
 # Kind of the point at which a branch ends on a boundary, or back where it began.
 END_POINT = "EP"
-# A step grows where Newton's method needs few iterations and shrinks where it needs many, or the branch bends.
+# A step is so long that the branch turns by about this angle (radians) from its chord, but no more than so many times
+# as long as the last one; it does not grow where Newton's method needs more than few iterations, and shrinks where it
+# needs many.
+TURN = 0.2
 FEW_ITERATIONS, SOME_ITERATIONS = 3, 5
-GROW, SHRINK, SHRINK_IN_BEND = 1.5, 0.5, 0.7
-BEND = 0.95
+GROW, SHRINK = 2.0, 0.5
 
 
 @dataclass(frozen=True)
@@ -61,7 +63,7 @@ class StepSettings:
 
     initial: float = 0.02
     min: float = 1e-6
-    max: float = 0.1
+    max: float = 0.2
     max_points: int = 500
     max_turn: float = 0.3
     newton: NewtonSettings = field(default_factory=lambda: NewtonSettings(max_iterations=8))
@@ -158,7 +160,7 @@ def follow_branch(
             boundary, k, _ = passed
             emit(BranchPoint(state, END_POINT, reached.n_iterations))
             return Termination(boundary.end, boundary.reason(reached.at, k), n_unexplained)
-        reached, length, cosine = _turn_forward(start, reached)
+        reached, length, turn = _turn_forward(start, reached)
         after = evaluate_tests(reached, functions)
         segment = BranchSegment(start, reached, settings.newton)
         specials, more = find_special_points(segment, functions, before, after, AT_START if state.is_start else 0.0)
@@ -166,7 +168,7 @@ def follow_branch(
         n_unexplained += more
         if end := _emit_on_step(segment, specials, closing, more, state, sign * length, emit):
             return replace(end, n_unexplained=n_unexplained)
-        next_step = _next_step(step, reached.n_iterations, cosine, settings)
+        next_step = _next_step(step, reached.n_iterations, turn, settings)
         state = BranchState(reached, state.arclength + sign * length, next_step, state.n_points + 1, False)
         limit = _find_limit(boundaries, reached, passed)
         if horizon is not None and not (limit or after.violation):
@@ -201,16 +203,21 @@ def _find_limit(
 
 
 def _turn_forward(start: CurvePoint[E], reached: CurvePoint[E]) -> tuple[CurvePoint[E], float, float]:
-    """Return the end of a step with the branch's direction there, the step's length, and the cosine of its turn."""
+    """Return the end of a step with the branch's direction there, the step's length, and how much the branch turns.
+
+    That is the larger of the angles (radians) that the step's chord makes with the directions at its ends: by one the
+    corrected point lies off the predicted one, by the other the next prediction starts out.
+    """
     scaling = reached.system.scaling
     chord = reached.x - reached.system.interpolate_from(start.system, start.x)
     assert reached.solution is not None
     comparable = _find_comparable(reached.system, reached.x - chord)
     along = np.where(comparable, chord, 0.0)
     direction = tangent_at(reached.solution, scaling, along)
-    there = np.where(comparable, direction, 0.0)
-    cosine = scaling.dot(there, along) / (scaling.length(there) * scaling.length(along))
-    return replace(reached, direction=direction), scaling.length(chord), cosine
+    length = scaling.length(chord)
+    predicted = reached.system.interpolate_from(start.system, start.x + length * start.tangent) - (reached.x - chord)
+    turn = max(scaling.find_angle(np.where(comparable, v, 0.0), along) for v in (predicted, direction))
+    return replace(reached, direction=direction), length, turn
 
 
 def _emit_on_step(
@@ -337,8 +344,8 @@ def _find_comparable(system: AdaptiveSystem[E], x: Array) -> NDArray[np.bool_]:
     return comparable
 
 
-def _next_step(step: float, n_iterations: int, cosine: float, settings: StepSettings) -> float:
-    factor = GROW if n_iterations <= FEW_ITERATIONS else 1.0 if n_iterations <= SOME_ITERATIONS else SHRINK
-    if cosine < BEND:
-        factor = min(factor, SHRINK_IN_BEND)
-    return float(np.clip(factor * step, settings.min, settings.max))
+def _next_step(step: float, n_iterations: int, turn: float, settings: StepSettings) -> float:
+    """Return the next step after one on which the branch turned by the angle ``turn``."""
+    by_curve = TURN / turn if turn > TURN / GROW else GROW
+    by_solver = GROW if n_iterations <= FEW_ITERATIONS else 1.0 if n_iterations <= SOME_ITERATIONS else SHRINK
+    return float(np.clip(max(min(by_curve, by_solver), SHRINK) * step, settings.min, settings.max))

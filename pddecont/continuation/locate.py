@@ -28,6 +28,8 @@ JUMP_TOL = 1e-5
 AGREE = 1e-3
 # Where interpolation takes its points, from one side to the other, none near the middle.
 AROUND = np.array([-1.0, -0.8, -0.55, -0.3, 0.3, 0.55, 0.8, 1.0])
+# How far from a zero that is known roughly, or nearly, points are taken, in parts of the way.
+NEARER, NEAR = 0.12, (0.0075, 0.03, 0.12)
 # How far to each side of a zero its tangent is taken, as a fraction of the way between the nearest nodes.
 TANGENT_STEP = 1e-3
 Value: TypeAlias = Callable[[CurvePoint[E]], float]
@@ -81,17 +83,22 @@ class BranchSegment(Generic[E]):
         around it. None where the test function jumps through zero or cannot be followed: there is no special point
         then.
         """
+        values: dict[float, float] = {}
 
         def value(fraction: float) -> float:
             result = test(self.at(fraction))
             if not np.isfinite(result):
                 raise ConvergenceError("the test function is not defined between two points")
+            values[fraction] = abs(result)
             return result
 
         try:
             fraction, at_zero = find_zero_between(value, low, high, f_low, f_high, FRACTION_TOL)
         except ConvergenceError:
-            return self._interpolate_across(test, low, high)
+            near = min(values, key=values.__getitem__, default=None)
+            if near is None or values[near] > AGREE * max(abs(f_low), abs(f_high)):
+                return self._interpolate_across(test, low, high)
+            return self._interpolate_near(test, near, low, high)
         return None if abs(at_zero) > JUMP_TOL * max(abs(f_low), abs(f_high)) else fraction
 
     def _correct(self, system: AdaptiveSystem[E], guess: Array, level: float) -> CurvePoint[E]:
@@ -107,15 +114,28 @@ class BranchSegment(Generic[E]):
 
     def _interpolate_across(self, test: Value[E], low: float, high: float) -> float | None:
         """Return the zero of ``test`` by interpolation, over the whole way, then nearer; keep the point there."""
-        found, width = None, high - low
-        for middle, spread in ((0.5 * (low + high), 0.48 * width), (None, 0.12 * width)):
-            centre = middle if middle is not None else found
-            if centre is None:
-                return None
-            nodes = centre + spread * AROUND
-            better = self._interpolate(test, nodes[(nodes >= low) & (nodes <= high)])
-            found = found if better is None else better
-        return found
+        found = self._interpolate_around(test, 0.5 * (low + high), 0.48 * (high - low), low, high)
+        if found is None:
+            return None
+        better = self._interpolate_around(test, found, NEARER * (high - low), low, high)
+        return found if better is None else better
+
+    def _interpolate_near(self, test: Value[E], near: float, low: float, high: float) -> float | None:
+        """Return the zero of ``test`` beside the place ``near`` it by interpolation, as near as it can; keep the point.
+
+        Farther away a pole beside the zero would spoil it.
+        """
+        for spread in NEAR:
+            found = self._interpolate_around(test, near, spread * (high - low), low, high)
+            if found is not None:
+                return found
+        return None
+
+    def _interpolate_around(
+        self, test: Value[E], centre: float, spread: float, low: float, high: float
+    ) -> float | None:
+        nodes = centre + spread * AROUND
+        return self._interpolate(test, nodes[(nodes >= low) & (nodes <= high)])
 
     def _interpolate(self, test: Value[E], nodes: Array) -> float | None:
         """Return the zero of the polynomial through the values of ``test`` at ``nodes``; None where there is none."""

@@ -36,6 +36,11 @@ class Scaling:
         """Return the length of a direction."""
         return float(np.sqrt(self.dot(a, a)))
 
+    def find_angle(self, a: Array, b: Array) -> float:
+        """Return the angle between two directions, in radians; none where one of them has no length."""
+        lengths = self.length(a) * self.length(b)
+        return float(np.arccos(np.clip(self.dot(a, b) / lengths, -1.0, 1.0))) if lengths > 0.0 else 0.0
+
     def covector(self, a: Array) -> Array:
         """Return the row that takes the inner product with ``a``."""
         return self.weight * a / self.scale**2

@@ -126,10 +126,12 @@ class CharacteristicMatrix:
 
         Where an exponential overflows they are not finite.
         """
-        return [
-            find_share(self.method, roots, tau, m)
-            for tau, m in zip(self.delays.tolist(), self.read_orders.tolist(), strict=True)
-        ]
+        delays, orders = self.delays.tolist(), self.read_orders.tolist()
+        if self.method.stages is not None or any(orders):
+            return [find_share(self.method, roots, tau, m) for tau, m in zip(delays, orders, strict=True)]
+        with np.errstate(over="ignore", invalid="ignore"):
+            shares = np.exp(-np.multiply.outer(self.delays, roots))
+            return [(share, -tau * share) for tau, share in zip(delays, shares, strict=True)]
 
     @cached_property
     def neutral_radius(self) -> float:
@@ -215,6 +217,13 @@ class CharacteristicMatrix:
             return np.concatenate([logarithm + 1j * np.angle(sign) for sign, logarithm in found])
         return np.array([find_log_determinant(self.at(root)[0].astype(complex)) for root in roots.tolist()])
 
+    def find_null_vectors(self, roots: Complex) -> Complex:
+        """Return the right vector of the smallest singular value of Delta at each of several points (n_roots, n)."""
+        if self.is_sparse:
+            vectors = [self.find_smallest(root)[1] for root in roots.tolist()]
+            return np.array(vectors, dtype=complex).reshape(-1, self.n)
+        return np.asarray(np.conj(np.linalg.svd(self.at_many(roots)[0])[2][:, -1]))
+
     def find_smallest(self, root: complex) -> tuple[float, Complex]:
         """Return the smallest singular value of Delta and its right vector (n,)."""
         matrix = self.at(root)[0]
@@ -247,8 +256,8 @@ def find_share(method: DelayMethod, roots: Complex | complex, tau: float, order:
 
     Where an exponential overflows they are not finite.
     """
+    share, rate = find_transfer_factor(method, roots * tau)
     with np.errstate(over="ignore", invalid="ignore"):
-        share, rate = find_transfer_factor(method, roots * tau)
         rate = tau * rate
         if order:
             share, rate = roots**order * share, order * roots ** (order - 1) * share + roots**order * rate

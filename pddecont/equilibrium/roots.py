@@ -176,7 +176,7 @@ def _guess(generator: Generator, n_roots: int) -> Guesses:
 
 def _at_points(matrix: CharacteristicMatrix, values: Complex) -> Guesses:
     """Return guesses with the vectors that the characteristic matrix is smallest for."""
-    return values, np.array([matrix.find_smallest(z)[1] for z in values.tolist()], dtype=complex).reshape(-1, matrix.n)
+    return values, matrix.find_null_vectors(values)
 
 
 def _join(guesses: list[Guesses]) -> Guesses:

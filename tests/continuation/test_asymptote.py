@@ -5,13 +5,32 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from pddecont.continuation import End, StepSettings, TestFunction, TestFunctions, follow_branch
+from pddecont.continuation import Approach, End, StepSettings, TestFunction, TestFunctions, asymptote, follow_branch
+from pddecont.continuation.arclength import solve_with_row
 from pddecont.reasons import make_reason
 from tests.continuation.systems import Algebraic, Range, circle, fold, line, start_at
 
 LIMIT = 0.3
 # How small a damping is found out by orbits a thousand times as large as the one that is looked ahead from.
 DAMPING = 1e-4
+
+
+@dataclass(frozen=True)
+class Wall:
+    """Beyond x = ``top`` there are no equations."""
+
+    top: float
+    approach: Approach = Approach.TOWARDS
+    end: str = End.IMPOSSIBLE
+
+    def margins(self, at):
+        return np.array([self.top - at.x[0]])
+
+    def gradients(self, at):
+        return np.array([[-1.0, 0.0]])
+
+    def reason(self, at, k):
+        return make_reason("range", parameter="x", value=self.top)
 
 
 @dataclass(frozen=True)
@@ -137,3 +156,20 @@ def test_what_happens_on_the_way_is_not_passed_over():
     assert end.end == End.ASYMPTOTE
     assert [p.kind for p in points if p.kind] == ["T", "EP"]
     assert points[-1].state.x[0] > 90.0
+
+
+def test_nothing_is_solved_ahead_where_the_equations_fail(monkeypatch):
+    """Where x > 40 there are no equations; tangents that lead there are not followed, however steep they are."""
+    solved = []
+
+    def spy(system, row, level, guess, settings):
+        solved.append(guess[0])
+        return solve_with_row(system, row, level, guess, settings)
+
+    monkeypatch.setattr(asymptote, "solve_with_row", spy)
+    state = start_at(pole(1.0), [1.0, 1.3], [1.0, -1.0])
+    ends = [Range(1, -1.0, 2.0), Wall(40.0)]
+    options, horizon = StepSettings(max=1.0), Modulus(np.array([1.3]))
+    end = follow_branch(state, ends, TestFunctions(), options, lambda _: None, 1, None, horizon)
+    assert end.end == End.IMPOSSIBLE
+    assert len(solved) > 0 and max(solved) < 40.0

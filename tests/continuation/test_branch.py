@@ -86,13 +86,32 @@ def test_lengths_are_measured_in_scaled_unknowns():
     assert points[-1].state.arclength == pytest.approx(math.sqrt(0.5), abs=1e-12)
 
 
-def test_steps_grow_and_shrink_with_newton_and_the_bend():
+def test_steps_grow_twofold_on_a_line():
     points, _ = follow(line(1.0), (0.0, 0.0), (1.0, 0.0), [Range(0, -1.0, 50.0)], initial=0.02, max=0.1, max_points=9)
-    assert [p.state.step for p in points] == pytest.approx([0.03, 0.045, 0.0675, *[0.1] * 5], abs=1e-12)
-    # On a circle of radius 1/10 a step of 0.1 turns by a radian: the cosine to the chord is below 0.95.
+    assert [p.state.step for p in points] == pytest.approx([0.04, 0.08, *[0.1] * 6], abs=1e-12)
+
+
+@pytest.mark.parametrize("step", [0.01, 0.05, 0.07])
+def test_a_step_is_as_long_as_the_branch_may_turn(step):
+    """From a step h on a circle of radius r, which turns by asin(h / r), half of that from its chord."""
     small = Algebraic(lambda x: [x @ x - 0.01], lambda x: [2.0 * x])
-    bent, _ = follow(small, (-0.1, 0.0), UP, [WIDE], initial=0.07, max=0.1, max_points=3, max_turn=0.9)
-    assert bent[0].state.step == pytest.approx(0.7 * 0.07, abs=1e-12)
+    points, _ = follow(small, (-0.1, 0.0), UP, [WIDE], initial=step, max=0.1, max_points=3, max_turn=0.9)
+    wanted = step * 0.2 / (0.5 * math.asin(step / 0.1))
+    # More than three Newton steps keep it from growing.
+    most = 2.0 if points[0].n_iterations <= 3 else 1.0
+    assert points[0].state.step == pytest.approx(min(most * step, wanted), rel=1e-9)
+
+
+def test_a_step_is_at_least_halved_where_the_branch_bends_more_than_its_chord_shows():
+    """Round a corner the prediction lies off the corrected point by more than the next one starts out."""
+    corner = Algebraic(
+        lambda x: [x[1] - 0.5 * (x[0] + np.sqrt(x[0] ** 2 + 1e-6))],
+        lambda x: [np.array([-0.5 * (1.0 + x[0] / np.sqrt(x[0] ** 2 + 1e-6)), 1.0])],
+    )
+    points, _ = follow(corner, (-0.05, 0.0), (1.0, 0.0), [WIDE], initial=0.1, max=0.2, max_points=2, max_turn=0.9)
+    first = points[0].state.x - [-0.05, 0.0]
+    turn = math.atan2(first[1], first[0])
+    assert turn > 0.4 and points[0].state.step == pytest.approx(0.1 * max(0.5, 0.2 / turn), rel=0.02)
 
 
 def test_a_step_that_bends_too_far_is_taken_again_with_half_of_it():

@@ -8,7 +8,7 @@ import pytest
 from pddecont.continuation import CurvePoint, FixedUnknowns, NewtonSettings, correct_component
 from pddecont.continuation.locate import BranchSegment
 from pddecont.errors import ConvergenceError
-from tests.continuation.systems import Growth, circle, crossing, fold, grow
+from tests.continuation.systems import Algebraic, Growth, circle, crossing, fold, grow
 
 SETTINGS = NewtonSettings()
 
@@ -88,6 +88,29 @@ def test_where_branches_cross_the_place_is_interpolated(end):
     point = of.at(fraction)
     assert point.x == pytest.approx([0.0, 0.0], abs=1e-12)
     assert point.tangent[0] == pytest.approx(0.0, abs=1e-15) and point.tangent[1] > 0.0
+
+
+@pytest.mark.parametrize("steepest", [0.12, 0.2, 0.24, 0.26, 0.27, 0.3, 0.32])
+def test_beside_a_pole_the_place_of_a_crossing_is_interpolated_near_it(steepest, monkeypatch):
+    """No polynomial over the whole way follows a modulus with a pole beside its zero at p = 0.03."""
+    shifted = Algebraic(lambda x: [x[0] * (x[1] - 0.03 - x[0] ** 2)], lambda x: [[x[1] - 0.03 - 3.0 * x[0] ** 2, x[0]]])
+
+    def value(point):
+        p = point.x[1]
+        return (p - 0.03) / abs(p - steepest)
+
+    of = segment(shifted, [0.0, -1.0], [0.0, 1.0])
+    correct = of._correct
+
+    def fail_near(system, guess, level):
+        if abs(level - 0.03) < 1e-6:
+            raise ConvergenceError("the Jacobian is singular")
+        return correct(system, guess, level)
+
+    monkeypatch.setattr(of, "_correct", fail_near)
+    fraction = of.find_zero(value, 0.0, 1.0, value(of.at(0.0)), value(of.at(1.0)))
+    assert fraction == pytest.approx(0.515, abs=1e-9)
+    assert of.at(fraction).x == pytest.approx([0.0, 0.03], abs=1e-9)
 
 
 @pytest.mark.parametrize(("low", "fraction"), [(0.0, 0.5), (0.5, 0.5)])

@@ -1,15 +1,20 @@
 """Both directions of a branch at once: the same file as one after the other, whatever becomes of the other process."""
 
+from concurrent.futures import Future
+from dataclasses import replace
+
 import pytest
 
 from pddecont.errors import ConvergenceError
 from pddecont.results import read_results
 from pddecont.simulate import Elsewhere, other_process
+from pddecont.steps import Budget
 from pddecont.steps.execution import apart, continuation, execute
 from tests.bifurcation.runs import follow, settle
 from tests.cli.test_resume import RUNS
 from tests.runs import add_step, change, plan
 from tests.steps.test_closed_branch import ISLAND
+from tests.steps.test_explore import holds_same
 
 
 def follow_with(run, path, workers):
@@ -60,6 +65,10 @@ EQUILIBRIUM_CURVE = add_step(
     },
 )
 ALL = {**RUNS, "equilibria": EQUILIBRIA, "curve of Hopf points": EQUILIBRIUM_CURVE}
+EXPLORED = {
+    "model": "bouncing_ball",
+    "steps": [{"name": "all", "explore": {"over": {"G": [0.3, 1.2]}, "starts": 4, "check": 4, "depth": 1}}],
+}
 
 
 @pytest.mark.parametrize("name", ALL)
@@ -69,6 +78,50 @@ def test_the_file_is_the_same_byte_for_byte(taken, tmp_path, name):
     # In a curve's run the branch that it starts from has two directions too, unless it goes up alone.
     assert len(taken) == (2 if name == "curve of Hopf points" else 1)
     assert all(n > 3 for n in taken)
+
+
+def test_branches_that_an_exploration_plans_are_followed_both_ways_at_once(taken, tmp_path):
+    alone = follow_with(EXPLORED, tmp_path / "a.h5", 1)
+    assert not taken
+    assert follow_with(EXPLORED, tmp_path / "b.h5", 2) == alone
+    branches = [name for name in read_results(tmp_path / "b.h5").names if name.startswith("branch")]
+    assert len(taken) >= len(branches) > 1
+
+
+class Clock(Budget):
+    """A budget whose time is over from when it is said to be."""
+
+    now_over = False
+
+    @property
+    def is_over(self):
+        return Clock.now_over
+
+
+def test_a_direction_elsewhere_ends_with_the_time_too(monkeypatch, tmp_path):
+    """What it found until then is kept, and resumed."""
+    follow_with(EXPLORED, tmp_path / "a.h5", 1)
+    begun = []
+
+    def begin(self, work, task):
+        if work is not apart.follow_apart or begun:
+            return None
+        begun.append(Future())
+        begun[0].set_result(work(plan(EXPLORED), replace(task, budget=Budget(seconds=0.0))))
+        return begun[0]
+
+    def wait(self, future):
+        monkeypatch.setattr(Clock, "now_over", True)
+        return future.result()
+
+    monkeypatch.setattr(Elsewhere, "begin", begin)
+    monkeypatch.setattr(Elsewhere, "wait", wait)
+    path = tmp_path / "b.h5"
+    execute(plan(EXPLORED), path, workers=2, budget=Clock())
+    assert not read_results(path).steps["all"].done
+    assert len(begun[0].result().rows) >= 1
+    execute(plan(EXPLORED), path, resume=True)
+    assert holds_same(read_results(path), read_results(tmp_path / "a.h5"))
 
 
 def test_where_the_other_process_is_lost_its_work_is_done_here(monkeypatch, taken, tmp_path):

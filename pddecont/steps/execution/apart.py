@@ -12,6 +12,7 @@ from pddecont.reasons import Reason
 from pddecont.results import Results, Row, RowWriter
 from pddecont.runfile import Plan, PlannedStep
 from pddecont.simulate import Workers
+from pddecont.steps.budget import Budget, OutOfTimeError
 from pddecont.steps.context import Context
 from pddecont.steps.continuation import ContinueSettings
 from pddecont.steps.execution.accuracy import choose_settings
@@ -24,22 +25,27 @@ Follow = Callable[[Context, PlannedStep[ContinueSettings], RowWriter, int], Reas
 
 @dataclass(frozen=True, eq=False)
 class DirectionTask:
-    """A direction to be followed: what the file holds of where the step starts, the step, what the file says of it."""
+    """A direction to be followed: what the file holds of where the step starts, and what it says of the step.
+
+    ``steps`` are the step and the one that it starts from, which an exploration may have planned after those that do it
+    began; ``budget`` is what the direction may spend.
+    """
 
     follow: Follow
     file: Results
-    step: str
+    steps: Sequence[PlannedStep[Any]]
     meta: Mapping[str, Any]
     way: int
+    budget: Budget
 
 
 @dataclass(frozen=True, eq=False)
 class FollowedDirection:
-    """A direction that was followed: its points and how it ended, or what went wrong after them."""
+    """A direction that was followed: its points and how it ended, or what went wrong, or that the time is over."""
 
     rows: Sequence[Row]
     ending: Reason | None
-    error: PddecontError | None = None
+    error: PddecontError | OutOfTimeError | None = None
 
 
 def follow_directions(
@@ -78,7 +84,11 @@ def _begin_apart(
     # Of the file only the step is needed that this one starts from. A copy: nobody here changes it while it is sent.
     held = None if source is None else file.steps.get(source.step)
     file = replace(file, steps={} if held is None else {held.name: replace(held)})
-    tasks = {way: DirectionTask(follow, file, step.name, dict(writer.meta), way) for way in ways}
+    names = [step.name] if source is None or source.file is not None else [step.name, source.step]
+    steps = [planned for planned in context.plan.steps if planned.name in names]
+    # Clocks of other machines tell another time.
+    budget = Budget() if elsewhere.on_cluster else context.budget
+    tasks = {way: DirectionTask(follow, file, steps, dict(writer.meta), way, budget) for way in ways}
     begun = {way: elsewhere.begin(follow_apart, task) for way, task in tasks.items()}
     return {way: future for way, future in begun.items() if future is not None}
 
@@ -108,12 +118,15 @@ def _take_in(context: Context, writer: RowWriter, begun: Future[FollowedDirectio
 
 def follow_apart(plan: Plan, task: DirectionTask) -> FollowedDirection:
     """Follow one direction of a branch from its start; what it records and how it ends are those of the whole step."""
-    context = Context(plan, task.file.path, Silent(), Workers(), file=task.file)
+    known = {step.name for step in plan.steps}
+    plan = replace(plan, steps=(*plan.steps, *(step for step in task.steps if step.name not in known)))
+    context = Context(plan, task.file.path, Silent(), Workers(), file=task.file, budget=task.budget)
     writer = RowsInMemory(dict(task.meta))
-    ending, error = None, None
+    ending: Reason | None = None
+    error: PddecontError | OutOfTimeError | None = None
     try:
-        step = choose_settings(context, plan.find_step(task.step), task.meta.get("choice"))
+        step = choose_settings(context, task.steps[-1], task.meta.get("choice"))
         ending = task.follow(context, step, writer, task.way)
-    except PddecontError as exc:
+    except (PddecontError, OutOfTimeError) as exc:
         error = exc
     return FollowedDirection([entry for entry in writer.log if isinstance(entry, Row)], ending, error)

@@ -53,8 +53,6 @@ def _begin(context: Context, step: PlannedStep[ExploreSettings]) -> Exploration:
     survey = make_survey(plan.numeric, pilots, free[:1], own)
     n_explorations = sum(other.kind == step.kind for other in plan.steps)
     prefix = f"{step.name}_" if n_explorations > 1 or len(plan.steps) > 1 else ""
-    # Steps that it plans are done in this process: others hold the plan as it was at first.
-    context.elsewhere = None
     symmetries = find_symmetries(plan.numeric, np.array(points), survey.low, survey.high)
     return Exploration(context, settings, survey, symmetries, prefix, at)
 
