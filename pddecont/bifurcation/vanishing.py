@@ -33,6 +33,7 @@ from pddecont.orbit import (
     find_event_profile,
     find_shortest,
     list_guarded,
+    make_profile,
     measure_guard,
     solve_orbit,
 )
@@ -45,6 +46,8 @@ TANGENTIAL = "tangential"
 SLOW = 1e-6
 # A segment shorter than this, in periods, has vanished.
 SHORT = 1e-6
+# Values of an event function below this part of its largest are rounding.
+ROUNDING = 64.0 * float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True)
@@ -131,7 +134,22 @@ class CoincidenceFunction:
 
 
 def _value_of(meeting: MeetingFunction) -> Callable[[CurvePoint[OrbitEvaluation]], float]:
-    return lambda point: meeting.evaluate(point.at)
+    def value(point: CurvePoint[OrbitEvaluation]) -> float:
+        # Along what sticks, the event that it began with stays at zero, to rounding of either sign.
+        return float("nan") if _sticks(point.at.orbit, meeting) else meeting.evaluate(point.at)
+
+    return value
+
+
+def _sticks(orbit: Orbit, meeting: MeetingFunction) -> bool:
+    """Return whether nothing but rounding is left of an event function all along the segment that ends in a meeting."""
+    s = meeting.s if meeting.at_end else (meeting.s - 1) % len(orbit.signature)
+    watched = find_event_profile(orbit, meeting.event)
+    nothing = ROUNDING * float(np.max(np.abs(watched.values)))
+    if not abs(watched.ends(meeting.s)[meeting.at_end]) <= nothing:
+        return False
+    along = make_profile(orbit, orbit.numeric.event(meeting.event), segments=(s,))
+    return bool(np.max(np.abs(along.values)) <= nothing)
 
 
 def _holds_for(meeting: MeetingFunction) -> Callable[[CurvePoint[OrbitEvaluation]], bool]:

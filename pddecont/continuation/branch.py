@@ -63,7 +63,7 @@ class StepSettings:
 
     initial: float = 0.02
     min: float = 1e-6
-    max: float = 0.2
+    max: float = 0.1
     max_points: int = 500
     max_turn: float = 0.3
     newton: NewtonSettings = field(default_factory=lambda: NewtonSettings(max_iterations=8))

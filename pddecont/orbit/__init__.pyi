@@ -28,6 +28,7 @@ from .event_profiles import find_event_profiles as find_event_profiles
 from .explicit_chain_guess import guess_chain_states as guess_chain_states
 from .extrema import Extremum as Extremum
 from .extrema import Profile as Profile
+from .extrema import make_profile as make_profile
 from .family import find_free_states as find_free_states
 from .growth import OrbitHorizon as OrbitHorizon
 from .guards import explain_guard as explain_guard

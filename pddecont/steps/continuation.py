@@ -27,7 +27,7 @@ class StepSize(Strict):
 
     initial: float = Field(0.02, gt=0, description="first step")
     min: float = Field(1e-6, gt=0, description="smallest step before the branch is given up")
-    max: float = Field(0.2, gt=0, description="largest step")
+    max: float = Field(0.1, gt=0, description="largest step")
 
     @model_validator(mode="after")
     def _check_order(self) -> StepSize:

@@ -109,7 +109,7 @@ def test_doublings_of_the_ball(ball, tmp_path):
     exact = np.sqrt(math.pi**2 * ((1 - r) / (1 + r)) ** 2 + 4 * (1 + r**2) ** 2 / (1 + r) ** 4)
     assert exact == pytest.approx(G, abs=1e-9)
     assert len(step) > 15
-    check_multipliers(ball, "pd", "bouncing_ball", tmp_path)
+    check_multipliers(ball, "pd", "bouncing_ball", tmp_path, every=4)
 
 
 def test_doublings_of_mackey_glass(tmp_path):

@@ -20,7 +20,7 @@ def explored(tmp_path_factory):
 
 def test_it_says_a_sentence_a_branch_and_how_it_goes(explored):
     _, out, err = explored
-    assert "branch_1, from sweep A1: G 0.349066 to 1.2, 23 of 50 points stable; LP1 PD1; down: reached" in out
+    assert "branch_1, from sweep A1: G 0.349066 to 1.2, 22 of 49 points stable; LP1 PD1; down: reached" in out
     assert "orbit_1: converged" in err
     assert "motions that settle lie on them" in err
 

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 import yaml
 
+from pddecont.continuation import branch
 from pddecont.plot import ViewRequest, draw_picture, list_views
 from pddecont.results import StepWriter, read_results
 from pddecont.results.format import FORMAT_VERSION
@@ -69,6 +70,21 @@ RUN = {
 }
 # What a clock or the machine's memory says: no two runs have the same.
 MEASURED = {"wall", "wall_low", "wall_high", "cpu", "memory"}
+
+
+def find_old_step(step, n_iterations, turn, settings):
+    """Return the next step along a branch by the rule of version 0.1.0."""
+    factor = 1.5 if n_iterations <= 3 else 1.0 if n_iterations <= 5 else 0.5
+    if math.cos(turn) < 0.95:
+        factor = min(factor, 0.7)
+    return float(np.clip(factor * step, settings.min, settings.max))
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _steps_of_then():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(branch, "_next_step", find_old_step)
+        yield
 
 
 @pytest.fixture(scope="module")

@@ -117,9 +117,8 @@ def _choose_duration(plan: Plan, recorded: Step, attractor: Attractor) -> tuple[
 def _judge(plan: Plan, attractor: Attractor, trajectory: Trajectory, survey: Survey) -> tuple[LookCode, Fingerprint]:
     """Return what a motion looks like that a sweep found no period of."""
     whole = fingerprint_trajectory(trajectory, np.nan)
-    scale, reach = survey.high - survey.low, np.maximum(np.abs(survey.low), np.abs(survey.high))
-    place = np.maximum(np.abs(whole.values[2]), scale)
-    if np.any(np.maximum(np.abs(whole.lowest), np.abs(whole.highest)) > FAR * reach):
+    place = np.maximum(np.abs(whole.values[2]), survey.high - survey.low)
+    if _is_away(whole, survey):
         return LookCode.AWAY, whole
     if not plan.model.forced and np.all(whole.highest - whole.lowest <= STILL * place):
         return LookCode.REST, fingerprint_rest(whole.values[2])
@@ -132,6 +131,12 @@ def _judge(plan: Plan, attractor: Attractor, trajectory: Trajectory, survey: Sur
         return LookCode.IRREGULAR, whole
 
 
+def _is_away(motion: Fingerprint, survey: Survey) -> bool:
+    """Return whether a motion goes much farther than motions of the model do."""
+    reach = np.maximum(np.abs(survey.low), np.abs(survey.high))
+    return bool(np.any(np.maximum(np.abs(motion.lowest), np.abs(motion.highest)) > FAR * reach))
+
+
 def _find_period(plan: Plan, p: Array, trajectory: Trajectory) -> tuple[LookCode, Fingerprint]:
     """Return what a motion looks like that repeats itself; raise SignatureError if it does not."""
     cycle = detect_period(plan.numeric, p, trajectory)
@@ -139,10 +144,11 @@ def _find_period(plan: Plan, p: Array, trajectory: Trajectory) -> tuple[LookCode
     return LookCode.PERIODIC, fingerprint_trajectory(trajectory, end - begin, begin, end)
 
 
-def name_irregular(plan: Plan, recorded: Step, look: Look) -> Look:
-    """Return what a motion without period is, by its largest Lyapunov exponent.
+def name_irregular(plan: Plan, recorded: Step, look: Look, survey: Survey) -> Look:
+    """Return what a motion without period is, by its largest Lyapunov exponent; ``survey`` tells how far others go.
 
-    It is chaos, a torus, or a periodic motion that others near to it settle to so slowly that it was not seen yet.
+    It is chaos, a torus, a periodic motion that others near to it settle to so slowly that it was not seen yet, or one
+    that goes away so slowly.
     """
     task = read_task(plan, recorded)
     attractor = attractor_from_row(recorded, look.row)
@@ -163,6 +169,9 @@ def name_irregular(plan: Plan, recorded: Step, look: Look) -> Look:
         trajectory = follow_attractor(
             simulator, attractor, SLOW_RETURNS * between, recorded.name, after=LONGER * duration
         )
+        whole = fingerprint_trajectory(trajectory, np.nan)
+        if _is_away(whole, survey):
+            return replace(look, code=LookCode.AWAY, motion=whole)
         code, motion = _find_period(plan, attractor.p, trajectory)
     except (ConvergenceError, SignatureError):
         if attractor.failure is not None or exponent.value < -doubt:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.errors import ConvergenceError
-from pddecont.exploration import RecordedBranch, RotationNumber, find_rotation_number
+from pddecont.exploration import RecordedBranch, RotationNumber, Survey, find_rotation_number
 from pddecont.results import Step
 from pddecont.runfile import Plan
 from pddecont.simulate import find_attractor, unpack_motion
@@ -124,10 +124,10 @@ def covers(points: Sequence[TorusPoint], lead: TorusLead, number: int, limits: t
     return any(0.0 < one < near for one in away)
 
 
-def look_at_torus(plan: Plan, recorded: Step, look: Look, origin: str, scale: Array) -> TorusPoint:
-    """Return what a torus has become at a value of a sweep; ``scale`` is how far motions go (n_states,)."""
-    named = name_irregular(plan, recorded, look) if look.code == LookCode.IRREGULAR else look
-    return TorusPoint(origin, named, measure_rotation(plan, recorded, named, scale))
+def look_at_torus(plan: Plan, recorded: Step, look: Look, origin: str, survey: Survey) -> TorusPoint:
+    """Return what a torus has become at a value of a sweep; ``survey`` tells how far motions go."""
+    named = name_irregular(plan, recorded, look, survey) if look.code == LookCode.IRREGULAR else look
+    return TorusPoint(origin, named, measure_rotation(plan, recorded, named, survey.high - survey.low))
 
 
 def measure_rotation(plan: Plan, recorded: Step, look: Look, scale: Array) -> RotationNumber | None:

@@ -139,6 +139,7 @@ class Exploration:
             return
         low, high = self.settings.over[self.parameter]
         for k, value in enumerate(np.linspace(low, high, N_SEARCHES).tolist(), 1):
+            self.context.budget.check()
             at = {**self.at, self.parameter: value}
             recorded = self.try_to_do(plan_search(self.plan, self.settings, self.survey, f"{self.prefix}rest_{k}", at))
             if recorded is not None:
@@ -335,7 +336,7 @@ class Exploration:
         recorded = self.try_to_do(plan_torus(sweep, lead, self.parameter, name, list_own_states(self.plan)))
         if recorded is not None:
             looks = look_at_sweep(self.plan, recorded, self.survey)
-            points = [look_at_torus(self.plan, recorded, look, lead.origin, self.scale) for look in looks]
+            points = [look_at_torus(self.plan, recorded, look, lead.origin, self.survey) for look in looks]
             self.tori += points
             locked = list_attractor_leads([point.look for point in points], self.number)
             # What fell back onto an orbit that is there, stable or not, is no new one.
@@ -346,4 +347,5 @@ class Exploration:
         assert self.context.file is not None, "a run has a file"
         for k, look in enumerate(self.looks):
             if look.code == LookCode.IRREGULAR:
-                self.looks[k] = name_irregular(self.plan, self.context.file.step(look.sweep), look)
+                self.context.budget.check()
+                self.looks[k] = name_irregular(self.plan, self.context.file.step(look.sweep), look, self.survey)
