@@ -10,7 +10,7 @@ FIRST ?= 1000
 BEFORE ?= 0d30e19
 LARGE ?=
 
-.PHONY: setup demo figures images atlas test browser browser-tests page-times page-pictures reliability random-models random-delays stress packages check docs reference layers bench versions cost tracking chain-order schema clean \
+.PHONY: setup demo figures images atlas test browser browser-tests page-times page-pictures reliability random-models random-delays stress packages check docs reference layers bench estimates versions cost tracking chain-order schema clean \
   distclean
 setup: $(ENV)/ready
 
@@ -79,7 +79,11 @@ bench: setup         ## ratios, each measured in one process
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.delays
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.simulator
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.effects
+	$(MAKE) estimates
 	$(MAKE) versions
+
+estimates: setup     ## recorded error estimates against true errors, of every orbit of every shipped run
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.estimates
 
 versions: setup      ## branches of this version and of BEFORE in turns; LARGE=--large adds 100 and 200 states
 	rm -rf $(OUT)/before

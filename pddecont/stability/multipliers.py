@@ -53,6 +53,8 @@ MAX_ROUNDS = 32
 ACCURATE = 1e-4
 # A multiplier outside the unit circle has a modulus above this: rounding may put one of a neutral orbit on either side.
 OUTSIDE = 1.0 + 1e-12
+# One inside it has a modulus below this.
+INSIDE = 1.0 - 1e-12
 # A multiplier this near to a known one comes out of a defective matrix together with it.
 NEAR_KNOWN = 0.02
 # A trivial multiplier farther from 1 than this says that the mesh is too coarse.
@@ -97,9 +99,14 @@ class Multipliers:
         return int(np.sum(np.abs(self.nontrivial) > OUTSIDE))
 
     @property
-    def stable(self) -> bool:
-        """Whether all but the trivial one lie inside the unit circle."""
-        return self.n_unstable == 0
+    def stable(self) -> bool | None:
+        """Whether all but the trivial one lie inside the unit circle.
+
+        None where none lies outside it, but one on it to rounding: the linearised motion does not tell then.
+        """
+        if self.n_unstable:
+            return False
+        return True if np.all(np.abs(self.nontrivial) < INSIDE) else None
 
     def leading(self, n: int | None) -> Multipliers:
         """Return the ``n`` leading ones (None: those beyond ``SMALL``, at most ``AT_MOST``).

@@ -33,10 +33,11 @@ UNCOUNTED = (
     "the count of multipliers outside the unit circle does not confirm those that were found, and whether the orbit is "
     "stable is not known: use a finer mesh, or parameters a little apart"
 )
-# Of many points, either.
+NEUTRAL = "no multiplier outside the unit circle but at least one on it: they do not tell whether the orbit is stable"
+# Of many points, any of them.
 UNSTATED = (
-    "the multipliers do not tell whether the orbit is stable: a count does not confirm them, or they are lost among "
-    "those of a delay line's own stages; use a finer mesh, or parameters a little apart"
+    "the multipliers do not tell whether the orbit is stable: one lies on the unit circle, a count does not confirm "
+    "them, or they are lost among those of a delay line's own stages; use a finer mesh, or parameters a little apart"
 )
 
 
@@ -126,7 +127,7 @@ def _describe_stability(step: Step, values: Mapping[str, Any]) -> str:
     shown = ", ".join(f"{re:.6g}" if im == 0.0 else f"{re:.6g} {im:+.6g}i" for re, im in leading)
     stable = f"unstable ({n_unstable} multipliers outside the unit circle)" if n_unstable else "stable"
     if not n_unstable and step.points["stable"][0] != 1:
-        stable = "no multiplier outside the unit circle"
+        stable = NEUTRAL if step.points["stable"][0] < 0 else "no multiplier outside the unit circle"
     text = f"{stable}, leading {shown or 'none'}"
     if np.isfinite(error):
         text += f", trivial multiplier off by {error:.1e}"

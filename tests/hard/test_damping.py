@@ -5,6 +5,7 @@ import pytest
 
 from pddecont.errors import ConvergenceError
 from pddecont.tables import describe_endings
+from pddecont.tables.endings import list_warnings
 from tests.runs import add_step, change, multipliers, parameter, run
 
 DOWN = {"from": "o", "free": ["c"], "range": {"c": [0, 0.3]}, "direction": "down"}
@@ -36,6 +37,19 @@ def test_a_driven_oscillator(tmp_path, record):
     )
     found = multipliers(step, step.row("EP1"))
     record("multipliers without damping", "on the unit circle", np.max(np.abs(np.abs(found) - 1)), 1e-11)
+    # Nobody is told that orbits without damping are stable, or unstable.
+    stable = step.points["stable"]
+    assert stable[step.row("EP1")] == -1 and step.points["n_unstable"][step.row("EP1")] == 0
+    assert np.all(stable[step.order][c > 0.01] == 1)
+    assert any("one lies on the unit circle" in warning for warning in list_warnings(step))
+
+
+def test_of_one_orbit_without_damping_it_is_said(tmp_path):
+    model = change(DRIVEN, "run.steps.1.orbit.stability", True)
+    still = {"name": "still", "set": {"c": 0}, "orbit": {"from": "o", "stability": True}}
+    results = run(add_step(model, still), tmp_path / "a.h5")
+    assert "; stable, leading" in describe_endings(results.step("o"))[0]
+    assert "no multiplier outside the unit circle but at least one on it" in describe_endings(results.step("still"))[0]
 
 
 def test_resonance_without_damping_is_refused(tmp_path, record):

@@ -94,6 +94,7 @@ def orbit_to_row(
     An orbit that is no motion of the model is not stable.
     """
     unknown = multipliers is None or not multipliers.says_stability
+    stable = None if multipliers is None or unknown else multipliers.stable
     verification = NOT_DONE if referee is None else referee.verify(orbit)
     is_motion = not find_violation(orbit, referee)
     points: Mapping[str, Any] = {
@@ -101,7 +102,7 @@ def orbit_to_row(
         "arclength": arclength,
         "parameters": orbit.numeric.with_fixed(orbit.parameters),
         "period": orbit.period,
-        "stable": -1 if multipliers is None or unknown else multipliers.stable and is_motion,
+        "stable": -1 if unknown or (stable is None and is_motion) else bool(stable) and is_motion,
         "n_unstable": -1 if multipliers is None or unknown else multipliers.n_unstable,
         "trivial_error": np.nan if multipliers is None else multipliers.trivial_error,
         "side": np.full(2, np.nan) if side is None else side,
