@@ -2,7 +2,8 @@
 
 Takes run files, by default those of the models and the paper's figures. The true error of a recorded orbit is its
 distance to the nearest exact one, which Newton's method finds from it with polynomials of four degrees more and a
-tolerance of a thousandth of the estimate; the free parameters may move. Estimates below 3e-13 are rounding and left out.
+tolerance of a thousandth of the estimate; the free parameters may move. Estimates below 3e-13 are rounding, and left
+out.
 """
 
 from __future__ import annotations
@@ -94,7 +95,8 @@ def describe(ratios):
     """Return in words how estimates compare with true errors."""
     low, high = int(np.sum(ratios <= 1.0 / WITHIN)), int(np.sum(ratios >= WITHIN))
     within = 1.0 - (low + high) / len(ratios)
-    return f"{len(ratios):5} orbits, {within:.2%} within; too small {low}, too large {high}; median {np.median(ratios):.3f}"
+    off = f"too small {low}, too large {high}; median {np.median(ratios):.3f}"
+    return f"{len(ratios):5} orbits, {within:.2%} within; {off}"
 
 
 if __name__ == "__main__":
