@@ -80,8 +80,8 @@ class BranchSegment(Generic[E]):
         """Return the fraction between ``low`` and ``high`` at which ``test`` is zero.
 
         Where branches cross, points cannot be corrected near the crossing; its place is then interpolated from points
-        around it. None where the test function jumps through zero or cannot be followed: there is no special point
-        then.
+        around it, all of them near it where the zero was nearly reached before. None where the test function jumps
+        through zero or cannot be followed: there is no special point then.
         """
         values: dict[float, float] = {}
 
@@ -134,6 +134,7 @@ class BranchSegment(Generic[E]):
     def _interpolate_around(
         self, test: Value[E], centre: float, spread: float, low: float, high: float
     ) -> float | None:
+        """Return the zero of ``test`` by interpolation from points up to ``spread`` away from a place; None if none."""
         nodes = centre + spread * AROUND
         return self._interpolate(test, nodes[(nodes >= low) & (nodes <= high)])
 

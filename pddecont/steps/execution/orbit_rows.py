@@ -94,7 +94,6 @@ def orbit_to_row(
     An orbit that is no motion of the model is not stable.
     """
     unknown = multipliers is None or not multipliers.says_stability
-    stable = None if multipliers is None or unknown else multipliers.stable
     verification = NOT_DONE if referee is None else referee.verify(orbit)
     is_motion = not find_violation(orbit, referee)
     points: Mapping[str, Any] = {
@@ -102,7 +101,7 @@ def orbit_to_row(
         "arclength": arclength,
         "parameters": orbit.numeric.with_fixed(orbit.parameters),
         "period": orbit.period,
-        "stable": -1 if unknown or (stable is None and is_motion) else bool(stable) and is_motion,
+        "stable": _find_stable(multipliers, is_motion),
         "n_unstable": -1 if multipliers is None or unknown else multipliers.n_unstable,
         "trivial_error": np.nan if multipliers is None else multipliers.trivial_error,
         "side": np.full(2, np.nan) if side is None else side,
@@ -127,6 +126,14 @@ def orbit_to_row(
         "delayed": orbit.delayed_values,
     }
     return dict(points), {**orbit_to_rows(orbit, tangent), **rows}
+
+
+def _find_stable(multipliers: Multipliers | None, is_motion: bool) -> int:
+    """Return 1 for a stable orbit, 0 for one that is none or no motion, -1 where the multipliers do not tell."""
+    if multipliers is None or not multipliers.says_stability:
+        return -1
+    stable = multipliers.stable if is_motion else False
+    return -1 if stable is None else int(stable)
 
 
 def find_surfaces(orbit: Orbit, events: Sequence[str]) -> Array:
