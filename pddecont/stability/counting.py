@@ -33,6 +33,9 @@ CHANGE = 0.7
 NEAREST = 1e-7
 # Points round the circle for finding zeros: at first, and at most.
 MANY, MOST = 32, 2048
+# Determinants that a count takes at most, and more for each further period of history: where rounding decides them, as
+# with multipliers of 1e17 beside others, no number of them would do.
+MOST_DETERMINANTS, MORE_DETERMINANTS = 2048, 32
 # Coefficients of the quotient's power series below this part of the largest are rounding.
 NEGLIGIBLE = 1e-11
 # They are rounding too where twice the points leave more than this part of them, and what is no larger than so many
@@ -56,6 +59,8 @@ class Counter:
 
     def _log_determinant(self, z: complex) -> complex:
         if z not in self._known:
+            if len(self._known) >= MOST_DETERMINANTS + MORE_DETERMINANTS * self.characteristic.depth:
+                raise ConvergenceError("the determinant does not tell how many multipliers there are")
             self._known[z] = factor_at(self.characteristic, z).log_determinant
         return self._known[z]
 
@@ -67,7 +72,7 @@ class Counter:
         Raises
         ------
         ConvergenceError
-            If the determinant is not defined on the circle.
+            If the determinant is not defined on the circle, or does not tell.
         """
         angles = list(np.linspace(0.0, np.pi, FEW + MORE * max(0, self.characteristic.depth - 1)))
         for _ in range(DOUBLINGS):

@@ -7,7 +7,7 @@ import pytest
 
 from pddecont.errors import ConvergenceError
 from pddecont.stability.characteristic import MapCharacteristic, PeriodCharacteristic
-from pddecont.stability.counting import Counter
+from pddecont.stability.counting import MORE_DETERMINANTS, MOST_DETERMINANTS, Counter
 
 PAIR = 0.9 * np.exp(0.4j)
 VALUES = np.array([1.5, -1.1, PAIR, PAIR.conjugate(), 0.3, 0.02])
@@ -92,3 +92,22 @@ def test_rounding_in_the_determinant_is_no_multiplier():
 def test_a_determinant_that_is_all_rounding_tells_nothing():
     with pytest.raises(ConvergenceError, match="not known well enough"):
         Noisy(np.array([0.5]), 1.0).find_missing(np.zeros(0), 0.3)
+
+
+def test_a_count_that_rounding_decides_ends():
+    """Values 20 orders apart: rounding of the largest hides the others, and halving the circle's parts never ends."""
+    noise = np.random.default_rng(3)
+
+    class Noisy(Counter):
+        def _log_determinant(self, z):
+            known = len(self._known)
+            exact = super()._log_determinant(z)
+            if len(self._known) > known:
+                self._known[z] = exact + complex(0.0, noise.uniform(-3.0, 3.0))
+            return self._known[z]
+
+    noisy = Noisy(MapCharacteristic(np.diag([1e18, 1e-2])))
+    with pytest.raises(ConvergenceError, match="does not tell how many multipliers"):
+        for radius in np.geomspace(1e-3, 1e3, 10_000):
+            noisy.count_missing(np.zeros(0), float(radius))
+    assert len(noisy._known) == MOST_DETERMINANTS + MORE_DETERMINANTS
