@@ -20,6 +20,7 @@ from .registry import register_kind as register_kind
 from .settings import BranchSettings as BranchSettings
 from .signature_switching import switch_signature as switch_signature
 from .starting_point import define_special_point as define_special_point
+from .starting_point import find_other_kind as find_other_kind
 from .starting_point import start_after_grazing as start_after_grazing
 from .starting_point import start_curve as start_curve
 from .starting_point import start_on_orbit as start_on_orbit

@@ -17,15 +17,15 @@ from pddecont.bifurcation.vanishing import VANISHING
 
 # Points on curves that counts of multipliers tell: one more multiplier +1, -1 or a pair on the unit circle.
 COUNTED = tuple(
-    SpecialPointKind(label, name, on_curves=True, needs_multipliers=True)
-    for label, name in (
-        ("FF", "fold-flip"),
-        ("FT", "fold-torus"),
-        ("PT", "flip-torus"),
+    SpecialPointKind(label, name, on_curves=True, needs_multipliers=True, meets=tuple(kind.label for kind in meets))
+    for label, name, *meets in (
+        ("FF", "fold-flip", FOLD, PERIOD_DOUBLING),
+        ("FT", "fold-torus", FOLD, TORUS),
+        ("PT", "flip-torus", PERIOD_DOUBLING, TORUS),
         ("TT", "double torus"),
-        ("GL", "grazing with multiplier 1"),
-        ("GP", "grazing with multiplier -1"),
-        ("GT", "grazing with multipliers on the unit circle"),
+        ("GL", "grazing with multiplier 1", FOLD),
+        ("GP", "grazing with multiplier -1", PERIOD_DOUBLING),
+        ("GT", "grazing with multipliers on the unit circle", TORUS),
     )
 )
 BUILTIN = (

@@ -70,6 +70,9 @@ class SpecialPointKind:
         signature or is stable (None: there is no such side).
     crossings
         Labels of points on its curve where one more multiplier is +1, is -1, or a pair passes the unit circle.
+    meets
+        Labels of the kinds whose curves meet in such a point of a curve: from there the one goes on that it was not
+        found on.
     remove_critical
         Return the multipliers of such a point without those that it has on the unit circle by its nature.
     switch
@@ -89,6 +92,7 @@ class SpecialPointKind:
     define: Callable[[OrbitEvaluation, BranchSettings, Reason], DefiningFunction] | None = None
     good_side: Callable[[DefiningFunction], float | None] = _no_side
     crossings: tuple[str, str, str] = CROSSINGS
+    meets: tuple[str, ...] = ()
     remove_critical: Callable[[Multipliers], Complex] = _keep_all
     switch: Callable[[Orbit, NDArray[np.float64], BranchSettings], BranchStart] | None = None
     go_on: (

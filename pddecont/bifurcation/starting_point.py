@@ -7,16 +7,17 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.bifurcation import grazing
+from pddecont.bifurcation import grazing, torus
 from pddecont.bifurcation.branch_start import BranchStart, StartError, start_branch
-from pddecont.bifurcation.extended_system import DefiningFunction, extend_system
+from pddecont.bifurcation.extended_system import DefiningFunction, ExtendedEvaluation, extend_system
+from pddecont.bifurcation.kinds import CROSSINGS
 from pddecont.bifurcation.registry import find_kind, list_kinds
 from pddecont.bifurcation.settings import BranchSettings
 from pddecont.bifurcation.signature_insertion import enter_signature
 from pddecont.continuation import CurvePoint, NewtonSettings, correct, solve_adaptively, tangent_at
 from pddecont.errors import SignatureError
 from pddecont.orbit import Orbit, OrbitEvaluation, is_rotation, solve_orbit
-from pddecont.reasons import Reason
+from pddecont.reasons import NO_REASON, Reason
 
 Array = NDArray[np.float64]
 # A parameter that hardly moves along a curve, compared with the other, does not tell which way is forward.
@@ -64,8 +65,13 @@ def start_after_grazing(orbit: Orbit, kind: str, signature: Sequence[str], setti
     return BranchStart(point, one_way=True)
 
 
-def start_curve(orbit: Orbit, kind: str, reason: Reason, settings: BranchSettings) -> BranchStart:
-    """Return the start of the curve of special points of ``kind`` in two parameters.
+def start_curve(
+    orbit: Orbit, label: str, reason: Reason, settings: BranchSettings, found_on: tuple[str, Reason] = ("", NO_REASON)
+) -> BranchStart:
+    """Return the start of the curve of special points in two parameters through one with a ``label``.
+
+    From a point of a curve at which it meets another, that one goes on; ``found_on`` is the kind of the curve and what
+    it follows. Where it begins there it goes one way.
 
     Raises
     ------
@@ -74,8 +80,10 @@ def start_curve(orbit: Orbit, kind: str, reason: Reason, settings: BranchSetting
     ConvergenceError
         If the special point is not found.
     """
+    other = find_other_kind(label, found_on[0])
+    kind = other or label
     inner, orbit = settings.make_system(orbit)
-    defining = define_special_point(inner.at(orbit.x), kind, reason, settings)
+    defining = define_special_point(inner.at(orbit.x), kind, NO_REASON if other else reason, settings)
     system, solution = solve_adaptively(
         extend_system(inner, defining),
         orbit.x,
@@ -84,7 +92,37 @@ def start_curve(orbit: Orbit, kind: str, reason: Reason, settings: BranchSetting
     direction = tangent_at(solution, system.scaling, solution.at.direction_along())
     moves = direction[system.problem.unknowns.free] / np.array(settings.widths)
     forward = next((float(np.sign(m)) for m in moves if abs(m) > STILL * np.max(np.abs(moves))), 1.0)
-    return BranchStart(CurvePoint(system, solution.at, None, forward * direction), kind)
+    side = 0.0
+    if isinstance(defining, torus.TorusFunction):
+        side = torus.find_side_with_pair(system, solution.x, direction)
+    if other and label in CROSSINGS:
+        side = side or _find_side_of_motions(solution.at, direction, found_on, settings)
+    return BranchStart(CurvePoint(system, solution.at, None, (side or forward) * direction), kind, one_way=bool(side))
+
+
+def _find_side_of_motions(
+    at: ExtendedEvaluation, direction: Array, boundary: tuple[str, Reason], settings: BranchSettings
+) -> float:
+    """Return on which side (1 or -1 times ``direction``) of a curve of grazings and the like orbits are motions.
+
+    0 where they are on both.
+    """
+    kind, reason = boundary
+    found = find_kind(kind)
+    assert found is not None, "it was followed"
+    own = define_special_point(at.inner, kind, reason, settings)
+    sign = found.good_side(own)
+    if sign is None:
+        return 0.0
+    (rate,) = extend_system(at.inner.system, own).at(at.x).rates_along(direction[None])
+    return float(np.sign(sign * rate))
+
+
+def find_other_kind(label: str, found_on: str) -> str:
+    """Return the kind of the curve that meets one of the kind ``found_on`` in a point with a ``label``; "" if none."""
+    kind = find_kind(label)
+    meets = kind.meets if kind is not None and found_on else ()
+    return next((other for other in meets if other != found_on), "")
 
 
 def define_special_point(at: OrbitEvaluation, kind: str, reason: Reason, settings: BranchSettings) -> DefiningFunction:

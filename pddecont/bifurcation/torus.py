@@ -14,7 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.bifurcation.extended_system import DefiningFunction, ExtendedEvaluation
+from pddecont.bifurcation import fold, period_doubling
+from pddecont.bifurcation.extended_system import DefiningFunction, ExtendedEvaluation, ExtendedSystem
 from pddecont.bifurcation.kinds import CurveTest, SpecialPointKind
 from pddecont.bifurcation.settings import BranchSettings
 from pddecont.continuation import CurvePoint, TestFunction
@@ -23,8 +24,13 @@ from pddecont.orbit import OrbitEvaluation
 from pddecont.reasons import Reason
 from pddecont.stability import MultiplierCache, Multipliers
 
+Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 LABEL = "TR"
+# Two real multipliers this near to each other are about to become a pair.
+TOGETHER = 1e-2
+# Length of a step aside that shows whether they do.
+ASIDE = 1e-4
 # Code of the end of a curve where its pair meets on the real axis.
 RESONANCE = "resonance"
 
@@ -73,10 +79,25 @@ class TorusFunction:
 def _define(at: OrbitEvaluation, settings: BranchSettings, reason: Reason) -> DefiningFunction:
     multipliers = settings.find_multipliers()
     values = multipliers.find(at.orbit).nontrivial
-    upper = values[values.imag > 0.0]
+    # Where a pair meets on the real axis rounding decides whether it is complex.
+    real = values[values.imag == 0.0]
+    doubled = real[:-1][np.abs(np.diff(real)) < TOGETHER] if len(real) else real
+    upper = np.concatenate([values[values.imag > 0.0], doubled])
     if not len(upper):
         raise ConvergenceError("no complex pair of multipliers is left at this point")
     return TorusFunction(multipliers, complex(upper[np.argmin(np.abs(np.abs(upper) - 1.0))]))
+
+
+def find_side_with_pair(system: ExtendedSystem, x: Array, direction: Array) -> float:
+    """Return on which side (1 or -1 times ``direction``) of a resonance at ``x`` its pair is complex; 0 on both.
+
+    On the other side the curve of the same equations is one of two real multipliers whose product is 1, and no tori are
+    born there.
+    """
+    before, here, after = (
+        system.defining.find_sum(system.at(x + step * direction).inner) for step in (-ASIDE, 0.0, ASIDE)
+    )
+    return 0.0 if abs(here) < 2.0 - TOGETHER else float(np.sign(np.sign(here) * (before - after)))
 
 
 def remove_pair(m: Multipliers) -> Complex:
@@ -101,8 +122,11 @@ TORUS = SpecialPointKind(
 )
 
 
-def _make_resonance(label: str, name: str, level: float, end: str) -> SpecialPointKind:
-    """Return the kind of a resonance: the sum of the pair is ``level``, where the curve may end."""
+def _make_resonance(label: str, name: str, level: float, other: str = "") -> SpecialPointKind:
+    """Return the kind of a resonance: the sum of the pair is ``level``.
+
+    Where it meets on the real axis the curve ends on one of the ``other`` kind.
+    """
 
     def value(point: CurvePoint[ExtendedEvaluation]) -> float:
         defining = point.at.system.defining
@@ -110,14 +134,15 @@ def _make_resonance(label: str, name: str, level: float, end: str) -> SpecialPoi
         return defining.find_sum(point.at.inner) - level
 
     def tests(at: ExtendedEvaluation, settings: BranchSettings) -> list[CurveTest]:
-        return [TestFunction(label, value, end)] if isinstance(at.system.defining, TorusFunction) else []
+        return [TestFunction(label, value, RESONANCE if other else "")] if isinstance(at.system.defining, TorusFunction) else []
 
-    return SpecialPointKind(label, name, on_curves=True, curve_tests=tests)
+    meets = (other, LABEL) if other else ()
+    return SpecialPointKind(label, name, on_curves=True, curve_tests=tests, meets=meets)
 
 
 RESONANCES = (
-    _make_resonance("R1", "resonance 1:1", 2.0, RESONANCE),
-    _make_resonance("R2", "resonance 1:2", -2.0, RESONANCE),
-    _make_resonance("R3", "resonance 1:3", -1.0, ""),
-    _make_resonance("R4", "resonance 1:4", 0.0, ""),
+    _make_resonance("R1", "resonance 1:1", 2.0, fold.LABEL),
+    _make_resonance("R2", "resonance 1:2", -2.0, period_doubling.LABEL),
+    _make_resonance("R3", "resonance 1:3", -1.0),
+    _make_resonance("R4", "resonance 1:4", 0.0),
 )

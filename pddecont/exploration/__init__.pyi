@@ -1,8 +1,10 @@
 from .fingerprint import Fingerprint as Fingerprint
+from .fingerprint import are_as_long as are_as_long
 from .fingerprint import fingerprint_orbits as fingerprint_orbits
 from .fingerprint import fingerprint_rest as fingerprint_rest
 from .fingerprint import fingerprint_trajectory as fingerprint_trajectory
 from .fingerprint import is_multiple as is_multiple
+from .recorded_branch import ALIKE as ALIKE
 from .recorded_branch import Place as Place
 from .recorded_branch import RecordedBranch as RecordedBranch
 from .recorded_branch import read_branch as read_branch

@@ -19,6 +19,8 @@ GAUSS, WEIGHTS = (part / 2 for part in np.polynomial.legendre.leggauss(7))
 SIGMA = np.concatenate([EVENLY, GAUSS + 0.5])
 # Periods that differ by less than this, relative to their multiple, are multiples.
 SAME_PERIOD = 1e-3
+# Periods of two points beside each other that differ by this factor count other numbers of periods.
+OTHER_COUNT = 1.3
 # The smallest size of a state, as a part of how far motions of the model go.
 LEAST_SIZE = 1e-2
 
@@ -115,3 +117,8 @@ def is_multiple(period: float, of: float, error: float = 0.0) -> bool:
         return period == of
     ratio = period / of
     return ratio > 0.5 and abs(ratio - round(ratio)) < (SAME_PERIOD + error) * round(ratio)
+
+
+def are_as_long(period: float, other: float) -> bool:
+    """Return whether two periods count as many turns, though motions between two points of a branch differ somewhat."""
+    return max(period, other) <= OTHER_COUNT * min(period, other)

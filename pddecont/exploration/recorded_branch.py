@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
-from pddecont.exploration.fingerprint import Fingerprint, fingerprint_orbits, is_multiple
+from pddecont.exploration.fingerprint import Fingerprint, are_as_long, fingerprint_orbits, is_multiple
 from pddecont.exploration.symmetry import Symmetry
 from pddecont.results import Step
 
@@ -23,8 +23,6 @@ SLACK = 0.1
 ALIKE = 1e-2
 # Values of a parameter that differ by less than this part of its range are one.
 SAME_VALUE = 1e-7
-# Periods of two points beside each other that differ by this factor count other numbers of periods.
-OTHER_COUNT = 1.3
 TINY = float(np.finfo(float).tiny)
 # Where two points of a branch are one: beside each other to this part of its length.
 SAME_PLACE = 1e-9
@@ -137,7 +135,7 @@ class RecordedBranch:
         if np.any(from_middle > apart + motion.measure_size(self.scale)):
             return False
         share, values = self._interpolate(k, value)
-        if max(before.period, after.period) > OTHER_COUNT * min(before.period, after.period):
+        if not are_as_long(before.period, after.period):
             # Here the branch is written with another number of periods on either side.
             return any(self._is_close(motion, Fingerprint(end.period, values), apart) for end in (before, after))
         period = (1.0 - share) * before.period + share * after.period

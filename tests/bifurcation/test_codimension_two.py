@@ -161,3 +161,48 @@ def test_points_of_codimension_two_of_products_of_maps(tmp_path, y, z, found):
         assert not any("WARNING" in t for t in describe_endings(step))
         places = sorted(parameter(step, "c", label) for label in labels(step))
         assert places == pytest.approx(sorted(found[name].values()), abs=1e-8)
+
+
+def follow_through(model, branch, found_on, label, name, free, ranges):
+    """Return a model whose run follows what goes on from a point of a curve."""
+    steps = [step for step in model["run"]["steps"] if step["name"] in ("t", "o", branch, found_on)]
+    more = {"from": {"step": found_on, "point": label}, "free": free, "range": ranges, "stability": True}
+    return change(model, "run.steps", [*steps, {"name": name, "continue": more}])
+
+
+@pytest.mark.parametrize(
+    ("found_on", "label", "kind"),
+    [("LP", "FF1", "PD"), ("PD", "FF1", "LP"), ("LP", "FT1", "TR"), ("PD", "PT2", "TR")],
+)
+def test_the_other_curve_goes_on_from_where_two_meet(tmp_path, found_on, label, kind):
+    """The linear map of a product doubles, folds or has its pair on the circle at c = -1 or 1, whatever a is."""
+    linear = ("c*y", "0.2*z") if label == "FF1" else ("c*(0.6*y - 0.8*z)", "c*(0.8*y + 0.6*z)")
+    model = change(change(PRODUCT, "resets.g.y", linear[0]), "resets.g.z", linear[1])
+    ranges = {"a": [-2, 2], "c": [-1.3, 1.3]}
+    results = run(follow_through(model, "n", found_on, label, "other", ["c", "a"], ranges), tmp_path / "a.h5")
+    step = results.step("other")
+    start = parameter(results.step(found_on), "c", label)
+    assert step.meta["curve"] == kind
+    c, ordinary = parameter(step, "c"), step.points["kind"] == b""
+    assert c[ordinary] == pytest.approx(np.full(np.sum(ordinary), start), abs=1e-8)
+    # Where both maps double at once the equation has a double zero.
+    assert c == pytest.approx(np.full(len(step), start), abs=1e-6)
+    assert np.ptp(parameter(step, "a")) > 1.0
+    assert len(step.endings) == 2
+
+
+def test_tori_go_on_from_resonances_on_other_curves(tmp_path):
+    """Henon's map preserves areas at b = -1: its pair is on the circle between 1:1 at a = -1 and 1:2 at a = 3."""
+    ranges = {"a": [-2, 4], "b": [-2, 0.3]}
+    for found_on, label, far in (("LP", "R1_1", "R2"), ("PD", "R2_1", "R1")):
+        model = follow_through(HENON, "c", found_on, label, "tori", ["a", "b"], ranges)
+        step = run(model, tmp_path / f"{found_on}.h5").step("tori")
+        assert step.meta["curve"] == "TR"
+        assert parameter(step, "b") == pytest.approx(np.full(len(step), -1.0), abs=1e-8)
+        assert f"{far}_1" in labels(step)
+        at = {"R1": -1.0, "R4": 0.0, "R3": 1.25, "R2": 3.0}
+        for found in labels(step):
+            assert parameter(step, "a", found) == pytest.approx(at[found[:2]], abs=1e-7)
+        # Beyond a resonance the same equations hold of two real multipliers, and no tori are born.
+        assert len(step.endings) == 1
+        assert "meets on the real axis" in describe_endings(step)[0]

@@ -13,7 +13,8 @@ from pddecont.bifurcation import (
 )
 from pddecont.errors import ConvergenceError, RunError, SignatureError
 from pddecont.orbit import is_rotation
-from pddecont.reasons import NO_REASON, Reason
+from pddecont.reasons import NO_REASON, Reason, reason_from_json
+from pddecont.results import Step
 from pddecont.runfile import PlannedStep
 from pddecont.steps.context import Context
 from pddecont.steps.continuation import ContinueSettings, in_range
@@ -48,13 +49,14 @@ def start_step(
         raise RunError.at(context.plan.source, 0, 0, f"step '{step.name}': {text}")
     recorded, row = find_point(context, step.source)
     guess = find_orbit(context, step, step.source)
+    found_on = str(recorded.meta.get("curve") or ""), _read_curve_reason(recorded)
     kind, reason, asked = recorded.kind_of(row), recorded.reason(row), step.settings.signature
     what, advice = "the orbit it starts from", ORBIT_ADVICE
     if len(settings.free) == 2:
         what, advice = f"the {kind or 'special'} point that it follows", ADVICE
 
         def begin() -> BranchStart:
-            return start_curve(guess, kind, reason, settings)
+            return start_curve(guess, kind, reason, settings, found_on)
     elif step.settings.switches:
 
         def begin() -> BranchStart:
@@ -80,6 +82,12 @@ def start_step(
         raise RunError.at(context.plan.source, 0, 0, f"step '{step.name}': {exc}") from exc
     _check_range(context, step, settings, start)
     return start, reason
+
+
+def _read_curve_reason(recorded: Step) -> Reason:
+    """Return what is recorded of the special points that a curve follows; nothing of a branch."""
+    text = str(recorded.meta.get("curve_reason") or "")
+    return reason_from_json(text) if text else NO_REASON
 
 
 def _check_range(

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.bifurcation import find_kind
-from pddecont.exploration import RecordedBranch
+from pddecont.bifurcation import find_kind, find_other_kind
+from pddecont.exploration import ALIKE, Fingerprint, RecordedBranch, are_as_long
 from pddecont.results import Step
-from pddecont.steps.execution.explore_leads import Lead, LeadKind
+from pddecont.steps.execution.explore_leads import DOUBLING, Lead, LeadKind
 from pddecont.steps.explore import ExploreSettings
 
 Array = NDArray[np.float64]
@@ -26,24 +26,54 @@ SAME_PLACE = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """A recorded curve: its kind, and its points in parts of the two ranges (n_points, 2), in order along it."""
+    """A recorded curve: its kind, and its points in order along it.
+
+    These are rows of its step (n_points,), their places in parts of the two ranges (n_points, 2), and their motions.
+    """
 
     step: Step
     kind: str
     rows: NDArray[np.intp]
     places: Array
+    motions: list[Fingerprint]
 
     def passes(self, place: Array) -> bool:
         """Return whether a place (2,) lies on the curve."""
+        return len(self._find_near(place)[0]) > 0
+
+    def holds(self, motion: Fingerprint, place: Array, scale: Array) -> bool:
+        """Return whether a motion that is special at a place (2,) is one of the curve's, or lies between two of them.
+
+        Curves of one kind may lie beside each other, as the grazings of an orbit and of the one that it doubled from.
+        Of a period doubling the orbit or the doubled one may be recorded. ``scale`` is how far motions of the model go.
+        """
+        for k, along in zip(*self._find_near(place), strict=True):
+            before, after = self.motions[k], self.motions[min(k + 1, len(self.motions) - 1)]
+            period = (1.0 - along) * before.period + along * after.period
+            if self.kind != DOUBLING and not are_as_long(period, motion.period):
+                continue
+            expected = (1.0 - along) * before.values + along * after.values
+            allowed = ALIKE * motion.measure_size(scale) + np.abs(after.values - before.values)
+            if np.all(np.abs(motion.values - expected) <= allowed):
+                return True
+        return False
+
+    def _find_near(self, place: Array) -> tuple[NDArray[np.intp], Array]:
+        """Return after which points the curve comes by a place, and where between them and the next it does (0 to 1).
+
+        Shapes (n,).
+        """
+        if len(self.places) == 1:
+            here = bool(np.all(np.abs(self.places[0] - place) < SAME_PLACE))
+            return np.zeros(here, dtype=np.intp), np.zeros(here)
         a, b = self.places[:-1], self.places[1:]
-        if not len(a):
-            return bool(np.all(np.abs(self.places[0] - place) < SAME_PLACE))
         chord = b - a
         length = np.maximum(np.sum(chord**2, axis=1), np.finfo(float).tiny)
         along = np.clip(np.sum((place - a) * chord, axis=1) / length, 0.0, 1.0)
         away = np.linalg.norm(a + along[:, None] * chord - place, axis=1)
         # Between two points a curve is not straight.
-        return bool(np.any(away < SAME_PLACE + 0.1 * np.sqrt(length)))
+        near = np.flatnonzero(away < SAME_PLACE + 0.1 * np.sqrt(length))
+        return near, along[near]
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,10 +84,10 @@ class Meeting:
     points: tuple[str, ...]
 
 
-def read_curve(step: Step, settings: ExploreSettings) -> Curve:
-    """Return a recorded curve."""
-    kind = str(step.meta.get("curve") or "")
-    return Curve(step, kind, step.order, _find_places(step, settings)[step.order])
+def read_curve(branch: RecordedBranch, settings: ExploreSettings) -> Curve:
+    """Return a recorded curve, which was read as a branch."""
+    step, kind = branch.step, str(branch.step.meta.get("curve") or "")
+    return Curve(step, kind, branch.rows, _find_places(step, settings)[branch.rows], branch.motions)
 
 
 def _find_places(step: Step, settings: ExploreSettings) -> Array:
@@ -83,15 +113,18 @@ def list_curve_leads(branch: RecordedBranch, settings: ExploreSettings, depth: i
 
 
 def list_meeting_leads(curve: Curve, branch: RecordedBranch) -> Iterator[tuple[Lead, Array, bool]]:
-    """Yield the points of a curve of equilibria from which another goes on, with whether it asks for a switch."""
-    if "roots" not in curve.step.format.orbits:
-        return
+    """Yield the points of a curve from which another goes on, with whether it asks for a switch.
+
+    Those of orbits have the label of that other curve.
+    """
+    rests = "roots" in curve.step.format.orbits
     for k, row in enumerate(curve.rows):
-        label = curve.step.kind_of(int(row))
-        if label in MEETING:
+        kind = curve.step.kind_of(int(row))
+        label = kind if rests and kind in MEETING else "" if rests else find_other_kind(kind, curve.kind)
+        if label:
             motion, value = branch.motions[k], float(branch.parameter[k])
             lead = Lead(LeadKind.SWITCH, curve.step.name, curve.step.labels[row], motion, value, 0, label)
-            yield lead, curve.places[k], MEETING[label]
+            yield lead, curve.places[k], MEETING.get(label, False)
 
 
 def plan_curve(settings: ExploreSettings, lead: Lead, name: str, *, switch: bool) -> dict[str, Any]:

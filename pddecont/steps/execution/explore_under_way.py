@@ -57,7 +57,7 @@ Array = NDArray[np.float64]
 # Parameter values at which equilibria are looked for.
 N_SEARCHES = 3
 # Of the motions of the first sweep such a part once more start at either end of the range.
-EDGE_PART = 4
+EDGE_PART = 2
 # States up to which all equilibria in a box are looked for.
 MOST_SEARCHED = 6
 
@@ -259,8 +259,7 @@ class Exploration:
         waiting.sort(key=lambda one: one[0].depth)
         while waiting:
             lead, place, switch = waiting.pop(0)
-            same_kind = [curve for curve in self.curves if curve.kind == lead.label]
-            if lead.label not in MEETING and any(curve.passes(place) for curve in same_kind):
+            if lead.label not in MEETING and self._is_on_curve(lead, place):
                 continue
             if lead.label in MEETING and any(
                 curve.step.name != lead.step and curve.passes(place) for curve in self.curves
@@ -270,6 +269,14 @@ class Exploration:
                 self.curve_entries.append(Entry(lead, make_reason("left", origin=lead.origin, why=self.stopped)))
                 continue
             waiting += self._follow_curve(lead, switch)
+
+    def _is_on_curve(self, lead: Lead, place: Array) -> bool:
+        """Return whether a special point, or its image by a symmetry, lies on a curve of its kind that is there."""
+        images = [lead.motion.apply(symmetry) for symmetry in self.symmetries]
+        return any(
+            curve.kind == lead.label and any(curve.holds(image, place, self.scale) for image in images)
+            for curve in self.curves
+        )
 
     def _follow_curve(self, lead: Lead, switch: bool) -> Iterator[tuple[Lead, Array, bool]]:
         """Follow a special point in two parameters; return what goes on from its curve."""
@@ -284,8 +291,8 @@ class Exploration:
             failed = make_reason("failed", step=name, origin=lead.origin, why=self.failures[-1])
             self.curve_entries.append(Entry(lead, failed))
             return iter(())
-        curve = read_curve(recorded, self.settings)
         branch = self._read_branch(recorded)
+        curve = read_curve(branch, self.settings)
         self.curves.append(curve)
         self.curve_entries.append(Entry(lead, make_reason("followed", step=name, origin=lead.origin), branch))
         return list_meeting_leads(curve, branch)
