@@ -91,3 +91,60 @@ def test_the_figures_for_the_delay_equation(tmp_path, name, parameter, expected)
     """The table in docs/paper.md; tests/test_delay_equation.py finds the same numbers on other meshes."""
     found, _ = grazings(ROOT / "configs" / f"{name}.yaml", parameter, tmp_path)
     assert found == pytest.approx(expected, abs=1e-9)
+
+
+def explore(over, folder, set_=None):
+    """Return what exploring the impact oscillator over its parameters finds."""
+    step = {"name": "all", "set": set_ or {}, "explore": {"over": over}}
+    data = {"model": "impact_oscillator", "delay": {"method": "chain", "order": 2, "n": 15}, "steps": [step]}
+    return run(data, folder / "a.h5")
+
+
+def list_special(results, name, *kinds):
+    """Return the values of a parameter at all special points of some kinds on branches of orbits, by kind."""
+    found = {kind: [] for kind in kinds}
+    for step in results.steps.values():
+        if step.kind == "continue" and not step.meta["curve"]:
+            values = step.points["parameters"][:, step.meta["parameters"].index(name)]
+            for row in range(len(step)):
+                if step.kind_of(row) in kinds:
+                    found[step.kind_of(row)].append(float(values[row]))
+    return found
+
+
+@pytest.mark.slow
+def test_the_branches_of_figures_4_2_and_4_7_and_the_plane_of_4_8_are_explored(tmp_path):
+    """What configs/fig4_2.yaml and fig4_7.yaml find, and curves through what fig4_6.yaml finds: docs/paper.md."""
+    results = explore({"K": [0, 0.3], "tau_d": [0.5, 7.5]}, tmp_path)
+    found = list_special(results, "K", "GR", "PD", "LP")
+    # The grazing of the period-2 orbit, and that of the period-1 orbit, which leaves the wall.
+    assert found["GR"] == pytest.approx([0.1747469554, 0.1753370132], abs=1e-8)
+    assert found["PD"] == pytest.approx([0.1748921188, 0.1748921188], abs=1e-8)
+    assert found["LP"] == pytest.approx([0.0038365162], abs=1e-8)
+    (ending,) = results.steps["all"].endings
+    assert ending.values["n_explained"] == ending.values["n_motions"]
+    curves = [step for step in results.steps.values() if step.meta.get("curve")]
+    assert sorted(step.meta["curve"] for step in curves) == ["GR", "GR", "LP", "PD", "PD", "TR"]
+    assert len(results.steps["all"].meta["meetings"]) == 2
+    crossed = []
+    for step in curves:
+        k, tau = (step.points["parameters"][step.order, step.meta["parameters"].index(n)] for n in ("K", "tau_d"))
+        for i in np.flatnonzero((k[:-1] - 0.12) * (k[1:] - 0.12) < 0):
+            crossed.append(np.interp(0.12, np.sort(k[i : i + 2]), tau[i : i + 2][np.argsort(k[i : i + 2])]))
+    # Chords between points of the curves; configs/fig4_6.yaml, and the closed form of the period-1 orbit.
+    for known in (3.1986107136, 4.6631237051, 4.6692266812):
+        assert np.min(np.abs(np.array(crossed) - known)) < 0.01
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("over", "set_", "kind", "known"),
+    [
+        ({"tau_d": [3, 5]}, {}, "GR", [3.1986107136, 4.6631237051, 4.6692266812]),
+        ({"beta": [20, 100]}, {"K": 0}, "LP", [26.5224937149]),
+    ],
+)
+def test_the_branches_of_figures_4_6_and_4_1_are_explored(tmp_path, over, set_, kind, known):
+    results = explore(over, tmp_path, set_)
+    (name,) = over
+    assert sorted(list_special(results, name, kind)[kind]) == pytest.approx(known, abs=1e-7)

@@ -92,9 +92,7 @@ def start_curve(
     direction = tangent_at(solution, system.scaling, solution.at.direction_along())
     moves = direction[system.problem.unknowns.free] / np.array(settings.widths)
     forward = next((float(np.sign(m)) for m in moves if abs(m) > STILL * np.max(np.abs(moves))), 1.0)
-    side = 0.0
-    if isinstance(defining, torus.TorusFunction):
-        side = torus.find_side_with_pair(system, solution.x, direction)
+    side = torus.find_side_with_pair(system, solution.x, direction)
     if other and label in CROSSINGS:
         side = side or _find_side_of_motions(solution.at, direction, found_on, settings)
     return BranchStart(CurvePoint(system, solution.at, None, (side or forward) * direction), kind, one_way=bool(side))

@@ -89,14 +89,15 @@ def _define(at: OrbitEvaluation, settings: BranchSettings, reason: Reason) -> De
 
 
 def find_side_with_pair(system: ExtendedSystem, x: Array, direction: Array) -> float:
-    """Return on which side (1 or -1 times ``direction``) of a resonance at ``x`` its pair is complex; 0 on both.
+    """Return on which side (1 or -1 times ``direction``) of a resonance at ``x`` its pair is complex; 0 elsewhere.
 
     On the other side the curve of the same equations is one of two real multipliers whose product is 1, and no tori are
     born there.
     """
-    before, here, after = (
-        system.defining.find_sum(system.at(x + step * direction).inner) for step in (-ASIDE, 0.0, ASIDE)
-    )
+    pair = system.defining
+    if not isinstance(pair, TorusFunction):
+        return 0.0
+    before, here, after = (pair.find_sum(system.at(x + step * direction).inner) for step in (-ASIDE, 0.0, ASIDE))
     return 0.0 if abs(here) < 2.0 - TOGETHER else float(np.sign(np.sign(here) * (before - after)))
 
 
@@ -134,7 +135,11 @@ def _make_resonance(label: str, name: str, level: float, other: str = "") -> Spe
         return defining.find_sum(point.at.inner) - level
 
     def tests(at: ExtendedEvaluation, settings: BranchSettings) -> list[CurveTest]:
-        return [TestFunction(label, value, RESONANCE if other else "")] if isinstance(at.system.defining, TorusFunction) else []
+        return (
+            [TestFunction(label, value, RESONANCE if other else "")]
+            if isinstance(at.system.defining, TorusFunction)
+            else []
+        )
 
     meets = (other, LABEL) if other else ()
     return SpecialPointKind(label, name, on_curves=True, curve_tests=tests, meets=meets)

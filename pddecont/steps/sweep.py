@@ -150,7 +150,8 @@ def _resolve_scatter(given: StepInput[Sweep], random: Scatter) -> ScatterSetting
     spread = random.spread == "sobol"
     if spread and given.body.carry != "none":
         given.add_error(("carry",), "points of a Sobol sequence have no order to be carried along; leave 'carry' out")
-    return ScatterSettings(random.number, random.seed, box, spread)
+    # Which random number a state gets does not depend on the order in which they are named.
+    return ScatterSettings(random.number, random.seed, dict(sorted(box.items())), spread)
 
 
 def list_sweep_names(body: Sweep) -> Iterator[Any]:

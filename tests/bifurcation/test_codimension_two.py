@@ -171,8 +171,7 @@ def follow_through(model, branch, found_on, label, name, free, ranges):
 
 
 @pytest.mark.parametrize(
-    ("found_on", "label", "kind"),
-    [("LP", "FF1", "PD"), ("PD", "FF1", "LP"), ("LP", "FT1", "TR"), ("PD", "PT2", "TR")],
+    ("found_on", "label", "kind"), [("LP", "FF1", "PD"), ("PD", "FF1", "LP"), ("LP", "FT1", "TR"), ("PD", "PT2", "TR")]
 )
 def test_the_other_curve_goes_on_from_where_two_meet(tmp_path, found_on, label, kind):
     """The linear map of a product doubles, folds or has its pair on the circle at c = -1 or 1, whatever a is."""

@@ -274,3 +274,33 @@ def test_a_step_that_fails_is_noted_and_the_others_are_done(tmp_path, monkeypatc
     assert step.endings[0].values["n_failed"] == 1
     assert any("not followed: branch_1: it does not converge" in row["outcome"] for row in list_branches(step))
     assert step.endings[0].values["n_branches"] >= 2
+
+
+def test_what_the_step_sets_holds_of_all_that_it_plans(tmp_path):
+    """x' = a x - x**3 with a = 2 b c at c = 3 rests at 0 and where 6 b is the square of x."""
+    model = change(PITCHFORK, "parameters", {"b": 0.1, "c": 1})
+    model = change(model, "modes.free.x'", "2*b*c*x - x**3")
+    step = {"name": "all", "set": {"c": "1 + 2"}, "explore": {"over": {"b": [-1, 2]}, "starts": 4, "check": 8}}
+    results = run(change(model, "run.steps", [step]), tmp_path / "a.h5")
+    for name in results.names:
+        recorded = results.steps[name]
+        column = recorded.meta["parameters"].index("c")
+        assert np.all(recorded.points["parameters"][:, column] == 3.0), name
+    branches = [results.steps[row["branch"]] for row in list_branches(results.steps["all"]) if row["points"]]
+    assert len(branches) == 2
+    for branch in branches:
+        x, b = branch.points["states"][branch.order, 0], parameter(branch, "b")
+        assert np.min(np.abs(np.stack([x, x**2 - 6 * b])), axis=0) == pytest.approx(np.zeros(len(b)), abs=1e-9)
+
+
+def test_what_the_step_sets_holds_in_the_plane_of_two_parameters(tmp_path):
+    model = change(PITCHFORK, "parameters", {"a": 0.1, "b": 0.2, "c": 1})
+    model = change(model, "modes.free.x'", "c + a*x + b - x**3")
+    body = {"over": {"a": [-1, 2], "b": [-0.5, 0.5]}, "starts": 4, "check": 4}
+    step = {"name": "all", "set": {"c": 0}, "explore": body}
+    results = run(change(model, "run.steps", [step]), tmp_path / "a.h5")
+    assert "plane" in results.names
+    for name in results.names:
+        recorded = results.steps[name]
+        column = recorded.meta["parameters"].index("c")
+        assert np.all(recorded.points["parameters"][:, column] == 0.0), name

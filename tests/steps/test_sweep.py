@@ -240,6 +240,18 @@ def test_starts_at_random_are_the_same_every_time(tmp_path):
     assert same(run(text, tmp_path / "a.h5"), run(text, tmp_path / "b.h5"))
 
 
+def test_starts_at_random_do_not_depend_on_the_order_of_names():
+    """A file that is written of what another holds may name states in another order."""
+    starts = []
+    for names in (("x", "v"), ("v", "x")):
+        box = {name: {"x": [-1, 1], "v": [-2, 2]}[name] for name in names}
+        sweep = {"over": {"beta": [60, 60, 1]}, "random": {"number": 3, "box": box}, "transient": "400*2*pi/omega"}
+        checked = plan(change(FIG4_1, "steps.0.sweep", sweep))
+        ((_, chunk),) = sweep_step.list_chunks(checked, checked.steps[0].settings)
+        starts.append([start.states for start in chunk.points[0].starts])
+    assert np.array_equal(*starts)
+
+
 def test_two_parameters(tmp_path):
     text = change(FIG4_1, "steps.0.sweep.over", {"beta": [28, 60, 2], "a": [0.85, 0.95, 3]})
     text = change(text, "steps.0.sweep.transient", "200*2*pi/omega")

@@ -43,18 +43,19 @@ def run_explore(context: Context, step: PlannedStep[ExploreSettings], recorded: 
 
 def _begin(context: Context, step: PlannedStep[ExploreSettings]) -> Exploration:
     plan, settings = context.plan, step.settings
-    own = [plan.model.states.index(name) for name in list_own_states(plan)]
+    states = [plan.model.states.index(name) for name in list_own_states(plan)]
     free = [plan.numeric.parameter_index(name) for name in settings.over]
     body = settings.body
     method = Method(body.rtol, body.atol, body.method == "stiff", dict(body.stick))
     at = choose_slice(plan, step)
     points = list(list_pilots(plan, step, at))
-    pilots = fly_pilots(plan.numeric, step.delay, method, points, own)
-    survey = make_survey(plan.numeric, pilots, free[:1], own)
+    pilots = fly_pilots(plan.numeric, step.delay, method, points, states)
+    survey = make_survey(plan.numeric, pilots, free[:1], states)
     n_explorations = sum(other.kind == step.kind for other in plan.steps)
     prefix = f"{step.name}_" if n_explorations > 1 or len(plan.steps) > 1 else ""
     symmetries = find_symmetries(plan.numeric, np.array(points), survey.low, survey.high)
-    return Exploration(context, settings, survey, symmetries, prefix, at)
+    own = {name: value for name, value in step.fields["set"].items() if name not in settings.over}
+    return Exploration(context, settings, survey, symmetries, prefix, own, own | at)
 
 
 def _record(context: Context, step: PlannedStep[ExploreSettings], exploration: Exploration) -> None:

@@ -64,7 +64,7 @@ class Curve:
         Shapes (n,).
         """
         if len(self.places) == 1:
-            here = bool(np.all(np.abs(self.places[0] - place) < SAME_PLACE))
+            here = int(np.all(np.abs(self.places[0] - place) < SAME_PLACE))
             return np.zeros(here, dtype=np.intp), np.zeros(here)
         a, b = self.places[:-1], self.places[1:]
         chord = b - a

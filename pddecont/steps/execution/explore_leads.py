@@ -73,20 +73,14 @@ def list_own_states(plan: Plan) -> list[str]:
 
 
 def plan_sweep(
-    plan: Plan,
-    settings: ExploreSettings,
-    survey: Survey,
-    name: str,
-    slice_: Mapping[str, float],
-    number: int,
-    seed: int,
+    plan: Plan, settings: ExploreSettings, survey: Survey, name: str, at: Mapping[str, Any], number: int, seed: int
 ) -> dict[str, Any]:
-    """Return a sweep of so many motions over all parameters but those of a slice, which begin in the box."""
+    """Return a sweep of so many motions, which begin in the box, over all parameters but those that are set ``at``."""
     body, own = settings.body, list_own_states(plan)
     names = list(plan.model.states)
     box = {name: [_round(survey.low[names.index(name)]), _round(survey.high[names.index(name)])] for name in own}
     box |= {name: list(limits) for name, limits in settings.box.items()}
-    over = {key: list(limits) for key, limits in settings.over.items() if key not in slice_}
+    over = {key: list(limits) for key, limits in settings.over.items() if key not in at}
     # Of a Sobol sequence the product alone counts, but each range must have two ends.
     counts = [number] if len(over) == 1 else [-(-number // 2), 2]
     how: dict[str, Any] = {"rtol": body.rtol, "atol": body.atol, "method": body.method, "stick": dict(body.stick)}
@@ -100,7 +94,7 @@ def plan_sweep(
         "transient": _choose_transient(plan, settings, survey),
     }
     sweep["section"] = _choose_section(plan, settings, survey)
-    return {"name": name, "set": dict(slice_), "sweep": sweep}
+    return {"name": name, "set": dict(at), "sweep": sweep}
 
 
 def _choose_transient(plan: Plan, settings: ExploreSettings, survey: Survey) -> str | float:
@@ -131,7 +125,7 @@ def plan_edges(sweep: Mapping[str, Any], name: str, parameter: str, number: int)
 
 
 def plan_search(
-    plan: Plan, settings: ExploreSettings, survey: Survey, name: str, at: Mapping[str, float]
+    plan: Plan, settings: ExploreSettings, survey: Survey, name: str, at: Mapping[str, Any]
 ) -> dict[str, Any]:
     """Return a search for all equilibria at some parameters, in a box twice as wide as that of the motions."""
     middle, half = 0.5 * (survey.low + survey.high), survey.high - survey.low

@@ -66,8 +66,8 @@ MOST_SEARCHED = 6
 class Exploration:
     """An exploration under way.
 
-    ``symmetries`` are the model's; ``leads`` are those that wait; ``prefix`` is that of its steps; ``at`` holds
-    parameters that stay.
+    ``symmetries`` are the model's; ``leads`` are those that wait; ``prefix`` is that of its steps; ``own`` holds the
+    parameters that its step sets, ``at`` those too and where branches are in a second parameter.
     """
 
     context: Context
@@ -75,7 +75,8 @@ class Exploration:
     survey: Survey
     symmetries: tuple[Symmetry, ...]
     prefix: str
-    at: dict[str, float]
+    own: dict[str, Any]
+    at: dict[str, Any]
     diagram: Diagram = field(default_factory=Diagram)
     leads: list[Lead] = field(default_factory=list)
     looks: list[Look] = field(default_factory=list)
@@ -301,7 +302,7 @@ class Exploration:
         """See what motions settle to at random places of the plane."""
         body = self.settings.body
         fields = plan_sweep(
-            self.plan, self.settings, self.survey, f"{self.prefix}plane", {}, 2 * body.check, body.seed + 2
+            self.plan, self.settings, self.survey, f"{self.prefix}plane", self.own, 2 * body.check, body.seed + 2
         )
         recorded = self.do(fields)
         self.plane = look_at_sweep(self.plan, recorded, self.survey)
