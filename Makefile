@@ -79,6 +79,7 @@ bench: setup         ## ratios, each measured in one process
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.delays
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.simulator
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.effects
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.explore
 	$(MAKE) estimates
 	$(MAKE) versions
 

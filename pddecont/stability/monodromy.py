@@ -68,6 +68,12 @@ class MonodromyOperator:
         """Number of components of a history."""
         return sum(map(len, self.kept)) + sum(c.size for c in self.couplings)
 
+    @property
+    def rank(self) -> int | None:
+        """How many multipliers at most are not zero: of an orbit without memory as many as states; None of others."""
+        remembers = self.problem.numeric.model.read_symbols or self.problem.links or self.couplings
+        return None if remembers else self.problem.unknowns.n_states
+
     def step(self, histories: Array) -> tuple[Array, Array]:
         """Return the next periods X (n_columns, k) and the histories one period later, for ``histories`` (size, k)."""
         parts, lines = self._split(histories)

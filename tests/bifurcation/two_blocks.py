@@ -72,12 +72,16 @@ class Blocks:
     def _piece(self, t, z, sides, end):
         """Integrate up to the first end; return its time, the states, and what ends there."""
         solver = DOP853(lambda s, y: self.field(s, y, sides), t, z, end, rtol=1e-12, atol=1e-14, max_step=0.2)
-        ends = self.list_ends(sides)
+        ends, last = self.list_ends(sides), None
         while solver.status == "running":
             solver.step()
             dense = solver.dense_output()
             times = solver.t_old + (solver.t - solver.t_old) * PLACES
-            values = dense(times)
+            if last is not None:
+                # With the end of the step before: what is least where two steps meet is least inside of neither.
+                dense, times = _join(last, dense, solver.t_old), np.append(last[1][-2], times)
+            last = solver.dense_output(), times
+            values = np.array([dense(s) for s in times]).T
             found = []
             for i, kind, function in ends:
                 zero = _find_zero(_along(function, dense), times, function(times, values), t)
@@ -86,6 +90,11 @@ class Blocks:
                 first = min(found)[0]
                 return first, dense(first), [(i, kind) for zero, i, kind in found if zero == first]
         return end, solver.y, []
+
+
+def _join(last, dense, t):
+    """Return the states along a step and the one before it; the steps meet at ``t``."""
+    return lambda s: last[0](s) if s < t else dense(s)
 
 
 def _along(function, dense):
