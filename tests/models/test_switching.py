@@ -166,6 +166,7 @@ def test_gears_come_off_their_teeth_as_by_the_method_of_steps(tmp_path):
         lambda t: [1.1, 0.0],
         "m",
         echoes=1,
+        accuracy=0.1,
     ).run(100 * 2 * math.pi / om)
     last = motion.at - 2 * math.pi / om
     tops = [z[0] for name, t, z in motion.events if name == "top" and t > last]
@@ -264,7 +265,7 @@ def test_the_ring_of_cars_moves_as_by_the_method_of_steps(tmp_path):
         for at in (low, high)
     ]
     motion = Motion(
-        {"m": flow}, {"m": kinks}, (tau,), lambda t: [0.5, 0.5, 0.5, 1.6, 1.45], "m", echoes=1, accuracy=1e2
+        {"m": flow}, {"m": kinks}, (tau,), lambda t: [0.5, 0.5, 0.5, 1.6, 1.45], "m", echoes=1, accuracy=1e0
     ).run(150)
     times = motion.times("02.0")
     assert step.points["period"][0] == pytest.approx(times[-1] - times[-3], abs=1e-8)

@@ -191,7 +191,7 @@ def test_impacts_read_later_by_a_lag_that_depends_on_states(read, state, read_ti
         past_of(-1.0, 0.0),
         [-1.0, 0.0],
         15,
-        0.2,
+        0.05,
         lambda t, x, m: x[0] - 0.2,
         lambda t, x, m: [x[0], -0.8 * x[1]],
     )
