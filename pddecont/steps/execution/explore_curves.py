@@ -120,8 +120,8 @@ def list_meeting_leads(curve: Curve, branch: RecordedBranch) -> Iterator[tuple[L
     rests = "roots" in curve.step.format.orbits
     for k, row in enumerate(curve.rows):
         kind = curve.step.kind_of(int(row))
-        label = kind if rests and kind in MEETING else "" if rests else find_other_kind(kind, curve.kind)
-        if label:
+        label = kind if rests else find_other_kind(kind, curve.kind)
+        if label and (not rests or label in MEETING):
             motion, value = branch.motions[k], float(branch.parameter[k])
             lead = Lead(LeadKind.SWITCH, curve.step.name, curve.step.labels[row], motion, value, 0, label)
             yield lead, curve.places[k], MEETING.get(label, False)
