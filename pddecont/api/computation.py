@@ -8,7 +8,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Unpack
 
-from pddecont.api.blas_threads import lend_one_thread
 from pddecont.api.run_keys import ExploreKeys, RunKeys
 from pddecont.api.run_results import RunResults, load
 from pddecont.notebook import choose_reporter
@@ -156,7 +155,7 @@ def _compute_warning(checked: Plan, output: str | Path | None, reporter: Reporte
     """Warn of what is suspicious in a plan, do it, and return its results; without an output no file is left."""
     for warning in checked.warnings:
         warnings.warn(str(warning), stacklevel=3)
-    with lend_one_thread(), choose_reporter(reporter) as heard:
+    with choose_reporter(reporter) as heard:
         if output is not None:
             return compute(checked, Path(output), heard, **options)
         with tempfile.TemporaryDirectory(prefix="pddecont-") as folder:

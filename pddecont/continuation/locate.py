@@ -152,14 +152,14 @@ class BranchSegment(Generic[E]):
         if len(sampled) < 5 or len(change) != 1:
             return None
         places, values = np.array(sampled).T
-        fit = BarycentricInterpolator(places, values)
+        fit = _interpolate_through(places, values)
         left, right = float(places[change[0]]), float(places[change[0] + 1])
         if fit(left) * fit(right) >= 0.0:
             return None
         root = float(scipy.optimize.brentq(fit, left, right, xtol=FRACTION_TOL))
         # Points on another branch would spoil the fit: without its farthest node it must say the same.
         farthest = int(np.argmax(np.abs(places - root)))
-        rest = BarycentricInterpolator(np.delete(places, farthest), np.delete(values, farthest))
+        rest = _interpolate_through(np.delete(places, farthest), np.delete(values, farthest))
         if abs(float(rest(root))) > AGREE * float(np.max(np.abs(values))):
             return None
         self._keep_interpolated(root, places, TANGENT_STEP * (right - left))
@@ -177,6 +177,16 @@ class BranchSegment(Generic[E]):
         """Keep the point at ``fraction`` of the polynomial through the points at ``places``, with its tangent."""
         near = self.known[float(places[np.argmin(np.abs(places - fraction))])]
         known: list[CurvePoint[Any]] = [self.known[float(f)] for f in places]
-        line = BarycentricInterpolator(places, np.stack([near.system.interpolate_from(p.system, p.x) for p in known]))
+        line = _interpolate_through(places, np.stack([near.system.interpolate_from(p.system, p.x) for p in known]))
         direction = line(fraction + step) - line(fraction - step)
         self.known[fraction] = CurvePoint(near.system, near.system.at(line(fraction)), near.solution, direction)
+
+
+def _interpolate_through(places: Array, values: Array) -> BarycentricInterpolator:
+    """Return the polynomial through ``values`` (n, ...) at ``places`` (n,).
+
+    Its weights are given: scipy would multiply their factors in an order by chance, which tells in the last digits.
+    """
+    differences = (places[:, None] - places) / np.ptp(places)
+    np.fill_diagonal(differences, 1.0)
+    return BarycentricInterpolator(places, values, wi=1.0 / np.prod(differences, axis=1))

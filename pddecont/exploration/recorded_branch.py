@@ -163,12 +163,19 @@ class RecordedBranch:
         nearer = int(abs(self.parameter[k] - value) > abs(self.parameter[k + 1] - value))
         if len(chosen) < 2 or b - a <= SAME_PLACE * length:
             return float(nearer), self.motions[k + nearer].values
-        along = PchipInterpolator(places[chosen], self.parameter[chosen])
+        along = _interpolate_through(places[chosen], self.parameter[chosen])
         if (float(along(a)) - value) * (float(along(b)) - value) >= 0.0:
             return float(nearer), self.motions[k + nearer].values
         place = brentq(lambda s: float(along(s)) - value, a, b)
-        values = PchipInterpolator(places[chosen], np.stack([self.motions[j].values for j in chosen]))(place)
+        values = _interpolate_through(places[chosen], np.stack([self.motions[j].values for j in chosen]))(place)
         return (place - a) / (b - a), np.asarray(values)
+
+
+def _interpolate_through(places: Array, values: Array) -> PchipInterpolator:
+    """Return what runs through ``values`` (n, ...) at ``places`` (n,) and turns at none between them."""
+    # Of slopes that are rounding the inverse may be too large: that of their mean is zero then, as it ought to be.
+    with np.errstate(over="ignore"):
+        return PchipInterpolator(places, values)
 
 
 def read_branch(

@@ -8,6 +8,7 @@ from .basin import BasinRow as BasinRow
 from .basin import ClassifiedRow as ClassifiedRow
 from .basin import classify_row as classify_row
 from .basin import survey_attractors as survey_attractors
+from .blas_threads import lend_one_thread as lend_one_thread
 from .driven import DrivenSimulator as DrivenSimulator
 from .elsewhere import Elsewhere as Elsewhere
 from .elsewhere import open_elsewhere as open_elsewhere

@@ -17,6 +17,8 @@ import threading
 from collections.abc import Callable
 from typing import Any, TypeVar
 
+from pddecont.simulate.blas_threads import list_environment
+
 # The other process finds modules where this one does, and nowhere else: not in the folder that it is started in.
 START = f"import json, sys; sys.path[:] = json.loads(sys.argv[1]); from {__name__} import main; main()"
 READY = "ready"
@@ -34,7 +36,9 @@ class OtherProcess:
     def __init__(self, shared: bytes):
         command = [sys.executable, "-P", "-c", START, json.dumps(sys.path)]
         # A signal from the keyboard is this process's to answer.
-        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, start_new_session=True)
+        self._process = subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, start_new_session=True, env=list_environment()
+        )
         self._shared = shared
 
     def make_ready(self) -> None:

@@ -14,7 +14,7 @@ from pddecont.results import EXPLORE
 from pddecont.runfile import StepInput
 from pddecont.steps.continuation import StepSize
 from pddecont.steps.fields import Range
-from pddecont.steps.kind import StepKind
+from pddecont.steps.kind import Sharing, StepKind
 from pddecont.steps.motion import Integration, resolve_method
 from pddecont.steps.settling import Section, resolve_section
 
@@ -116,6 +116,8 @@ EXPLORE_STEP = StepKind(
     format=EXPLORE,
     run="pddecont.steps.execution.explore:run_explore",
     resumes=True,
+    sharing=Sharing.POOL,
+    plans=("sweep", "equilibrium", "orbit", "continue"),
     list_names=list_explore_names,
     list_modes=lambda body: body.stick.values(),
     list_sticks=lambda body: body.stick.items(),

@@ -64,6 +64,8 @@ class StepKind(Generic[F, S]):
     sharing
         How it shares the run's workers with other steps. A step that is computed early starts from ``source`` alone
         and does all that others see through its context.
+    plans
+        Kinds of the steps that it plans and does itself.
     list_names, list_modes
         Texts whose names the model must have, and modes that motions are put into, whichever effects are left out.
     list_sticks
@@ -81,6 +83,7 @@ class StepKind(Generic[F, S]):
     holds: Holding = Holding.NOTHING
     takes_accuracy: bool = False
     sharing: Sharing = Sharing.ALONE
+    plans: tuple[str, ...] = ()
     list_names: Callable[[F], Iterable[Any]] = _list_nothing
     list_modes: Callable[[F], Iterable[str]] = _list_nothing
     list_sticks: Callable[[F], Iterable[tuple[str, str]]] = _list_nothing

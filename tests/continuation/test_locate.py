@@ -90,6 +90,15 @@ def test_where_branches_cross_the_place_is_interpolated(end):
     assert point.tangent[0] == pytest.approx(0.0, abs=1e-15) and point.tangent[1] > 0.0
 
 
+def test_the_place_of_a_crossing_is_the_same_to_the_last_bit_every_time():
+    def locate():
+        of = segment(crossing(), [0.0, -1.0], [0.0, 1.0])
+        fraction = of.find_zero(lambda point: np.expm1(point.x[1]), 0.0, 1.0, np.expm1(-1.0), np.expm1(1.0))
+        return fraction, of.at(fraction).x.tobytes(), of.at(fraction).tangent.tobytes()
+
+    assert len({locate() for _ in range(20)}) == 1
+
+
 @pytest.mark.parametrize("steepest", [0.12, 0.2, 0.24, 0.26, 0.27, 0.3, 0.32])
 def test_beside_a_pole_the_place_of_a_crossing_is_interpolated_near_it(steepest, monkeypatch):
     """No polynomial over the whole way follows a modulus with a pole beside its zero at p = 0.03."""

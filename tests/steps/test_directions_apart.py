@@ -10,6 +10,7 @@ from pddecont.results import read_results
 from pddecont.simulate import Elsewhere, other_process
 from pddecont.steps import Budget
 from pddecont.steps.execution import apart, continuation, execute
+from pddecont.steps.execution.explore_ahead import LeadsAhead
 from tests.bifurcation.runs import follow, settle
 from tests.cli.test_resume import RUNS
 from tests.runs import add_step, change, plan
@@ -80,7 +81,9 @@ def test_the_file_is_the_same_byte_for_byte(taken, tmp_path, name):
     assert all(n > 3 for n in taken)
 
 
-def test_branches_that_an_exploration_plans_are_followed_both_ways_at_once(taken, tmp_path):
+def test_branches_that_an_exploration_plans_are_followed_both_ways_at_once(taken, monkeypatch, tmp_path):
+    # No whole branches before their turn.
+    monkeypatch.setattr(LeadsAhead, "begin", lambda self: None)
     alone = follow_with(EXPLORED, tmp_path / "a.h5", 1)
     assert not taken
     assert follow_with(EXPLORED, tmp_path / "b.h5", 2) == alone

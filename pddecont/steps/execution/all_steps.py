@@ -13,7 +13,7 @@ from pddecont.simulate import open_elsewhere
 from pddecont.steps.context import Context
 from pddecont.steps.execution.early import compute_early, write_computed
 from pddecont.steps.execution.one_step import do_step
-from pddecont.steps.kind import Sharing
+from pddecont.steps.kind import Sharing, StepKind
 from pddecont.steps.registry import has_registered_step_kinds, list_step_kinds
 
 
@@ -26,7 +26,7 @@ def do_steps(context: Context, steps: Sequence[PlannedStep[Any]]) -> None:
     with open_elsewhere(context.workers, context.plan) as elsewhere:
         slots = elsewhere.slots
         here = replace(context, elsewhere=elsewhere, workers=replace(context.workers, slots=slots))
-        if any(list_step_kinds()[step.kind].sharing == Sharing.EARLY for step in steps):
+        if any(kind.sharing == Sharing.EARLY for step in steps for kind in list_kinds(step.kind)):
             elsewhere.prepare(load_kinds)
         with compute_early(here, steps, elsewhere) as early:
             for step in steps:
@@ -54,7 +54,14 @@ def has_many_workers(context: Context) -> bool:
 def load_kinds(plan: Plan, _: None) -> None:
     """Import what does the steps of a run."""
     for step in plan.steps:
-        list_step_kinds()[step.kind].load()
+        for kind in list_kinds(step.kind):
+            kind.load()
+
+
+def list_kinds(name: str) -> list[StepKind[Any, Any]]:
+    """Return a kind of step and those of the steps that it plans."""
+    kinds = list_step_kinds()
+    return [kinds[one] for one in (name, *kinds[name].plans)]
 
 
 def is_alone(step: PlannedStep[Any]) -> bool:

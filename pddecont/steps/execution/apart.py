@@ -66,6 +66,9 @@ def follow_directions(
     ended = dict(endings)
     to_do = [way for way in ways if way not in ended]
     begun = _begin_apart(context, step, writer, to_do[1:], follow)
+    if context.elsewhere is not None:
+        # What may be early takes what places these leave.
+        context.elsewhere.slots.on_free()
     for way in to_do:
         ending = find_ending(way, ended.values())
         if ending is None and way in begun:

@@ -9,13 +9,14 @@ import contextlib
 import threading
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Future
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from pddecont.errors import PddecontError
 from pddecont.results import Results, Step, find_format
 from pddecont.runfile import Holding, Plan, PlannedStep
 from pddecont.simulate import Elsewhere, Trajectory, Workers
+from pddecont.steps.budget import Budget
 from pddecont.steps.context import Context
 from pddecont.steps.execution.apart import can_read_elsewhere
 from pddecont.steps.execution.log import (
@@ -37,7 +38,8 @@ from pddecont.steps.registry import list_step_kinds
 class StepTask:
     """A step to be computed, with what it starts from: a recorded step or the log of one, or a trajectory.
 
-    ``file`` is what the results file says of itself; ``is_source`` says whether others start from the step.
+    ``file`` is what the results file says of itself; ``is_source`` says whether others start from the step; ``budget``
+    is what it may spend.
     """
 
     step: str
@@ -45,6 +47,7 @@ class StepTask:
     source: Step | Sequence[Entry] | None
     trajectories: Mapping[str, Trajectory]
     is_source: bool
+    budget: Budget = field(default_factory=Budget)
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +68,7 @@ def compute_step(plan: Plan, task: StepTask) -> ComputedStep:
         source = held if isinstance(held, Step) else step_from_log(step.source.step, held)
         assert source is not None, "a step that others start from was closed"
         file = replace(file, names=(source.name,), steps={source.name: source})
-    context = Context(plan, file.path, Listener(log), Workers(), dict(task.trajectories), file)
+    context = Context(plan, file.path, Listener(log), Workers(), dict(task.trajectories), file, budget=task.budget)
 
     def open_in_memory(_: Any, name: str, step_format: Any, meta: Mapping[str, Any], **options: Any) -> RowsInMemory:
         closed = options.pop("closed")

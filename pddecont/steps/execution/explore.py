@@ -17,9 +17,11 @@ from pddecont.simulate import Method
 from pddecont.steps.budget import OutOfTimeError
 from pddecont.steps.context import Context
 from pddecont.steps.execution.ending import report_done
+from pddecont.steps.execution.explore_ahead import follow_ahead
 from pddecont.steps.execution.explore_curves import find_meetings
 from pddecont.steps.execution.explore_leads import list_own_states
 from pddecont.steps.execution.explore_pilots import choose_slice, list_pilots
+from pddecont.steps.execution.explore_plane import explore_plane
 from pddecont.steps.execution.explore_record import entry_to_row, look_to_row, make_ending, settled_to_row, torus_to_row
 from pddecont.steps.execution.explore_under_way import Exploration
 from pddecont.steps.explore import ExploreSettings
@@ -33,8 +35,10 @@ def run_explore(context: Context, step: PlannedStep[ExploreSettings], recorded: 
     try:
         exploration = _begin(context, step)
         # The report says that the time was over, and of leads that they were left.
-        with contextlib.suppress(OutOfTimeError):
+        with contextlib.suppress(OutOfTimeError), follow_ahead(context.elsewhere) as exploration.ahead:
             exploration.explore()
+            if len(step.settings.over) == 2:
+                explore_plane(exploration)
     finally:
         context.plan = before
     _record(context, step, exploration)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -17,14 +17,9 @@ from pddecont.results import ORBIT, Step
 from pddecont.runfile import Plan, Source, extend_plan
 from pddecont.steps.budget import OutOfTimeError
 from pddecont.steps.context import Context
-from pddecont.steps.execution.explore_curves import (
-    MEETING,
-    Curve,
-    list_curve_leads,
-    list_meeting_leads,
-    plan_curve,
-    read_curve,
-)
+from pddecont.steps.execution.early import ComputedStep, write_computed
+from pddecont.steps.execution.explore_ahead import LeadsAhead, may_be_one_branch
+from pddecont.steps.execution.explore_curves import Curve
 from pddecont.steps.execution.explore_diagram import Diagram, Entry
 from pddecont.steps.execution.explore_leads import (
     Lead,
@@ -67,7 +62,8 @@ class Exploration:
     """An exploration under way.
 
     ``symmetries`` are the model's; ``leads`` are those that wait; ``prefix`` is that of its steps; ``own`` holds the
-    parameters that its step sets, ``at`` those too and where branches are in a second parameter.
+    parameters that its step sets, ``at`` those too and where branches are in a second parameter; ``ahead`` follows
+    leads before their turn (None: nobody does).
     """
 
     context: Context
@@ -85,6 +81,7 @@ class Exploration:
     plane: list[Look] = field(default_factory=list)
     tori: list[TorusPoint] = field(default_factory=list)
     failures: list[str] = field(default_factory=list)
+    ahead: LeadsAhead | None = None
     n_begun: int = 0
     n_tori: int = 0
 
@@ -116,18 +113,24 @@ class Exploration:
         most = self.context.budget.max_branches or self.settings.body.max_branches
         return "max_branches" if self.n_begun >= most else ""
 
-    def do(self, fields: Mapping[str, Any]) -> Step:
-        """Plan a step and do it; return what the file holds of it then."""
+    def do(self, fields: Mapping[str, Any], computed: ComputedStep | None = None) -> Step:
+        """Plan a step and do it, unless it was ``computed`` already; return what the file holds of it then."""
         name = str(fields["name"])
-        self.context.plan = extend_plan(self.plan, list_step_kinds(), fields)
-        do_step(self.context, self.plan.find_step(name))
         assert self.context.file is not None, "a run has a file"
+        self.context.plan = extend_plan(self.plan, list_step_kinds(), fields)
+        step = self.plan.find_step(name)
+        if computed is not None and name not in self.context.file.steps:
+            write_computed(self.context, step, computed)
+        else:
+            if self.context.elsewhere is not None:
+                self.context.elsewhere.slots.sit()
+            do_step(self.context, step)
         return self.context.file.step(name)
 
-    def try_to_do(self, fields: Mapping[str, Any]) -> Step | None:
+    def try_to_do(self, fields: Mapping[str, Any], computed: ComputedStep | None = None) -> Step | None:
         """Do a step; None, and what went wrong noted, if it fails."""
         try:
-            return self.do(fields)
+            return self.do(fields, computed)
         except (ConvergenceError, SignatureError, RunError) as exc:
             self.failures.append(f"{fields['name']}: {exc}")
             self.context.reporter.note(str(exc))
@@ -147,7 +150,7 @@ class Exploration:
                 self.leads += list_equilibrium_leads(recorded, self.number)
 
     def explore(self) -> None:
-        """Do all that there is to do, in order; raise OutOfTimeError where the time is over amid a sweep."""
+        """Do all that there is to do in one parameter; raise OutOfTimeError where the time is over amid a sweep."""
         body = self.settings.body
         self.search_equilibria()
         sweep = self.sweep("sweep", body.starts, body.seed)
@@ -160,10 +163,6 @@ class Exploration:
             self.name_unexplained()
             self.follow_tori(sweep)
             self.follow_all()
-        if len(self.settings.over) == 2:
-            self.follow_curves()
-            if body.check and self.stopped != "time":
-                self.look_at_plane()
 
     def sweep(self, name: str, number: int, seed: int) -> dict[str, Any]:
         """Let motions settle, look at them, and note the periodic ones as leads; return the step that did so."""
@@ -188,12 +187,27 @@ class Exploration:
             lead = min(self.leads, key=lambda waiting: waiting.rank)
             self.leads.remove(lead)
             if self._is_known(lead):
+                if self.ahead is not None:
+                    self.ahead.forget(lead)
                 continue
             left = "depth" if lead.depth > self.settings.body.depth else self.stopped
             if left:
                 self.diagram.entries.append(Entry(lead, make_reason("left", origin=lead.origin, why=left)))
             else:
+                self._offer(lead)
                 self._follow(lead)
+
+    def _offer(self, lead: Lead) -> None:
+        """Say which leads may be followed elsewhere while one is here."""
+        if self.ahead is None:
+            return
+        later = sorted(self.leads, key=lambda waiting: waiting.rank)
+        unknown = (one for one in later if one.depth <= self.settings.body.depth and not self._is_known(one))
+
+        def plan_steps(one: Lead, name: str) -> list[dict[str, Any]]:
+            return plan_branch(self.settings, one, f"{name}_orbit", f"{name}_branch")
+
+        self.ahead.offer(self.context, self.prefix, lead, unknown, may_be_one_branch, plan_steps)
 
     def _is_known(self, lead: Lead) -> bool:
         """Return whether a lead leads to a branch that is there.
@@ -215,9 +229,10 @@ class Exploration:
 
     def _follow_as(self, lead: Lead, name: str) -> None:
         steps = plan_branch(self.settings, lead, f"{self.prefix}orbit_{self.n_begun}", name)
+        computed = {} if self.ahead is None else self.ahead.take(lead, steps)
         recorded = None
         for fields in steps:
-            recorded = self.try_to_do(fields)
+            recorded = self.try_to_do(fields, computed.get(fields["name"]))
             same = None if recorded is None else self._find_branch_of(recorded)
             if recorded is not None and same is not None:
                 self._leave_repeated(lead, name, [recorded.name], same)
@@ -230,7 +245,7 @@ class Exploration:
                 self.diagram.entries.append(Entry(lead, failed))
                 return
         assert recorded is not None, "there is a step at least"
-        branch = self._read_branch(recorded)
+        branch = self.read_branch(recorded)
         same = self.diagram.find_repeated(branch)
         if same is not None:
             self._leave_repeated(lead, name, [str(fields["name"]) for fields in reversed(steps)], same)
@@ -245,67 +260,10 @@ class Exploration:
             self.context.drop_step(step)
         self.diagram.entries.append(Entry(lead, make_reason("repeated", step=name, origin=lead.origin, same=same)))
 
-    def _read_branch(self, recorded: Step) -> RecordedBranch:
+    def read_branch(self, recorded: Step) -> RecordedBranch:
+        """Return the branch that a step recorded."""
         low, high = self.settings.over[self.parameter]
         return read_branch(recorded, self.parameter, high - low, self.scale, self.symmetries)
-
-    def follow_curves(self) -> None:
-        """Follow special points of all branches in two parameters, and what goes on where curves meet."""
-        waiting: list[tuple[Lead, Array, bool]] = [
-            (lead, place, False)
-            for entry in self.diagram.entries
-            if entry.branch is not None
-            for lead, place in list_curve_leads(entry.branch, self.settings, entry.lead.depth)
-        ]
-        waiting.sort(key=lambda one: one[0].depth)
-        while waiting:
-            lead, place, switch = waiting.pop(0)
-            if lead.label not in MEETING and self._is_on_curve(lead, place):
-                continue
-            if lead.label in MEETING and any(
-                curve.step.name != lead.step and curve.passes(place) for curve in self.curves
-            ):
-                continue
-            if self.stopped:
-                self.curve_entries.append(Entry(lead, make_reason("left", origin=lead.origin, why=self.stopped)))
-                continue
-            waiting += self._follow_curve(lead, switch)
-
-    def _is_on_curve(self, lead: Lead, place: Array) -> bool:
-        """Return whether a special point, or its image by a symmetry, lies on a curve of its kind that is there."""
-        images = [lead.motion.apply(symmetry) for symmetry in self.symmetries]
-        return any(
-            curve.kind == lead.label and any(curve.holds(image, place, self.scale) for image in images)
-            for curve in self.curves
-        )
-
-    def _follow_curve(self, lead: Lead, switch: bool) -> Iterator[tuple[Lead, Array, bool]]:
-        """Follow a special point in two parameters; return what goes on from its curve."""
-        self.n_begun += 1
-        name = f"{self.prefix}curve_{self.n_begun}"
-        try:
-            recorded = self.try_to_do(plan_curve(self.settings, lead, name, switch=switch))
-        except OutOfTimeError:
-            self.curve_entries.append(Entry(lead, make_reason("left", origin=lead.origin, why=self.stopped)))
-            return iter(())
-        if recorded is None:
-            failed = make_reason("failed", step=name, origin=lead.origin, why=self.failures[-1])
-            self.curve_entries.append(Entry(lead, failed))
-            return iter(())
-        branch = self._read_branch(recorded)
-        curve = read_curve(branch, self.settings)
-        self.curves.append(curve)
-        self.curve_entries.append(Entry(lead, make_reason("followed", step=name, origin=lead.origin), branch))
-        return list_meeting_leads(curve, branch)
-
-    def look_at_plane(self) -> None:
-        """See what motions settle to at random places of the plane."""
-        body = self.settings.body
-        fields = plan_sweep(
-            self.plan, self.settings, self.survey, f"{self.prefix}plane", self.own, 2 * body.check, body.seed + 2
-        )
-        recorded = self.do(fields)
-        self.plane = look_at_sweep(self.plan, recorded, self.survey)
 
     def _find_branch_of(self, recorded: Step) -> str | None:
         """Return the branch that the orbit of a step lies on; None if it lies on none, or the step is none."""

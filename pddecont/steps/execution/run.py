@@ -16,7 +16,7 @@ from pddecont.model import parse_document
 from pddecont.output import refuse_link
 from pddecont.results import Results, create_results, hold_lock, read_results, upgrade_results
 from pddecont.runfile import Plan, PlannedStep
-from pddecont.simulate import Workers
+from pddecont.simulate import Workers, lend_one_thread
 from pddecont.steps.budget import Budget
 from pddecont.steps.context import Context
 from pddecont.steps.execution.all_steps import do_steps
@@ -66,7 +66,7 @@ def execute(
         file = kept or read_results(path)
         context = Context(plan, path, reporter or Silent(), Workers(workers, scheduler), file=file)
         context.budget = budget or Budget()
-        with _sparing_collections():
+        with lend_one_thread(), _sparing_collections():
             do_steps(context, steps)
 
 

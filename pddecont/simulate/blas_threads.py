@@ -1,7 +1,8 @@
 """One thread for the linear algebra of numpy and scipy while something is computed, and as many as before after it.
 
 The matrices here are too small to share among threads: with as many as there are cores a run takes several times as
-long. The command line tells the libraries before they are loaded; to a program that has loaded them the limit is lent.
+long, and the last digits are others. The command line tells the libraries before they are loaded, and so does a process
+that is started to compute; to a program that has loaded them the limit is lent.
 """
 
 from __future__ import annotations
@@ -54,6 +55,12 @@ def lend_one_thread() -> Iterator[None]:
         yield
     finally:
         _LIMIT.give_back()
+
+
+def list_environment() -> dict[str, str]:
+    """Return the environment of a process that computes for this one: it has as many threads as this one then."""
+    chosen = {} if not CHOSEN.isdisjoint(os.environ) else {"OPENBLAS_NUM_THREADS": "1"}
+    return {**os.environ, **chosen}
 
 
 def _set_limit() -> Any:

@@ -1,12 +1,16 @@
 """Linear algebra in Python: one thread while a run goes on, as many as before when all runs have ended."""
 
 import os
+import pickle
 import subprocess
 import sys
 import threading
 
 import pytest
+from threadpoolctl import threadpool_info
 
+from pddecont.simulate import blas_threads
+from pddecont.simulate.other_process import OtherProcess
 from tests.conftest import ROOT
 
 COUNTS = """
@@ -60,8 +64,6 @@ def test_what_the_user_has_chosen_stands(name):
 
 
 def test_the_last_of_several_runs_gives_the_limit_back(monkeypatch):
-    from pddecont.api import blas_threads
-
     for name in blas_threads.CHOSEN:
         monkeypatch.delenv(name, raising=False)
     events = []
@@ -86,3 +88,25 @@ def test_the_last_of_several_runs_gives_the_limit_back(monkeypatch):
     leave.set()
     other.join()
     assert events == ["set", "restored"]
+
+
+@pytest.mark.parametrize(("chosen", "number"), [({}, 1), ({"OPENBLAS_NUM_THREADS": "2"}, 2)])
+def test_a_process_that_computes_for_this_one_has_as_many_threads(monkeypatch, chosen, number):
+    for name in blas_threads.CHOSEN:
+        monkeypatch.delenv(name, raising=False)
+    for name, value in chosen.items():
+        monkeypatch.setenv(name, value)
+    process = OtherProcess(pickle.dumps(None))
+    try:
+        process.make_ready()
+        assert process.ask(count_threads_there, None) == {number}
+    finally:
+        process.kill()
+        process.close()
+
+
+def count_threads_there(shared, task):
+    import scipy.linalg
+
+    assert scipy.linalg.lapack is not None, "its libraries are loaded"
+    return {found["num_threads"] for found in threadpool_info() if found["user_api"] == "blas"}
