@@ -255,5 +255,5 @@ def test_what_is_computed_early_is_a_property_of_the_kind():
         "sweep": Sharing.POOL,
         "basin": Sharing.POOL,
         "precision": Sharing.ALONE,
-        "explore": Sharing.ALONE,
+        "explore": Sharing.POOL,
     }
