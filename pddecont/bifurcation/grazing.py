@@ -19,6 +19,7 @@ from pddecont.bifurcation.user_function import UserFunction
 from pddecont.continuation import BranchPoint, BranchState, CurvePoint, End, TestFunction
 from pddecont.errors import ConvergenceError
 from pddecont.orbit import (
+    ClosestApproach,
     Orbit,
     OrbitEvaluation,
     find_approaches,
@@ -26,19 +27,20 @@ from pddecont.orbit import (
     find_event_profile,
     name_grazing,
 )
-from pddecont.reasons import Reason, make_reason
+from pddecont.reasons import Reason, Scalar, make_reason
 
 LABEL = "GR"
-GRAZING_TOO = "grazing"
+# Codes of double grazings: the orbit that is special otherwise grazes too; one that grazes does so elsewhere too.
+GRAZING_TOO, GRAZING_TWICE = "grazing", "grazing_twice"
 
 
-def measure_grazing_gap(orbit: Orbit, *, leave_out: tuple[str, int, float] | None = None) -> float:
-    """Return the grazing test function of an orbit (NaN if no segment has an interior extremum).
+def measure_grazing_gap(orbit: Orbit) -> float:
+    """Return the grazing test function of an orbit (NaN if no segment has an interior extremum)."""
+    return _measure_gap(find_closest_approach(orbit))
 
-    ``leave_out`` names one extremum that does not count by its event, segment and time.
-    """
-    found = find_closest_approach(orbit, leave_out=leave_out)
-    return float("nan") if found is None else found.gap
+
+def _measure_gap(approach: ClosestApproach | None) -> float:
+    return float("nan") if approach is None else approach.gap
 
 
 def _gaps(orbit: Orbit) -> dict[tuple[int, str], float]:
@@ -70,12 +72,12 @@ class GrazingFunction:
         extrema = self._find_extrema(at.orbit)
         return replace(self, fraction=min(extrema)[2]) if extrema else self
 
-    def other_gap(self, orbit: Orbit) -> float:
-        """Return how near an orbit comes to a second grazing (NaN if nothing else has an extremum)."""
+    def find_other(self, orbit: Orbit) -> ClosestApproach | None:
+        """Return where an orbit is nearest to a second grazing (None if nothing else has an extremum)."""
         extrema = self._find_extrema(orbit)
         fraction = min(extrema)[2] if extrema else self.fraction
         time = float(orbit.event_times[self.segment] + fraction * orbit.durations[self.segment])
-        return measure_grazing_gap(orbit, leave_out=(self.event, self.segment, time))
+        return find_closest_approach(orbit, leave_out=(self.event, self.segment, time))
 
     def _find_extrema(self, orbit: Orbit) -> list[tuple[float, float, float]]:
         """Return (distance, value, fraction) of each extremum that could be the one meant."""
@@ -92,11 +94,13 @@ class GrazingFunction:
 def define_grazing(orbit: Orbit) -> GrazingFunction | None:
     """Return the grazing of an orbit's closest approach to an event (None if it has no interior extremum)."""
     found = find_closest_approach(orbit)
-    if found is None:
-        return None
-    e = found.extremum
+    return None if found is None else _define_at(orbit, found)
+
+
+def _define_at(orbit: Orbit, approach: ClosestApproach) -> GrazingFunction:
+    e = approach.extremum
     fraction = (e.time - float(orbit.event_times[e.segment])) / float(orbit.durations[e.segment])
-    return GrazingFunction(found.event, e.segment, fraction, e.is_max)
+    return GrazingFunction(approach.event, e.segment, fraction, e.is_max)
 
 
 def _branch_tests(at: OrbitEvaluation, settings: BranchSettings) -> list[OrbitTest]:
@@ -129,16 +133,45 @@ def _second_grazing(at: ExtendedEvaluation, settings: BranchSettings) -> list[Cu
         def value(point: CurvePoint[ExtendedEvaluation]) -> float:
             own = point.at.system.defining
             assert isinstance(own, GrazingFunction)
-            return own.other_gap(point.at.orbit)
+            return _measure_gap(own.find_other(point.at.orbit))
 
-        return [TestFunction(DOUBLE_GRAZING.label, value)]
+        return [TestFunction(DOUBLE_GRAZING.label, value, explain=_name_both)]
     if isinstance(defining, UserFunction):
         return []
     label, reason = DOUBLE_GRAZING.label, make_reason(GRAZING_TOO)
     return [TestFunction(label, lambda point: measure_grazing_gap(point.at.orbit), reason=reason)]
 
 
+def _name_both(point: CurvePoint[ExtendedEvaluation]) -> Reason:
+    """Return what is said of a point of a curve of grazings at which another extremum grazes too."""
+    orbit, own = point.at.orbit, point.at.system.defining
+    assert isinstance(own, GrazingFunction)
+    other, own = own.find_other(orbit), own.update_at(point.at.inner)
+    assert other is not None, "it is zero"
+    return _pack_both(_define_at(orbit, other), own)
+
+
+def _pack_both(grazing: GrazingFunction, own: GrazingFunction) -> Reason:
+    """Return as a reason the grazing that begins, and the curve's own."""
+    both = (("", grazing), ("own_", own))
+    values: dict[str, Scalar] = {}
+    for prefix, one in both:
+        values |= {f"{prefix}event": one.event, f"{prefix}number": one.segment + 1}
+        values |= {f"{prefix}part": one.fraction, f"{prefix}is_max": one.is_max}
+    return make_reason(GRAZING_TWICE, **values)
+
+
+def exchange(reason: Reason) -> Reason:
+    """Return what is recorded of a double grazing as it is seen from the curve of the other one."""
+    own = {key: value for key, value in reason.values.items() if key.startswith("own_")}
+    other = {f"own_{key}": value for key, value in reason.values.items() if key not in own}
+    return make_reason(reason.code, **{key.removeprefix("own_"): value for key, value in own.items()}, **other)
+
+
 def _define(at: OrbitEvaluation, settings: BranchSettings, reason: Reason) -> DefiningFunction:
+    if reason.code == GRAZING_TWICE:
+        v = reason.values
+        return GrazingFunction(str(v["event"]), int(v["number"]) - 1, float(v["part"]), bool(v["is_max"]))
     defining = define_grazing(at.orbit)
     if defining is None:
         raise ConvergenceError("no event function has an extremum inside a segment on this mesh; refine 'mesh'")
@@ -158,4 +191,6 @@ def _go_on(
 GRAZING = SpecialPointKind(
     LABEL, "grazing", on_branches=True, branch_tests=_branch_tests, define=_define, good_side=_good_side, go_on=_go_on
 )
-DOUBLE_GRAZING = SpecialPointKind("GG", "double grazing", on_curves=True, curve_tests=_second_grazing)
+DOUBLE_GRAZING = SpecialPointKind(
+    "GG", "double grazing", on_curves=True, curve_tests=_second_grazing, meets=(LABEL, LABEL)
+)

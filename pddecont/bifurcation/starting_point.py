@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from pddecont.bifurcation import grazing, torus
 from pddecont.bifurcation.branch_start import BranchStart, StartError, start_branch
 from pddecont.bifurcation.extended_system import DefiningFunction, ExtendedEvaluation, extend_system
+from pddecont.bifurcation.grazing import DOUBLE_GRAZING, GRAZING_TWICE
 from pddecont.bifurcation.kinds import CROSSINGS
 from pddecont.bifurcation.registry import find_kind, list_kinds
 from pddecont.bifurcation.settings import BranchSettings
@@ -83,7 +84,8 @@ def start_curve(
     other = find_other_kind(label, found_on[0])
     kind = other or label
     inner, orbit = settings.make_system(orbit)
-    defining = define_special_point(inner.at(orbit.x), kind, NO_REASON if other else reason, settings)
+    known = reason if label in (kind, DOUBLE_GRAZING.label) else NO_REASON
+    defining = define_special_point(inner.at(orbit.x), kind, known, settings)
     system, solution = solve_adaptively(
         extend_system(inner, defining),
         orbit.x,
@@ -93,9 +95,10 @@ def start_curve(
     moves = direction[system.problem.unknowns.free] / np.array(settings.widths)
     forward = next((float(np.sign(m)) for m in moves if abs(m) > STILL * np.max(np.abs(moves))), 1.0)
     side = 0.0
-    if other and label in CROSSINGS:
-        side = _find_side_of_motions(solution.at, direction, found_on, settings)
-    elif other:
+    if other and is_boundary(found_on[0]):
+        boundary = (found_on[0], grazing.exchange(reason)) if reason.code == GRAZING_TWICE else found_on
+        side = _find_side_of_motions(solution.at, direction, boundary, settings)
+    elif other and label != DOUBLE_GRAZING.label:
         side = torus.find_side_with_pair(system, solution.x, direction)
     return BranchStart(CurvePoint(system, solution.at, None, (side or forward) * direction), kind, one_way=bool(side))
 
@@ -121,8 +124,19 @@ def _find_side_of_motions(
 def find_other_kind(label: str, found_on: str) -> str:
     """Return the kind of the curve that meets one of the kind ``found_on`` in a point with a ``label``; "" if none."""
     kind = find_kind(label)
-    meets = kind.meets if kind is not None and found_on else ()
-    return next((other for other in meets if other != found_on), "")
+    meets = list(kind.meets) if kind is not None and found_on else []
+    if found_on in meets:
+        meets.remove(found_on)
+    return meets[0] if meets else ""
+
+
+def is_boundary(label: str) -> bool:
+    """Return whether a curve of special points bounds where its orbits are motions: beyond it others take their place.
+
+    There no multiplier is on the unit circle by the point's nature.
+    """
+    kind = find_kind(label)
+    return kind is not None and kind.crossings == CROSSINGS
 
 
 def define_special_point(at: OrbitEvaluation, kind: str, reason: Reason, settings: BranchSettings) -> DefiningFunction:

@@ -56,6 +56,7 @@ _WORDS: dict[str, Callable[[Values], str]] = {
     ),
     "halves_equal": lambda v: "halves become equal",
     "grazing": lambda v: "grazing",
+    "grazing_twice": lambda v: f"{v['event']} and {v['own_event']}",
     "hopf_point": lambda v: f"Hopf point{_name_where(v)}",
     "hopf_beyond_range": lambda v: f"their Hopf point lies just beyond the range{_name_where(v)}",
     "hopf_not_located": lambda v: f"no Hopf point was located there: {v['why']}",

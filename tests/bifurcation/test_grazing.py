@@ -15,10 +15,11 @@ from pddecont.collocation import MeshRule
 from pddecont.continuation import End
 from pddecont.errors import ConvergenceError
 from pddecont.orbit import PeriodicOrbitSystem, measure_orbit
-from pddecont.tables import describe_endings
+from pddecont.reasons import NO_REASON
+from pddecont.tables import describe_endings, make_table
 from tests.bifurcation.runs import check_multipliers, free_amplitude
 from tests.problems import grazing_amplitude
-from tests.runs import labels, parameter, run
+from tests.runs import add_step, labels, parameter, run
 
 
 def test_the_grazing_curve_of_the_free_orbit_is_the_closed_form(fig4_8, tmp_path):
@@ -101,6 +102,33 @@ TWO_WALLS = {
 }
 
 
+@pytest.mark.parametrize("direction", ["both", "down"])
+def test_where_two_grazings_meet_the_curve_of_the_other_goes_on(tmp_path, direction):
+    """At the left wall the free orbit, of amplitude A(w), grazes where A = 0.35, whatever a is; beyond a = 0.35 alone
+    nothing else is hit.
+    """
+    other = {
+        "name": "other",
+        "continue": {
+            "from": {"step": "gr", "point": "GG1"},
+            "free": ["omega", "a"],
+            "range": {"omega": [1.7, 2.7], "a": [0.2, 0.5]},
+            "direction": direction,
+        },
+    }
+    results = run(add_step(TWO_WALLS, other), tmp_path / "a.h5")
+    step = results.step("other")
+    a, omega = parameter(step, "a"), parameter(step, "omega")
+    assert step.meta["curve"] == "GR"
+    assert 1 / np.hypot(1 - omega**2, 0.1 * omega) == pytest.approx(0.35, abs=1e-10)
+    assert min(a) == pytest.approx(0.35, abs=1e-10) and max(a) == pytest.approx(0.5, abs=1e-12)
+    assert len(step.endings) == 1
+    assert np.all(step.points["admissible"] == 1)
+    assert labels(step) == []
+    (found,) = [row for row in make_table(results.step("gr"), "special") if row["label"] == "GG1"]
+    assert found["note"] == "left and right"
+
+
 def test_double_grazing_and_a_user_function(tmp_path):
     """The free orbit has amplitude A(w); it touches the right wall where A = a, both where a = b = A; A = 1/4 is the
     user's own curve.
@@ -153,7 +181,7 @@ def test_an_orbit_that_watches_nothing_grazes_nothing(free_orbit):
     assert math.isnan(measure_grazing_gap(free_orbit))
     assert define_grazing(free_orbit) is None
     with pytest.raises(ConvergenceError, match="no event function has an extremum inside a segment on this mesh"):
-        find_kind("GR").define(system_at(free_orbit), None, None)
+        find_kind("GR").define(system_at(free_orbit), None, NO_REASON)
 
 
 def test_the_grazing_of_an_orbit_is_its_closest_approach(far_orbit):
@@ -165,7 +193,7 @@ def test_the_grazing_of_an_orbit_is_its_closest_approach(far_orbit):
     assert found.fraction == pytest.approx(top, abs=1e-7)
     assert found.evaluate(system_at(far_orbit)) == measure_grazing_gap(far_orbit)
     # Nothing else comes near, and this one does not count twice.
-    assert math.isnan(found.other_gap(far_orbit))
+    assert found.find_other(far_orbit) is None
     assert find_kind("GR").good_side(found) == -1.0
 
 

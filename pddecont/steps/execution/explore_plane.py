@@ -76,6 +76,8 @@ def _is_followed(exploration: Exploration, lead: Lead, place: Array) -> bool:
     return any(
         curve.kind == lead.label and any(curve.holds(image, place, exploration.scale) for image in images)
         for curve in exploration.curves
+        # Where two curves of one kind meet, that it was found on is not the other one.
+        if curve.step.name != lead.step
     )
 
 
