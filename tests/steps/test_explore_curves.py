@@ -5,6 +5,9 @@ import pytest
 
 from pddecont.exploration import Fingerprint
 from pddecont.steps.execution.explore_curves import Curve
+from pddecont.tables import list_branches
+from tests.bifurcation.test_grazing import TWO_WALLS
+from tests.runs import parameter, run
 
 SCALE = np.ones(1)
 
@@ -47,3 +50,17 @@ def test_a_curve_of_one_point_holds_that_point():
     single = Curve(None, "GR", np.arange(1), np.array([[0.5, 0.5]]), [motion(1.0)])
     assert single.holds(motion(1.0), np.array([0.5, 0.5]), SCALE)
     assert not single.holds(motion(1.0), np.array([0.5, 0.6]), SCALE)
+
+
+def test_where_two_grazings_meet_both_curves_are_followed(tmp_path):
+    """The free orbit grazes one wall where A(omega) = a, the other where A = 0.2; curves of others pass by there."""
+    explore = {"over": {"omega": [2.2, 2.7], "a": [0.15, 0.25]}, "starts": 4, "check": 0, "depth": 0}
+    step = {"name": "all", "set": {"c": 1, "b": 0.2, "a": 0.18}, "explore": explore}
+    results = run({**TWO_WALLS, "run": {"steps": [step]}}, tmp_path / "a.h5")
+    (found,) = [entry for entry in list_branches(results.step("all")) if entry["from"].endswith("GG1")]
+    curve, first = results.step(found["branch"]), results.step(found["from"].split()[0])
+    assert (first.meta["curve"], curve.meta["curve"]) == ("GR", "GR")
+    omega = np.sqrt(0.5 * (1 + np.sqrt(97)))
+    assert parameter(first, "omega", "GG1") == pytest.approx(omega, abs=1e-9)
+    assert parameter(curve, "omega") == pytest.approx(omega, abs=1e-9)
+    assert (np.min(parameter(curve, "a")), np.max(parameter(curve, "a"))) == pytest.approx((0.2, 0.25), abs=1e-9)

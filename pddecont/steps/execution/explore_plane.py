@@ -22,6 +22,7 @@ from pddecont.steps.execution.explore_diagram import Entry
 from pddecont.steps.execution.explore_leads import Lead, plan_sweep
 from pddecont.steps.execution.explore_looks import look_at_sweep
 from pddecont.steps.execution.explore_under_way import Exploration
+from pddecont.tables import find_signature
 
 Array = NDArray[np.float64]
 # A special point, its place in the plane in parts of the ranges (2,), and whether its curve is asked for by a switch.
@@ -73,12 +74,13 @@ def _is_followed(exploration: Exploration, lead: Lead, place: Array) -> bool:
     if lead.label in MEETING:
         return any(curve.step.name != lead.step and curve.passes(place) for curve in exploration.curves)
     images = [lead.motion.apply(symmetry) for symmetry in exploration.symmetries]
-    return any(
-        curve.kind == lead.label and any(curve.holds(image, place, exploration.scale) for image in images)
-        for curve in exploration.curves
-        # Where two curves of one kind meet, that it was found on is not the other one.
-        if curve.step.name != lead.step
-    )
+    found_on = next((curve for curve in exploration.curves if curve.step.name == lead.step), None)
+    others = [curve for curve in exploration.curves if curve.kind == lead.label and curve is not found_on]
+    if found_on is not None and found_on.kind == lead.label:
+        # Where two curves of one kind meet, those of other orbits end, which run through what begins there.
+        through = find_signature(found_on.step, found_on.step.labels.index(lead.point))
+        others = [curve for curve in others if find_signature(curve.step, int(curve.rows[0])) == through]
+    return any(curve.holds(image, place, exploration.scale) for curve in others for image in images)
 
 
 def _offer(exploration: Exploration, lead: Lead, waiting: Sequence[PlaneLead]) -> None:
