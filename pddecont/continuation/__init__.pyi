@@ -4,6 +4,7 @@ from .arclength import correct as correct
 from .arclength import correct_component as correct_component
 from .arclength import find_tangent as find_tangent
 from .arclength import tangent_at as tangent_at
+from .arnoldi import find_largest as find_largest
 from .asymptote import Horizon as Horizon
 from .boundary import Approach as Approach
 from .boundary import Boundary as Boundary

@@ -11,9 +11,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse.linalg
 from numpy.typing import NDArray
 
+from pddecont.continuation import find_largest
 from pddecont.equilibrium.generator import Generator
 
 Complex = NDArray[np.complex128]
@@ -87,10 +87,7 @@ def find_around(generator: Generator, shift: complex) -> tuple[float, Guesses]:
     n, size = generator.matrix.n, generator.size
     start = np.random.default_rng(0).normal(size=size).astype(complex)
     k, kept = min(AROUND, size - 2), min(KEPT, size)
-    try:
-        around, vectors = scipy.sparse.linalg.eigs(generator.invert_shifted(shift), k=k, ncv=kept, v0=start, tol=ROUGH)
-        radius = float(1.0 / np.min(np.abs(around)))
-    except scipy.sparse.linalg.ArpackNoConvergence as exc:
-        around, vectors, radius = exc.eigenvalues, exc.eigenvectors, 0.0
+    around, vectors, is_known = find_largest(generator.invert_shifted(shift), k, n_vectors=kept, start=start, tol=ROUGH)
+    radius = float(1.0 / np.min(np.abs(around))) if is_known else 0.0
     own = vectors[:n].T
     return radius, (np.asarray(shift + 1.0 / around), own / np.linalg.norm(own, axis=1, keepdims=True))

@@ -11,6 +11,7 @@ import scipy.linalg
 import scipy.sparse.linalg
 from numpy.typing import NDArray
 
+from pddecont.continuation import find_largest
 from pddecont.stability.monodromy import MonodromyOperator
 
 Complex = NDArray[np.complex128]
@@ -46,12 +47,7 @@ def find_eigenpairs(monodromy: MonodromyOperator, n: int) -> tuple[Complex, Comp
     operator = scipy.sparse.linalg.LinearOperator((size, size), matvec=monodromy.apply_scaled, dtype=float)
     # Any vector to start from, but the same each time.
     start = np.random.default_rng(1).standard_normal(size)
-    try:
-        values, vectors = scipy.sparse.linalg.eigs(
-            operator, k=n, ncv=n_vectors, v0=start, tol=0.0, maxiter=MAX_RESTARTS
-        )
-    except scipy.sparse.linalg.ArpackNoConvergence as exc:
-        values, vectors = exc.eigenvalues, exc.eigenvectors
+    values, vectors, _ = find_largest(operator, n, n_vectors=n_vectors, start=start, tol=0.0, max_restarts=MAX_RESTARTS)
     order = np.argsort(-np.abs(values), kind="stable")
     return values[order], vectors[:, order]
 
