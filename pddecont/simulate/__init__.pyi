@@ -43,6 +43,7 @@ from .returns import ReturnSection as ReturnSection
 from .returns import ReturnSettings as ReturnSettings
 from .simulator import Simulator as Simulator
 from .slots import Slots as Slots
+from .slots import Turnstile as Turnstile
 from .snapshot import find_restart_time as find_restart_time
 from .snapshot import pack as pack
 from .snapshot import read_time as read_time

@@ -6,7 +6,6 @@ A step may be begun when the step that it starts from is done, written or not; n
 from __future__ import annotations
 
 import contextlib
-import threading
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass, field, replace
@@ -15,7 +14,7 @@ from typing import Any
 from pddecont.errors import PddecontError
 from pddecont.results import Results, Step, find_format
 from pddecont.runfile import Holding, Plan, PlannedStep
-from pddecont.simulate import Elsewhere, Trajectory, Workers
+from pddecont.simulate import Elsewhere, Trajectory, Turnstile, Workers
 from pddecont.steps.budget import Budget
 from pddecont.steps.context import Context
 from pddecont.steps.execution.apart import can_read_elsewhere
@@ -127,41 +126,36 @@ class EarlySteps:
         self._to_come = {step.name for step in steps}
         self._sources = {step.source.step for step in steps if step.source is not None and step.source.file is None}
         self._begun: dict[str, Future[ComputedStep]] = {}
-        self._lock, self._is_over, self._is_busy = threading.RLock(), False, False
+        self._turnstile = Turnstile(self._begin_all)
 
     def begin(self) -> None:
         """Begin steps, as far as what they start from is done and somebody is free."""
-        with self._lock:
-            if self._is_over or self._is_busy:
-                return
-            self._is_busy = True
-            try:
-                for name, step in list(self._ahead.items()):
-                    task = self._make_task(step)
-                    future = None if task is None else self._elsewhere.begin(compute_step, task)
-                    if future is not None:
-                        self._begun[name] = future
-                        del self._ahead[name]
-            finally:
-                self._is_busy = False
+        self._turnstile.begin()
+
+    def _begin_all(self) -> None:
+        for name, step in list(self._ahead.items()):
+            task = self._make_task(step)
+            future = None if task is None else self._elsewhere.begin(compute_step, task)
+            if future is not None:
+                self._begun[name] = future
+                del self._ahead[name]
 
     def take(self, step: PlannedStep[Any]) -> ComputedStep | None:
         """Return what was computed of a step whose turn it is, once it is; None if it is to be done here."""
-        with self._lock:
+        with self._turnstile.lock:
             self._ahead.pop(step.name, None)
             begun = self._begun.get(step.name)
         return None if begun is None else self._elsewhere.wait(begun)
 
     def put(self, step: PlannedStep[Any]) -> None:
         """Hear that a step is in the file."""
-        with self._lock:
+        with self._turnstile.lock:
             self._to_come.discard(step.name)
             self._begun.pop(step.name, None)
 
     def end(self) -> None:
         """Begin no more."""
-        with self._lock:
-            self._is_over = True
+        self._turnstile.end()
 
     def _make_task(self, step: PlannedStep[Any]) -> StepTask | None:
         """Return a step with what it starts from; None if that is not done yet."""

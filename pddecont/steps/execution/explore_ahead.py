@@ -6,16 +6,16 @@ Their steps get their names when their turn comes. Until then they have some tha
 from __future__ import annotations
 
 import contextlib
-import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
+from pddecont.errors import RunError
 from pddecont.exploration import are_as_long
 from pddecont.results import Results, Step
 from pddecont.runfile import Plan, PlannedStep, extend_plan
-from pddecont.simulate import Elsewhere
+from pddecont.simulate import Elsewhere, Turnstile
 from pddecont.steps.budget import Budget, OutOfTimeError
 from pddecont.steps.context import Context
 from pddecont.steps.execution.early import ComputedStep, StepTask, compute_step
@@ -97,25 +97,20 @@ def compute_lead(plan: Plan, task: LeadTask) -> list[ComputedStep]:
     return done
 
 
-@dataclass(eq=False)
 class LeadsAhead:
-    """Leads that may be followed before their turn, those that are, and those that were.
+    """Leads that may be followed before their turn, those that are, and those that were."""
 
-    ``n_planned`` counts those that were ever to be.
-    """
-
-    elsewhere: Elsewhere
-    n_planned: int = 0
-    _waiting: dict[Lead, LeadTask] = field(default_factory=dict)
-    _begun: dict[Lead, tuple[LeadTask, Future[list[ComputedStep]]]] = field(default_factory=dict)
-    _lock: threading.RLock = field(default_factory=threading.RLock)
-    _is_busy: bool = False
-    _is_over: bool = False
+    def __init__(self, elsewhere: Elsewhere):
+        self._elsewhere = elsewhere
+        self._waiting: dict[Lead, LeadTask] = {}
+        self._begun: dict[Lead, tuple[LeadTask, Future[list[ComputedStep]]]] = {}
+        self._n_planned = 0
+        self._turnstile = Turnstile(self._begin_all)
 
     @property
     def begun(self) -> list[Lead]:
         """Those that have begun and whose turn has not come."""
-        with self._lock:
+        with self._turnstile.lock:
             return list(self._begun)
 
     def offer(
@@ -132,40 +127,38 @@ class LeadsAhead:
         They are as many as there are places, and not alike. ``plan_steps`` returns the steps of a lead; it is given
         what their names begin with, after ``prefix`` a number that no other lead has.
         """
-        chosen = choose_unlike(leads, (here, *self.begun), are_alike, self.elsewhere.slots.number)
+        chosen = choose_unlike(leads, (here, *self.begun), are_alike, self._elsewhere.slots.number)
         tasks = {}
         for lead in chosen:
-            task = self._waiting.get(lead)
-            if task is None:
-                self.n_planned += 1
-                task = plan_lead(context, lead, plan_steps(lead, f"{prefix}lead_{self.n_planned}"))
-            tasks[lead] = task
-        with self._lock:
+            if lead in self._waiting:
+                tasks[lead] = self._waiting[lead]
+                continue
+            self._n_planned += 1
+            # What is wrong with a step is said in its turn.
+            with contextlib.suppress(RunError):
+                tasks[lead] = plan_lead(context, lead, plan_steps(lead, f"{prefix}lead_{self._n_planned}"))
+        with self._turnstile.lock:
             self._waiting = {lead: task for lead, task in tasks.items() if lead not in self._begun}
 
     def begin(self) -> None:
         """Begin leads as far as somebody is free."""
-        with self._lock:
-            if self._is_over or self._is_busy:
-                return
-            self._is_busy = True
-            try:
-                for lead, task in list(self._waiting.items()):
-                    future = self.elsewhere.begin(compute_lead, task)
-                    if future is None:
-                        break
-                    self._begun[lead] = task, future
-                    del self._waiting[lead]
-            finally:
-                self._is_busy = False
+        self._turnstile.begin()
+
+    def _begin_all(self) -> None:
+        for lead, task in list(self._waiting.items()):
+            future = self._elsewhere.begin(compute_lead, task)
+            if future is None:
+                break
+            self._begun[lead] = task, future
+            del self._waiting[lead]
 
     def take(self, lead: Lead, steps: Fields) -> dict[str, ComputedStep]:
         """Return what was computed of the steps of a lead whose turn it is, by the names that they get."""
         names = [str(one["name"]) for one in steps]
-        with self._lock:
+        with self._turnstile.lock:
             self._waiting.pop(lead, None)
             begun = self._begun.pop(lead, None)
-        computed = None if begun is None else self.elsewhere.wait(begun[1])
+        computed = None if begun is None else self._elsewhere.wait(begun[1])
         if begun is None or computed is None:
             return {}
         renamed = {step.name: name for step, name in zip(begun[0].steps, names, strict=True)}
@@ -173,16 +166,15 @@ class LeadsAhead:
 
     def forget(self, lead: Lead) -> None:
         """Hear that a lead is not needed."""
-        with self._lock:
+        with self._turnstile.lock:
             self._waiting.pop(lead, None)
             begun = self._begun.pop(lead, None)
         if begun is not None:
-            self.elsewhere.take_back(begun[1])
+            self._elsewhere.take_back(begun[1])
 
     def end(self) -> None:
         """Begin no more."""
-        with self._lock:
-            self._is_over = True
+        self._turnstile.end()
 
 
 @contextlib.contextmanager
