@@ -112,6 +112,29 @@ class BranchPoint(Generic[E]):
     n_unexplained: int = 0
 
 
+@dataclass(frozen=True, eq=False)
+class _Start:
+    """Where a step started, as the mesh of its end has it.
+
+    ``x`` are the unknowns, ``ahead`` is the way from there to the prediction; ``comparable`` says which of them tell
+    how far points of the mesh are from there.
+    """
+
+    x: Array
+    ahead: Array
+    comparable: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class _Reached(Generic[E]):
+    """The end of a ``step``, and the boundary it was taken back onto; ``seen`` is its start, where that is known."""
+
+    point: CurvePoint[E]
+    step: float
+    seen: _Start | None = None
+    passed: tuple[Boundary[E], int, float] | None = None
+
+
 def follow_branch(
     state: BranchState[E],
     boundaries: Sequence[Boundary[E]],
@@ -150,17 +173,17 @@ def follow_branch(
         start = _begin_step(state)
         before = find_values_at_start(start, functions, before)
         try:
-            reached, step, passed = _find_next(start, state.step, settings, boundaries)
+            found = _find_next(start, state.step, settings, boundaries)
         except OutOfReachError as exc:
             return Termination(exc.end, exc.reason, n_unexplained)
         except ConvergenceError as exc:
             return Termination(End.STEP_TOO_SMALL, make_reason("message", text=str(exc)), n_unexplained)
-        if passed is not None and np.array_equal(reached.x, start.x):
+        if found.passed is not None and np.array_equal(found.point.x, start.x):
             # It begins at the end of its range, and was taken back to where it is.
-            boundary, k, _ = passed
-            emit(BranchPoint(state, END_POINT, reached.n_iterations))
-            return Termination(boundary.end, boundary.reason(reached.at, k), n_unexplained)
-        reached, length, turn = _turn_forward(start, reached)
+            boundary, k, _ = found.passed
+            emit(BranchPoint(state, END_POINT, found.point.n_iterations))
+            return Termination(boundary.end, boundary.reason(found.point.at, k), n_unexplained)
+        reached, length, turn = _turn_forward(start, found)
         after = evaluate_tests(reached, functions)
         segment = BranchSegment(start, reached, settings.newton)
         specials, more = find_special_points(segment, functions, before, after, AT_START if state.is_start else 0.0)
@@ -168,9 +191,9 @@ def follow_branch(
         n_unexplained += more
         if end := _emit_on_step(segment, specials, closing, more, state, sign * length, emit):
             return replace(end, n_unexplained=n_unexplained)
-        next_step = _next_step(step, reached.n_iterations, turn, settings)
+        next_step = _next_step(found.step, reached.n_iterations, turn, settings)
         state = BranchState(reached, state.arclength + sign * length, next_step, state.n_points + 1, False)
-        limit = _find_limit(boundaries, reached, passed)
+        limit = _find_limit(boundaries, reached, found.passed)
         if horizon is not None and not (limit or after.violation):
             grows = find_asymptote(horizon, start, reached, after, functions, boundaries, settings.newton)
             limit = (End.ASYMPTOTE, grows) if grows else None
@@ -202,22 +225,19 @@ def _find_limit(
     return limit
 
 
-def _turn_forward(start: CurvePoint[E], reached: CurvePoint[E]) -> tuple[CurvePoint[E], float, float]:
+def _turn_forward(start: CurvePoint[E], found: _Reached[E]) -> tuple[CurvePoint[E], float, float]:
     """Return the end of a step with the branch's direction there, the step's length, and how much the branch turns.
 
     That is the larger of the angles (radians) that the step's chord makes with the directions at its ends: by one the
     corrected point lies off the predicted one, by the other the next prediction starts out.
     """
-    scaling = reached.system.scaling
-    chord = reached.x - reached.system.interpolate_from(start.system, start.x)
+    reached, seen = found.point, found.seen or _look_back(found, start)
+    scaling, chord = reached.system.scaling, reached.x - seen.x
     assert reached.solution is not None
-    comparable = _find_comparable(reached.system, reached.x - chord)
-    along = np.where(comparable, chord, 0.0)
+    along = np.where(seen.comparable, chord, 0.0)
     direction = tangent_at(reached.solution, scaling, along)
-    length = scaling.length(chord)
-    predicted = reached.system.interpolate_from(start.system, start.x + length * start.tangent) - (reached.x - chord)
-    turn = max(scaling.find_angle(np.where(comparable, v, 0.0), along) for v in (predicted, direction))
-    return replace(reached, direction=direction), length, turn
+    turn = max(scaling.find_angle(np.where(seen.comparable, v, 0.0), along) for v in (seen.ahead, direction))
+    return replace(reached, direction=direction), scaling.length(chord), turn
 
 
 def _emit_on_step(
@@ -250,20 +270,22 @@ def _emit_on_step(
 
 def _find_next(
     start: CurvePoint[E], step: float, settings: StepSettings, boundaries: Sequence[Boundary[E]]
-) -> tuple[CurvePoint[E], float, tuple[Boundary[E], int, float] | None]:
-    """Return the next point, taken back onto a boundary that it passed, the step that reached it, and that boundary."""
+) -> _Reached[E]:
+    """Return the next point, taken back onto a boundary that it passed."""
     while True:
-        reached, step = _advance(start, step, settings, boundaries)
+        found = _advance(start, step, settings, boundaries)
+        reached = found.point
         passed = find_passed(boundaries, Approach.BEYOND, start, reached)
         if passed is None:
-            return reached, step, None
+            return found
         boundary, k, fraction = passed
         guess = (1.0 - fraction) * reached.system.interpolate_from(start.system, start.x) + fraction * reached.x
         try:
-            return land(boundary, k, reached.system, guess, settings.newton), step, passed
+            landed = land(boundary, k, reached.system, guess, settings.newton)
+            return _Reached(landed, found.step, passed=passed)
         except ConvergenceError:
             # A fold next to the boundary: come closer with smaller steps.
-            step /= 2
+            step = found.step / 2
             if step < settings.min:
                 raise
 
@@ -287,11 +309,11 @@ def _make_special(special: SpecialPoint[E], before: BranchState[E], length: floa
 
 def _advance(
     start: CurvePoint[E], step: float, settings: StepSettings, boundaries: Sequence[Boundary[E]]
-) -> tuple[CurvePoint[E], float]:
-    """Return the next point and the step that reached it; halve the step until the corrector converges."""
+) -> _Reached[E]:
+    """Return the next point, one step on; halve the step until the corrector converges."""
     while True:
         try:
-            return _take_step(start, step, settings, boundaries), step
+            return _take_step(start, step, settings, boundaries)
         except ConvergenceError as exc:
             near = max(settings.min, NEAR * settings.initial)
             least = near if isinstance(exc, OutOfReachError) else settings.min
@@ -302,7 +324,7 @@ def _advance(
 
 def _take_step(
     start: CurvePoint[E], step: float, settings: StepSettings, boundaries: Sequence[Boundary[E]]
-) -> CurvePoint[E]:
+) -> _Reached[E]:
     """Return the point one step on: predict, make the mesh valid, correct, until the mesh is adequate."""
     predicted = start.system.at(start.x + step * start.tangent)
     refuse_out_of_reach(boundaries, predicted)
@@ -311,13 +333,15 @@ def _take_step(
         boundary, k, fraction = passed
         last = land(boundary, k, start.system, start.x + fraction * (predicted.x - start.x), settings.newton)
         refuse_out_of_reach(boundaries, last.at)
-        return last
+        return _Reached(last, step)
+    seen: list[_Start] = []
 
     def solve(system: AdaptiveSystem[E], guess: Array, carried: list[Array]) -> Solution[E]:
         prediction, base = carried
         comparable = np.ones(len(base), dtype=bool)
         if system is not start.system:
             comparable = _find_comparable(system, base)
+        seen[:] = [_Start(base, prediction - base, comparable)]
         direction = np.where(comparable, prediction - base, 0.0)
         solution = correct(system, prediction, system.scaling.normalise(direction), settings.newton, guess)
         refuse_out_of_reach(boundaries, solution.at)
@@ -328,7 +352,14 @@ def _take_step(
         return solution
 
     system, solution = solve_adaptively(start.system, predicted.x, solve, [predicted.x, start.x])
-    return CurvePoint(system, solution.at, solution)
+    return _Reached(CurvePoint(system, solution.at, solution), step, seen[0])
+
+
+def _look_back(found: _Reached[E], start: CurvePoint[E]) -> _Start:
+    """Return where a step started, in the unknowns of the mesh that it led to."""
+    system = found.point.system
+    x, predicted = (system.interpolate_from(start.system, start.x + way * start.tangent) for way in (0.0, found.step))
+    return _Start(x, predicted - x, _find_comparable(system, x))
 
 
 def _find_comparable(system: AdaptiveSystem[E], x: Array) -> NDArray[np.bool_]:

@@ -98,6 +98,7 @@ class PeriodicOrbitSystem:
     ``rule`` says how its meshes are made (None: the mesh stays), ``density`` where the last solution wanted its
     intervals; ``assembler`` makes Jacobians, and is shared by systems on one mesh. ``n_coarse`` counts the meshes in a
     row that were too coarse for the solutions found on them. ``outlived`` says that the next orbit gets another mesh.
+    ``known`` is an orbit of the same problem of which much is worked out already.
     """
 
     problem: OrbitProblem
@@ -107,10 +108,12 @@ class PeriodicOrbitSystem:
     assembler: JacobianAssembler = field(default_factory=JacobianAssembler, repr=False)
     n_coarse: int = 0
     outlived: bool = False
+    known: Orbit | None = field(default=None, repr=False)
 
     def at(self, x: Array) -> OrbitEvaluation:
         """Return the equations at the unknowns ``x``."""
-        return OrbitEvaluation(self, Orbit(self.problem, x))
+        known = self.known
+        return OrbitEvaluation(self, Orbit(self.problem, x) if known is None or known.x is not x else known)
 
     @cached_property
     def scaling(self) -> Scaling:
@@ -160,7 +163,7 @@ class PeriodicOrbitSystem:
         if self._keeps_mesh(orbit, solved):
             anchored = anchor_mesh(orbit)
             problem = anchored.problem
-            return replace(self, problem=problem, n_coarse=n_coarse), anchored.x, list(others)
+            return replace(self, problem=problem, n_coarse=n_coarse, known=None), anchored.x, list(others)
         if self.rule.tol is not None and (density is None or (solved and mesh_is_valid(orbit))):
             density = find_density(orbit, self.rule.tol * STRICTER ** max(0, n_coarse - USUAL_MESHES))
         mesh = make_mesh(self.problem, orbit.theta, self.rule, density, orbit)
@@ -182,10 +185,12 @@ class PeriodicOrbitSystem:
             density = find_density(orbit, self.rule.tol)
             near = error is not None and error > NEAR_TOLERANCE * self.rule.tol
             outlived = near or not has_wanted_intervals(orbit.mesh, orbit.theta, density)
-        problem = self.problem
+        problem, known = self.problem, orbit if orbit.problem is self.problem else None
         if problem.reference is not None:
-            problem = replace(problem, reference=orbit.values)
-        return PeriodicOrbitSystem(problem, self.sizes, self.rule, density, self.assembler, outlived=outlived)
+            problem, known = replace(problem, reference=orbit.values), None
+        return PeriodicOrbitSystem(
+            problem, self.sizes, self.rule, density, self.assembler, outlived=outlived, known=known
+        )
 
     def _keeps_mesh(self, orbit: Orbit, solved: bool) -> bool:
         """Return whether an orbit needs no other mesh than the one that it is on."""
