@@ -46,13 +46,14 @@ def _make_tables(degree: int) -> _Tables:
 
 
 def find_deferred_correction(
-    orbit: Orbit, finer: Orbit, scale: Array, solve: Callable[[Array], Array]
+    orbit: Orbit, finer: Orbit, scale: Array, solve: Callable[[Array], Array], tangent: Array | None = None
 ) -> tuple[Array, Array] | None:
     """Return the step from ``finer``, an orbit as polynomials of one degree more, and the directions that stay free.
 
     ``scale`` (n_unknowns,) are typical sizes of its unknowns; ``solve`` solves with the Jacobian of the orbit's own
-    equations, bordered by a row for each free parameter. The step has shape (n_unknowns,), the directions
-    (n_unknowns, n_free). None: one such step does not do.
+    equations, bordered by a row for each free parameter; ``tangent`` is the direction that one free parameter leaves
+    free, or empty. The step has shape (n_unknowns,), the directions (n_unknowns, n_free). None: one such step does not
+    do.
     """
     tables, mesh, unknowns = _make_tables(orbit.mesh.degree), orbit.mesh, orbit.problem.unknowns
     n_free, n_values = len(orbit.problem.free), finer.problem.unknowns.values.stop
@@ -84,6 +85,8 @@ def find_deferred_correction(
     left, leaves = np.max(np.abs(last) / states), np.max(np.abs(first) / states)
     if not (left <= LEFT * leaves and np.max(np.abs(following) / scale) <= LEFT * np.max(np.abs(step) / scale)):
         return None
+    if tangent is not None and len(tangent) and n_free == 1:
+        return step + following, raise_unknowns(tangent)[:, None]
     free = np.zeros((len(step), n_free))
     for k in range(n_free):
         unit = np.zeros(len(orbit.x))

@@ -31,7 +31,10 @@ Array = NDArray[np.float64]
 
 
 def estimate_error(
-    orbit: Orbit, ranges: tuple[float, ...] = (), solve: Callable[[Array], Array] | None = None
+    orbit: Orbit,
+    ranges: tuple[float, ...] = (),
+    solve: Callable[[Array], Array] | None = None,
+    tangent: Array | None = None,
 ) -> float:
     """Return the estimated error of an orbit: the largest of its states, durations and start, relative to their sizes.
 
@@ -39,11 +42,12 @@ def estimate_error(
     with the nearest exact orbit, whose parameters may differ; they count relative to the widths of their ``ranges``.
     Infinite where exact orbits are not isolated. ``solve``, where it is at hand, solves with the Jacobian of the
     orbit's equations, bordered by a row for each free parameter: no other matrix is factored where that does.
+    ``tangent`` is the direction in which one free parameter leads, where that is known.
     """
     finer = _raise_orbit(orbit)
     system = PeriodicOrbitSystem(finer.problem, measure_orbit(finer, ranges))
     try:
-        step = None if solve is None else _find_nearest_by_deferral(orbit, finer, solve, system.scaling)
+        step = None if solve is None else _find_nearest_by_deferral(orbit, finer, solve, tangent, system.scaling)
         if step is None:
             at = system.at(finer.x)
             step = solve_nearest(at.jacobian(), -at.residual, system.scaling)
@@ -53,10 +57,10 @@ def estimate_error(
 
 
 def _find_nearest_by_deferral(
-    orbit: Orbit, finer: Orbit, solve: Callable[[Array], Array], scaling: Scaling
+    orbit: Orbit, finer: Orbit, solve: Callable[[Array], Array], tangent: Array | None, scaling: Scaling
 ) -> Array | None:
     """Return the shortest step to an orbit of a degree more by a deferred correction, None where that does not do."""
-    found = find_deferred_correction(orbit, finer, scaling.scale, solve)
+    found = find_deferred_correction(orbit, finer, scaling.scale, solve, tangent)
     if found is None:
         return None
     step, free = found[0] / scaling.size, found[1] / scaling.size[:, None]

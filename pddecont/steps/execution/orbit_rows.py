@@ -108,7 +108,7 @@ def orbit_to_row(
         "admissible": is_motion,
         "verified": verification.verified,
         "deviation": verification.deviation,
-        "error_estimate": estimate_error(orbit, ranges, solve) if error is None else error,
+        "error_estimate": estimate_error(orbit, ranges, solve, tangent) if error is None else error,
         "monitors": np.array([monitor.evaluate(orbit) for monitor in monitors]),
         "clearance": measure_grazing_gap(orbit),
         "n_iterations": n_iterations,
