@@ -12,7 +12,7 @@ from typing import Generic
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.continuation.linear import Matrix, add_row, equilibrate
+from pddecont.continuation.linear import Matrix, ScaledFactors, add_row, equilibrate
 from pddecont.continuation.newton import NewtonSettings, Solution, solve_newton
 from pddecont.continuation.scaling import Scaling
 from pddecont.continuation.system import E, Evaluation, System
@@ -79,8 +79,15 @@ def correct_component(
     return solve_with_row(system, row, value, guess, settings)
 
 
-def solve_with_row(system: System[E], row: Array, level: float, guess: Array, settings: NewtonSettings) -> Solution[E]:
-    """Return the branch's point near ``guess`` with ``row @ x = level``.
+def solve_with_row(
+    system: System[E],
+    row: Array,
+    level: float,
+    guess: Array,
+    settings: NewtonSettings,
+    near: ScaledFactors | None = None,
+) -> Solution[E]:
+    """Return the branch's point near ``guess`` with ``row @ x = level``; ``near`` are factors of a point near it.
 
     Raises
     ------
@@ -88,10 +95,10 @@ def solve_with_row(system: System[E], row: Array, level: float, guess: Array, se
         If Newton's method fails.
     """
     bordered = solve_newton(
-        lambda x: BorderedEvaluation(system.at(x), row, level), guess, system.scaling.scale, settings
+        lambda x: BorderedEvaluation(system.at(x), row, level), guess, system.scaling.scale, settings, near
     )
     inner, n = bordered.at.inner, bordered.n_iterations
-    return Solution(inner, bordered.history, bordered.solve, n, bordered.factor_anew)
+    return Solution(inner, bordered.history, bordered.solve, n, bordered.factor_anew, bordered.factors)
 
 
 def _last_unit(n: int) -> Array:

@@ -14,6 +14,7 @@ from scipy.interpolate import BarycentricInterpolator
 from pddecont.continuation.adaptive import solve_adaptively
 from pddecont.continuation.arclength import solve_with_row
 from pddecont.continuation.curve_point import CurvePoint
+from pddecont.continuation.linear import ScaledFactors
 from pddecont.continuation.newton import LARGE, NewtonSettings, Solution
 from pddecont.continuation.secants import find_zero_between
 from pddecont.continuation.system import AdaptiveSystem, E
@@ -50,6 +51,7 @@ class BranchSegment(Generic[E]):
         self.chord = end - self.start
         row = self.chord / scale**2
         self.row = row / np.linalg.norm(row * scale)
+        self._factored: CurvePoint[E] | None = None
 
     def at(self, fraction: float) -> CurvePoint[E]:
         """Return the point at ``fraction``; raise ConvergenceError if there is none to be found."""
@@ -105,12 +107,25 @@ class BranchSegment(Generic[E]):
         def solve(on_mesh: AdaptiveSystem[E], start: Array, _: list[Array]) -> Solution[E]:
             row = np.zeros(len(start))
             row[on_mesh.mesh_independent_index] = self.row
-            return solve_with_row(on_mesh, row, level, start, self.settings)
+            return solve_with_row(on_mesh, row, level, start, self.settings, self._find_factors(on_mesh))
 
+        near = self._factored
         system, solution = solve_adaptively(system, guess, solve)
         point: CurvePoint[E] = CurvePoint(system, solution.at, solution)
-        # Dozens of points are kept here.
-        return point.without_factors() if len(point.x) >= LARGE else point
+        if len(point.x) < LARGE:
+            return point
+        if near is not None and near.solution is not None and near.solution.factors is solution.factors:
+            return point
+        # Dozens of points are kept here, and the factors of the last one.
+        self._factored = point
+        return point.without_factors()
+
+    def _find_factors(self, system: AdaptiveSystem[E]) -> ScaledFactors | None:
+        """Return the factors of the last Jacobian that was factored here, if the system has the same unknowns."""
+        point = self._factored
+        if point is None or point.solution is None or system.interpolate_from(point.system, point.x) is not point.x:
+            return None
+        return point.solution.factors
 
     def _interpolate_across(self, test: Value[E], low: float, high: float) -> float | None:
         """Return the zero of ``test`` by interpolation, over the whole way, then nearer; keep the point there."""

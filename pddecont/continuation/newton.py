@@ -42,7 +42,7 @@ class Solution(Generic[E]):
 
     ``solve(b)`` solves with the Jacobian at the solution, to within what is left of the last step or ``CORRECTED``.
     ``n_iterations`` counts Newton steps; steps with an old Jacobian count as the Newton steps that they stand for.
-    ``factor_anew`` factors the Jacobian at the solution once more.
+    ``factor_anew`` factors the Jacobian at the solution once more; ``factors`` are those of the last step.
     """
 
     at: E
@@ -50,6 +50,7 @@ class Solution(Generic[E]):
     solve: Callable[[Array], Array]
     n_iterations: int
     factor_anew: Callable[[], Callable[[Array], Array]]
+    factors: ScaledFactors | None = None
 
     @property
     def x(self) -> Array:
@@ -59,7 +60,7 @@ class Solution(Generic[E]):
     def without_factors(self) -> Solution[E]:
         """Return the solution without the factors that it was found with: others are made when they are asked for."""
         factor_anew = cache(self.factor_anew)
-        return replace(self, solve=lambda b: factor_anew()(b))
+        return replace(self, solve=lambda b: factor_anew()(b), factors=None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,13 +74,17 @@ class _Step(Generic[E]):
 
 
 def solve_newton(
-    evaluate: Callable[[Array], E], x: Array, scale: Array, settings: NewtonSettings | None = None
+    evaluate: Callable[[Array], E],
+    x: Array,
+    scale: Array,
+    settings: NewtonSettings | None = None,
+    near: ScaledFactors | None = None,
 ) -> Solution[E]:
     """Return the solution near ``x`` of as many equations as unknowns.
 
     ``scale`` gives the typical size of each unknown. A step is halved until the scaled residual falls. Where a
     factorisation is expensive and steps with the last one shrink so fast that a few of them lead to the solution, they
-    are taken.
+    are taken. ``near`` are factors of the Jacobian at another point, which are tried first.
 
     Raises
     ------
@@ -90,19 +95,22 @@ def solve_newton(
     history: list[float] = []
     steps: list[float] = []
     here = evaluate(x)
+    if near is not None and (chord := _follow_chord(evaluate, here, near, None, settings)):
+        history = [_norm(near.rows * here.residual), *(c.residual for c in chord)]
+        return _end_with_chord(chord[-1], history, _count_newton_steps(1.0, chord[0].length, settings), scale)
     for n in range(1, settings.max_iterations + 1):
         step, damping = _take_newton_step(evaluate, here, scale, settings, history)
         here = step.at
         steps.append(step.length)
         if damping == 1.0 and step.length < settings.step_tol and step.residual < settings.residual_tol:
-            return Solution(here, tuple(history), step.factors.solve, n, _find_factors_at(here, scale))
-        chord = _follow_chord(evaluate, step, settings) if damping == 1.0 and len(scale) >= LARGE else []
+            factors = step.factors
+            return Solution(here, tuple(history), factors.solve, n, _find_factors_at(here, scale), factors)
+        may_follow = damping == 1.0 and len(scale) >= LARGE
+        chord = _follow_chord(evaluate, here, step.factors, step.length, settings) if may_follow else []
         if chord:
-            last = chord[-1]
             history += [c.residual for c in chord]
             n_iterations = n + _count_newton_steps(step.length, chord[0].length, settings)
-            solve = _correct_solutions(last)
-            return Solution(last.at, tuple(history), solve, n_iterations, _find_factors_at(last.at, scale))
+            return _end_with_chord(chord[-1], history, n_iterations, scale)
     raise ConvergenceError(
         f"Newton's method did not converge in {settings.max_iterations} iterations "
         f"({_explain_failure(history, steps, settings)})",
@@ -143,29 +151,40 @@ def _take_newton_step(
             )
 
 
-def _follow_chord(evaluate: Callable[[Array], E], before: _Step[E], settings: NewtonSettings) -> list[_Step[E]]:
-    """Return the steps with the factors of a Newton step that lead on to the solution, none if too many would.
+def _follow_chord(
+    evaluate: Callable[[Array], E], at: E, factors: ScaledFactors, length: float | None, settings: NewtonSettings
+) -> list[_Step[E]]:
+    """Return the steps with the same factors that lead on to the solution, none if too many would.
 
-    Each is shorter than the one before by about the same factor, which tells what is left after the last.
+    ``length`` is that of the step with these factors that led to ``at``; None for those of another point, whose first
+    step says nothing of the next. Each is shorter than the one before by about the same factor, which tells what is
+    left after the last.
     """
-    factors, last = before.factors, before
     result: list[_Step[E]] = []
     while True:
-        step = factors.solve_scaled(-last.at.residual)
-        length = _norm(step)
-        shrinks = length / last.length
-        n_left = 1.0 if length <= EXACT else np.log(EXACT / length) / np.log(shrinks) if shrinks < 1.0 else np.inf
+        step = factors.solve_scaled(-at.residual)
+        before, length = length, _norm(step)
+        shrinks = 1.0 if before is None else length / before
+        if length <= EXACT or before is None:
+            n_left = 1.0
+        else:
+            n_left = np.log(EXACT / length) / np.log(shrinks) if shrinks < 1.0 else np.inf
         if len(result) + n_left > CHORD_STEPS:
             return []
-        trial = evaluate(last.at.x + factors.columns * step)
+        at = evaluate(at.x + factors.columns * step)
         try:
-            residual = _norm(factors.rows * trial.residual)
+            residual = _norm(factors.rows * at.residual)
         except ConvergenceError:
             return []
-        last = _Step(trial, length, residual, factors)
-        result.append(last)
+        result.append(_Step(at, length, residual, factors))
         if length < settings.step_tol and residual < settings.residual_tol and shrinks * length <= EXACT:
             return result
+
+
+def _end_with_chord(last: _Step[E], history: list[float], n_iterations: int, scale: Array) -> Solution[E]:
+    """Return the solution that steps with one Jacobian have led to."""
+    solve, anew = _correct_solutions(last), _find_factors_at(last.at, scale)
+    return Solution(last.at, tuple(history), solve, n_iterations, anew, last.factors)
 
 
 def _count_newton_steps(last: float, first: float, settings: NewtonSettings) -> int:

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from pddecont.continuation import CurvePoint, FixedUnknowns, NewtonSettings, correct_component
+from pddecont.continuation import CurvePoint, FixedUnknowns, NewtonSettings, correct_component, locate, newton
 from pddecont.continuation.locate import BranchSegment
 from pddecont.errors import ConvergenceError
 from tests.continuation.systems import Algebraic, Growth, circle, crossing, fold, grow
@@ -45,6 +45,21 @@ def test_each_guess_comes_from_the_nearest_known_points(monkeypatch):
     assert half == pytest.approx([math.sqrt(0.5)] * 2, abs=1e-14)
     of.at(0.75)
     assert guesses[1] == pytest.approx(0.5 * np.add(half, [0.0, 1.0]), abs=1e-15)
+
+
+def test_points_near_one_another_are_found_with_one_jacobian(monkeypatch):
+    monkeypatch.setattr(locate, "LARGE", 1)
+    monkeypatch.setattr(newton, "LARGE", 1)
+    asked = []
+    watched = Algebraic(circle().equations, lambda x: asked.append(x) or circle().derivatives(x))
+    of = segment(watched, [1.0, 0.0], [0.6, 0.8])
+    half = of.at(0.5).x
+    assert half @ half == pytest.approx(1.0, abs=1e-15) and asked
+    asked.clear()
+    beside = of.at(0.5001)
+    assert beside.x @ beside.x == pytest.approx(1.0, abs=1e-15) and not asked
+    # Its tangent is that of the circle there.
+    assert beside.tangent @ beside.x == pytest.approx(0.0, abs=1e-12)
 
 
 @pytest.mark.parametrize("level", [0.05, 0.31, 0.7999])

@@ -6,7 +6,7 @@ from itertools import count
 import numpy as np
 import pytest
 
-from pddecont.continuation import NewtonSettings, newton, solve_newton
+from pddecont.continuation import NewtonSettings, equilibrate, newton, solve_newton
 from pddecont.errors import ConvergenceError
 from tests.continuation.systems import Algebraic
 
@@ -88,6 +88,30 @@ def test_few_steps_with_one_jacobian_lead_to_the_solution_to_rounding(monkeypatc
     # What solves later has the Jacobian at the solution, not the one that led there.
     assert solution.solve(np.ones(1))[0] == pytest.approx(1 / math.sqrt(8), rel=1e-14)
     assert asked == [1.41, solution.x[0]]
+
+
+def test_factors_of_a_point_nearby_lead_to_the_solution_to_rounding():
+    """The square root of 2 by the slope at that of 2.001: every step is 4e-4 times as long as the one before."""
+    asked = []
+
+    def derivatives(x):
+        asked.append(x[0])
+        return np.diag(2 * x)
+
+    system = Algebraic(lambda x: x**2 - 2, derivatives)
+    near = equilibrate(np.diag([2 * math.sqrt(2.001)]), np.ones(1)).factor()
+    solution = solve_newton(system.at, np.array([1.415]), np.ones(1), near=near)
+    assert solution.x[0] == pytest.approx(math.sqrt(2), abs=1e-15)
+    assert not asked and solution.factors is near
+    assert solution.solve(np.ones(1))[0] == pytest.approx(1 / math.sqrt(8), rel=1e-14)
+
+
+def test_factors_that_lead_on_slowly_are_left():
+    system = Algebraic(lambda x: x**2 - 2, lambda x: np.diag(2 * x))
+    far = equilibrate(np.diag([4.0]), np.ones(1)).factor()
+    solution, alone = (solve_newton(system.at, np.array([1.5]), np.ones(1), near=near) for near in (far, None))
+    assert solution.factors is not far
+    assert (solution.x, solution.history, solution.n_iterations) == (alone.x, alone.history, alone.n_iterations)
 
 
 def test_steps_with_one_jacobian_that_shrink_slowly_are_not_taken(monkeypatch):
