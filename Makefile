@@ -29,7 +29,7 @@ demo: setup          ## figure 4.6 of the paper, from its YAML file to a picture
 	@echo "The picture is $(OUT)/fig4_6.png; the page with every number, for a browser, is $(OUT)/fig4_6.html"
 
 test: setup          ## all but the slow tests, which `make reliability` runs too
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile -m "not slow"
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder -m "not slow"
 
 browser: setup
 	$(BIN)/python -m pip install --quiet -e ".[browser]"

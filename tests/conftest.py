@@ -15,6 +15,22 @@ SHIPPED = sorted((ROOT / "models").glob("*.yaml"))
 # The generated chain of fifty oscillators has a hundred states: too large for checks of every function.
 MODELS = [p for p in SHIPPED if not p.stem.startswith("oscillator_chain")]
 CONFIGS = sorted((ROOT / "configs").glob("*.yaml"))
+# Files whose tests take longest.
+LONG = (
+    "test_docs.py",
+    "models/test_models.py",
+    "steps/test_stability_lobes.py",
+    "batch/test_batch.py",
+    "faults/test_interrupt.py",
+    "random_models/test_kept_seeds.py",
+    "test_paper.py",
+)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with the files that take longest, so that in the end nobody waits for one of them."""
+    first = {ROOT / "tests" / name for name in LONG}
+    items.sort(key=lambda item: item.path not in first)
 
 
 def model_from(model: str | dict, path: str = "m.yaml") -> Model:

@@ -55,7 +55,7 @@ def turn(events):
     return min((tuple(events[k:] + events[:k]) for k in range(len(events))), default=())
 
 
-@pytest.mark.parametrize("name", ["vb", "G"])
+@pytest.mark.parametrize("name", ["vb", pytest.param("G", marks=pytest.mark.slow)])
 def test_beside_each_point_the_motion_is_what_the_branch_says(branches, name):
     step = branches.step(name)
     rows = list(step.order)
