@@ -304,3 +304,22 @@ def test_what_the_step_sets_holds_in_the_plane_of_two_parameters(tmp_path):
         recorded = results.steps[name]
         column = recorded.meta["parameters"].index("c")
         assert np.all(recorded.points["parameters"][:, column] == 0.0), name
+
+
+@pytest.mark.slow
+def test_a_cascade_of_doublings_is_followed_with_its_universal_ratio(tmp_path):
+    """Distances of doublings from one to the next shrink by Feigenbaum's constant."""
+    explore = {"over": {"tau": [0.3, 1.65]}, "check": 0}
+    results = run({"model": "mackey_glass", "steps": [{"name": "all", "explore": explore}]}, tmp_path / "a.h5")
+    branches = [results.steps[row["branch"]] for row in list_branches(results.step("all")) if row["points"]]
+    found = [float(parameter(b, "tau", label)) for b in branches for label in b.labels if label.startswith("PD")]
+    places: list[float] = []
+    for at in sorted(found):
+        # The doubled branch ends at the same place.
+        if not places or at - places[-1] > 1e-6:
+            places.append(at)
+        else:
+            assert at - places[-1] < 1e-8
+    assert len(places) >= 6
+    ratios = np.diff(places)[:-1] / np.diff(places)[1:]
+    assert ratios[2:] == pytest.approx(4.6692, rel=5e-3)

@@ -250,6 +250,19 @@ def test_an_orbit_starts_from_an_attractor_with_one_event(tmp_path):
     assert results.steps["o"].orbit(0)["states"][0, 0] == pytest.approx(x, abs=1e-8)
 
 
+@pytest.mark.parametrize(("tau", "n"), [(1.2, 1), (1.45, 2), (1.62, 4)])
+def test_an_orbit_starts_from_an_attractor_of_several_passages(tmp_path, tau, n):
+    """A smooth equation whose orbits double at tau = 1.325 and 1.579: no event tells how far the period is."""
+    sweep = {"over": {"tau": [tau, tau + 1e-3, 2]}, "transient": 3000, "section": {"zero": "x - 0.9"}}
+    steps = [
+        {"name": "diagram", "sweep": sweep},
+        {"name": "orbit", "orbit": {"from": {"step": "diagram", "point": "A1"}}},
+    ]
+    steps = run({"model": "mackey_glass", "steps": steps}, tmp_path / "a.h5").steps
+    assert steps["diagram"].points["period"][0] == n
+    assert steps["orbit"].points["period"][0] == pytest.approx(steps["diagram"].points["turn"][0], rel=1e-6)
+
+
 def test_chaos_is_an_attractor(tmp_path):
     text = {
         "name": "m",

@@ -30,8 +30,8 @@ from pddecont.steps.registry import list_step_kinds
 from pddecont.tables import describe_reason, list_effects_off
 
 Array = NDArray[np.float64]
-# Turns of an attractor's period that are integrated, and least in all, for its period to be seen in them.
-TURNS, LEAST = 4, 8
+# Turns of an attractor that are integrated, and least in all: the second half of them shows its period twice.
+TURNS, LEAST = 6, 8
 
 
 def continue_attractor(context: Context, recorded: Step, source: Source) -> tuple[Trajectory, Array]:
