@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -38,6 +39,8 @@ PLANE_MARKERS = ("o", "s", "^", "v")
 DOT, CROSS = 5.5, 5.0
 # How far beyond those on branches motions are shown, as a multiple of how far these go.
 FARTHER = 10.0
+# The error of a motion, as a multiple of what a step of it was allowed.
+ERRORS = 100.0
 # Letters of the name of a motion that are written into its regions; longer ones are numbered.
 LONGEST_NAME = 22
 
@@ -58,10 +61,18 @@ def draw_figure(steps: list[Step], request: ViewRequest) -> Figure:
         axes.set_ylabel(format_axis_label([exploration], y))
         return finish_figure(figure, axes, handles=handles)
     labels, of_branches = draw_diagram(axes, branches, x, y, assign_kind_colours(branches))
+    if np.max(np.abs(axes.dataLim.intervaly)) < find_error(exploration):
+        # All that is shown is zero but for errors, which would fill the picture.
+        axes.set_ylim(-1.0, 1.0)
     if len(labels) > MAX_LABELS:
         beside_stable = {key for step in branches for key in list_beside_stable(step, x)}
         labels = [label for label in labels if (label.text, label.x) in beside_stable]
     return finish_figure(figure, axes, labels, [*of_branches, *handles])
+
+
+def find_error(exploration: Step) -> float:
+    """Return how far from zero motions may have ended that ought to end there."""
+    return ERRORS * float(json.loads(exploration.meta["settings"])["step"]["explore"]["atol"])
 
 
 def list_beside_stable(step: Step, x: str) -> list[tuple[str, float]]:

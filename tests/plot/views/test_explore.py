@@ -82,6 +82,20 @@ class SimpleStep:
         return Reason(self._codes[row], dict(self._step.reason(row).values))
 
 
+def test_what_is_zero_but_for_errors_is_drawn_as_a_line(tmp_path, show):
+    """Motions of x' = -x end at 1e-20 and less."""
+    steps = [{"name": "all", "explore": {"over": {"a": [1, 2]}, "starts": 4, "check": 4}}]
+    model = {
+        "name": "d",
+        "states": ["x"],
+        "parameters": {"a": 1},
+        "modes": {"free": {"x'": "-a*x"}},
+        "initial": {"x": 1},
+    }
+    results = run({**model, "run": {"steps": steps}}, tmp_path / "a.h5")
+    assert show(results).axes[0].get_ylim() == (-1.0, 1.0)
+
+
 def test_an_exploration_without_branches_is_drawn(tmp_path, show):
     steps = [{"name": "all", "explore": {"over": {"a": [-1, 2]}, "starts": 4, "check": 0, "max_branches": 1}}]
     results = run({**MODEL, "run": {"steps": steps}}, tmp_path / "a.h5")
