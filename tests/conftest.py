@@ -19,7 +19,6 @@ CONFIGS = sorted((ROOT / "configs").glob("*.yaml"))
 LONG = (
     "test_docs.py",
     "models/test_models.py",
-    "steps/test_stability_lobes.py",
     "batch/test_batch.py",
     "faults/test_interrupt.py",
     "random_models/test_kept_seeds.py",

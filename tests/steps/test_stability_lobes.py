@@ -59,8 +59,9 @@ def check(step, j, sign):
     assert not any("not located" in text for text in describe_endings(step))
 
 
-# One of the two is enough for every day.
-@pytest.mark.parametrize("family", ["cutting", pytest.param("pulled", marks=pytest.mark.slow)])
+# Those of the shipped model are for every day.
+@pytest.mark.slow
+@pytest.mark.parametrize("family", FAMILIES)
 def test_each_lobe_is_its_closed_form(family, tmp_path):
     sign = FAMILIES[family]
     # The first lobe of negative widths begins at tau = 0.
