@@ -82,6 +82,8 @@ def start_curve(
         If the special point is not found.
     """
     other = find_other_kind(label, found_on[0])
+    if other == found_on[0] != "" and reason.code != GRAZING_TWICE:
+        raise StartError(f"the {label} point does not say what grazes there; follow the curve that it is on anew")
     kind = other or label
     inner, orbit = settings.make_system(orbit)
     known = reason if label in (kind, DOUBLE_GRAZING.label) else NO_REASON

@@ -43,7 +43,6 @@ from .returns import ReturnSection as ReturnSection
 from .returns import ReturnSettings as ReturnSettings
 from .simulator import Simulator as Simulator
 from .slots import Slots as Slots
-from .slots import Turnstile as Turnstile
 from .snapshot import find_restart_time as find_restart_time
 from .snapshot import pack as pack
 from .snapshot import read_time as read_time
@@ -56,5 +55,6 @@ from .sweep import SweepChunk as SweepChunk
 from .sweep import sweep_chunk as sweep_chunk
 from .trajectory import Events as Events
 from .trajectory import Trajectory as Trajectory
+from .turnstile import Turnstile as Turnstile
 from .workers import Workers as Workers
 from .workers import map_in_order as map_in_order

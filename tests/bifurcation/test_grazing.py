@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from pddecont.bifurcation import BranchSettings, find_kind, measure_grazing_gap
+from pddecont.bifurcation import BranchSettings, StartError, find_kind, measure_grazing_gap, start_curve
 from pddecont.bifurcation.grazing import GrazingFunction, define_grazing
 from pddecont.bifurcation.period_doubling import guess_doubled_orbit
 from pddecont.collocation import MeshRule
@@ -127,6 +127,12 @@ def test_where_two_grazings_meet_the_curve_of_the_other_goes_on(tmp_path, direct
     assert labels(step) == []
     (found,) = [row for row in make_table(results.step("gr"), "special") if row["label"] == "GG1"]
     assert found["note"] == "left and right"
+
+
+def test_a_double_grazing_that_does_not_say_what_grazes_starts_no_curve(far_orbit):
+    """Files of versions before this one kept no more than the label."""
+    with pytest.raises(StartError, match="does not say what grazes there"):
+        start_curve(far_orbit, "GG", NO_REASON, BranchSettings(("a",), ((0.0, 1.0),), MeshRule(8)), ("GR", NO_REASON))
 
 
 def test_double_grazing_and_a_user_function(tmp_path):

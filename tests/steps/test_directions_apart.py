@@ -83,7 +83,7 @@ def test_the_file_is_the_same_byte_for_byte(taken, tmp_path, name):
 
 def test_branches_that_an_exploration_plans_are_followed_both_ways_at_once(taken, monkeypatch, tmp_path):
     # No whole branches before their turn.
-    monkeypatch.setattr(LeadsAhead, "begin", lambda self: None)
+    monkeypatch.setattr(LeadsAhead, "_begin_all", lambda self: None)
     alone = follow_with(EXPLORED, tmp_path / "a.h5", 1)
     assert not taken
     assert follow_with(EXPLORED, tmp_path / "b.h5", 2) == alone

@@ -1,6 +1,7 @@
 """Leads that are followed elsewhere before their turn: the same file to the last bit and the same words."""
 
 from concurrent.futures import Future
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -69,7 +70,7 @@ def test_leads_elsewhere_end_with_the_time_too(monkeypatch, seconds, tmp_path):
             return None
         tasks.append(task)
         future = Future()
-        future.set_result(work(plan(BALL), explore_ahead.replace(task, budget=Budget(seconds=seconds))))
+        future.set_result(work(plan(BALL), replace(task, budget=Budget(seconds=seconds))))
         return future
 
     monkeypatch.setattr(Elsewhere, "begin", begin)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
 
 # Motions that lie on a branch, and those that lie on none.
 ON_BRANCH, ON_NONE = "0.72", "0.25"
@@ -41,6 +43,8 @@ DOT, CROSS = 5.5, 5.0
 FARTHER = 10.0
 # The error of a motion, as a multiple of what a step of it was allowed.
 ERRORS = 100.0
+# A branch is zero that goes no farther from it than this part of what motions on it do.
+ROUNDING = 1e-3
 # Letters of the name of a motion that are written into its regions; longer ones are numbered.
 LONGEST_NAME = 22
 
@@ -60,14 +64,22 @@ def draw_figure(steps: list[Step], request: ViewRequest) -> Figure:
         axes.set_xlabel(format_axis_label([exploration], x))
         axes.set_ylabel(format_axis_label([exploration], y))
         return finish_figure(figure, axes, handles=handles)
+    of_motions = len(axes.lines)
     labels, of_branches = draw_diagram(axes, branches, x, y, assign_kind_colours(branches))
-    if np.max(np.abs(axes.dataLim.intervaly)) < find_error(exploration):
-        # All that is shown is zero but for errors, which would fill the picture.
+    motions, lines = (measure_reach(some) for some in (axes.lines[:of_motions], axes.lines[of_motions:]))
+    if motions <= find_error(exploration) and lines <= ROUNDING * motions:
+        # All that is shown is zero but for the errors of motions, which would fill the picture.
         axes.set_ylim(-1.0, 1.0)
     if len(labels) > MAX_LABELS:
         beside_stable = {key for step in branches for key in list_beside_stable(step, x)}
         labels = [label for label in labels if (label.text, label.x) in beside_stable]
     return finish_figure(figure, axes, labels, [*of_branches, *handles])
+
+
+def measure_reach(lines: Iterable[Line2D]) -> float:
+    """Return how far lines go from zero."""
+    values = [np.abs(np.asarray(line.get_ydata(), dtype=np.float64)) for line in lines]
+    return max((float(np.max(v[np.isfinite(v)], initial=0.0)) for v in values), default=0.0)
 
 
 def find_error(exploration: Step) -> float:

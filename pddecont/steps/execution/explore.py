@@ -17,7 +17,7 @@ from pddecont.simulate import Method
 from pddecont.steps.budget import OutOfTimeError
 from pddecont.steps.context import Context
 from pddecont.steps.execution.ending import report_done
-from pddecont.steps.execution.explore_ahead import follow_ahead
+from pddecont.steps.execution.explore_ahead import LeadsAhead
 from pddecont.steps.execution.explore_curves import find_meetings
 from pddecont.steps.execution.explore_leads import list_own_states
 from pddecont.steps.execution.explore_pilots import choose_slice, list_pilots
@@ -35,7 +35,7 @@ def run_explore(context: Context, step: PlannedStep[ExploreSettings], recorded: 
     try:
         exploration = _begin(context, step)
         # The report says that the time was over, and of leads that they were left.
-        with contextlib.suppress(OutOfTimeError), follow_ahead(context.elsewhere) as exploration.ahead:
+        with contextlib.suppress(OutOfTimeError), exploration.ahead.begin_as_places_get_free():
             exploration.explore()
             if len(step.settings.over) == 2:
                 explore_plane(exploration)
@@ -59,7 +59,8 @@ def _begin(context: Context, step: PlannedStep[ExploreSettings]) -> Exploration:
     prefix = f"{step.name}_" if n_explorations > 1 or len(plan.steps) > 1 else ""
     symmetries = find_symmetries(plan.numeric, np.array(points), survey.low, survey.high)
     own = {name: value for name, value in step.fields["set"].items() if name not in settings.over}
-    return Exploration(context, settings, survey, symmetries, prefix, own, own | at)
+    ahead = LeadsAhead(context, prefix)
+    return Exploration(context, settings, survey, symmetries, prefix, own, own | at, ahead)
 
 
 def _record(context: Context, step: PlannedStep[ExploreSettings], exploration: Exploration) -> None:

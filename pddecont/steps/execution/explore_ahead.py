@@ -15,7 +15,7 @@ from pddecont.errors import RunError
 from pddecont.exploration import are_as_long
 from pddecont.results import Results, Step
 from pddecont.runfile import Plan, PlannedStep, extend_plan
-from pddecont.simulate import Elsewhere, Turnstile
+from pddecont.simulate import Turnstile
 from pddecont.steps.budget import Budget, OutOfTimeError
 from pddecont.steps.context import Context
 from pddecont.steps.execution.early import ComputedStep, StepTask, compute_step
@@ -98,10 +98,13 @@ def compute_lead(plan: Plan, task: LeadTask) -> list[ComputedStep]:
 
 
 class LeadsAhead:
-    """Leads that may be followed before their turn, those that are, and those that were."""
+    """Leads of an exploration that may be followed before their turn, those that are, and those that were.
 
-    def __init__(self, elsewhere: Elsewhere):
-        self._elsewhere = elsewhere
+    Where there are no others to compute there are none. Names of its steps begin with ``prefix``.
+    """
+
+    def __init__(self, context: Context, prefix: str):
+        self._context, self._prefix = context, prefix
         self._waiting: dict[Lead, LeadTask] = {}
         self._begun: dict[Lead, tuple[LeadTask, Future[list[ComputedStep]]]] = {}
         self._n_planned = 0
@@ -115,8 +118,6 @@ class LeadsAhead:
 
     def offer(
         self,
-        context: Context,
-        prefix: str,
         here: Lead,
         leads: Iterable[Lead],
         are_alike: Callable[[Lead, Lead], bool],
@@ -125,28 +126,47 @@ class LeadsAhead:
         """Say which leads may be begun while one is followed here, the first ones first; those that have begun go on.
 
         They are as many as there are places, and not alike. ``plan_steps`` returns the steps of a lead; it is given
-        what their names begin with, after ``prefix`` a number that no other lead has.
+        what their names begin with, in it a number that no other lead has.
         """
-        chosen = choose_unlike(leads, (here, *self.begun), are_alike, self._elsewhere.slots.number)
+        if self._context.elsewhere is None:
+            return
         tasks = {}
-        for lead in chosen:
+        for lead in choose_unlike(leads, (here, *self.begun), are_alike, self._context.elsewhere.slots.number):
             if lead in self._waiting:
                 tasks[lead] = self._waiting[lead]
                 continue
             self._n_planned += 1
             # What is wrong with a step is said in its turn.
             with contextlib.suppress(RunError):
-                tasks[lead] = plan_lead(context, lead, plan_steps(lead, f"{prefix}lead_{self._n_planned}"))
+                steps = plan_steps(lead, f"{self._prefix}lead_{self._n_planned}")
+                tasks[lead] = plan_lead(self._context, lead, steps)
         with self._turnstile.lock:
             self._waiting = {lead: task for lead, task in tasks.items() if lead not in self._begun}
 
-    def begin(self) -> None:
-        """Begin leads as far as somebody is free."""
-        self._turnstile.begin()
+    @contextlib.contextmanager
+    def begin_as_places_get_free(self) -> Iterator[None]:
+        """Begin leads whenever somebody is free, until the context has ended."""
+        elsewhere = self._context.elsewhere
+        if elsewhere is None:
+            yield
+            return
+        before = elsewhere.slots.on_free
+
+        def begin() -> None:
+            before()
+            self._turnstile.begin()
+
+        elsewhere.slots.on_free = begin
+        try:
+            yield
+        finally:
+            self._turnstile.end()
+            elsewhere.slots.on_free = before
 
     def _begin_all(self) -> None:
+        assert self._context.elsewhere is not None, "leads wait for others"
         for lead, task in list(self._waiting.items()):
-            future = self._elsewhere.begin(compute_lead, task)
+            future = self._context.elsewhere.begin(compute_lead, task)
             if future is None:
                 break
             self._begun[lead] = task, future
@@ -154,44 +174,22 @@ class LeadsAhead:
 
     def take(self, lead: Lead, steps: Fields) -> dict[str, ComputedStep]:
         """Return what was computed of the steps of a lead whose turn it is, by the names that they get."""
-        names = [str(one["name"]) for one in steps]
-        with self._turnstile.lock:
-            self._waiting.pop(lead, None)
-            begun = self._begun.pop(lead, None)
-        computed = None if begun is None else self._elsewhere.wait(begun[1])
-        if begun is None or computed is None:
+        begun = self._remove(lead)
+        if begun is None or self._context.elsewhere is None:
             return {}
+        names = [str(one["name"]) for one in steps]
         renamed = {step.name: name for step, name in zip(begun[0].steps, names, strict=True)}
+        # Nothing, if whoever computed was lost; less than all, if a step failed or the time was over.
+        computed = self._context.elsewhere.wait(begun[1]) or []
         return {name: rename(one, renamed) for name, one in zip(names, computed, strict=False)}
 
     def forget(self, lead: Lead) -> None:
         """Hear that a lead is not needed."""
+        begun = self._remove(lead)
+        if begun is not None and self._context.elsewhere is not None:
+            self._context.elsewhere.take_back(begun[1])
+
+    def _remove(self, lead: Lead) -> tuple[LeadTask, Future[list[ComputedStep]]] | None:
         with self._turnstile.lock:
             self._waiting.pop(lead, None)
-            begun = self._begun.pop(lead, None)
-        if begun is not None:
-            self._elsewhere.take_back(begun[1])
-
-    def end(self) -> None:
-        """Begin no more."""
-        self._turnstile.end()
-
-
-@contextlib.contextmanager
-def follow_ahead(elsewhere: Elsewhere | None) -> Iterator[LeadsAhead | None]:
-    """Yield what follows leads before their turn, if there are others to do so; none is begun after the context."""
-    if elsewhere is None:
-        yield None
-        return
-    ahead, before = LeadsAhead(elsewhere), elsewhere.slots.on_free
-
-    def begin_all() -> None:
-        before()
-        ahead.begin()
-
-    elsewhere.slots.on_free = begin_all
-    try:
-        yield ahead
-    finally:
-        ahead.end()
-        elsewhere.slots.on_free = before
+            return self._begun.pop(lead, None)

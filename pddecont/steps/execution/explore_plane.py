@@ -48,8 +48,7 @@ def _follow_curves(exploration: Exploration) -> None:
     while waiting:
         lead, place, switch = waiting.pop(0)
         if _is_followed(exploration, lead, place):
-            if exploration.ahead is not None:
-                exploration.ahead.forget(lead)
+            exploration.ahead.forget(lead)
             continue
         if exploration.stopped:
             left = make_reason("left", origin=lead.origin, why=exploration.stopped)
@@ -85,15 +84,13 @@ def _is_followed(exploration: Exploration, lead: Lead, place: Array) -> bool:
 
 def _offer(exploration: Exploration, lead: Lead, waiting: Sequence[PlaneLead]) -> None:
     """Say which special points may be followed elsewhere while one is here."""
-    if exploration.ahead is None:
-        return
     switches = {one: switch for one, _, switch in waiting}
     unknown = (one for one, place, _ in waiting if not _is_followed(exploration, one, place))
 
     def plan_steps(one: Lead, name: str) -> list[dict[str, Any]]:
         return [plan_curve(exploration.settings, one, f"{name}_curve", switch=switches[one])]
 
-    exploration.ahead.offer(exploration.context, exploration.prefix, lead, unknown, may_be_one_curve, plan_steps)
+    exploration.ahead.offer(lead, unknown, may_be_one_curve, plan_steps)
 
 
 def _follow_curve(exploration: Exploration, lead: Lead, switch: bool) -> Iterator[PlaneLead]:
@@ -102,8 +99,7 @@ def _follow_curve(exploration: Exploration, lead: Lead, switch: bool) -> Iterato
     name = f"{exploration.prefix}curve_{exploration.n_begun}"
     fields = plan_curve(exploration.settings, lead, name, switch=switch)
     try:
-        computed = {} if exploration.ahead is None else exploration.ahead.take(lead, [fields])
-        recorded = exploration.try_to_do(fields, computed.get(name))
+        recorded = exploration.try_to_do(fields, exploration.ahead.take(lead, [fields]).get(name))
     except OutOfTimeError:
         left = make_reason("left", origin=lead.origin, why=exploration.stopped)
         exploration.curve_entries.append(Entry(lead, left))

@@ -63,7 +63,7 @@ class Exploration:
 
     ``symmetries`` are the model's; ``leads`` are those that wait; ``prefix`` is that of its steps; ``own`` holds the
     parameters that its step sets, ``at`` those too and where branches are in a second parameter; ``ahead`` follows
-    leads before their turn (None: nobody does).
+    leads before their turn.
     """
 
     context: Context
@@ -73,6 +73,7 @@ class Exploration:
     prefix: str
     own: dict[str, Any]
     at: dict[str, Any]
+    ahead: LeadsAhead
     diagram: Diagram = field(default_factory=Diagram)
     leads: list[Lead] = field(default_factory=list)
     looks: list[Look] = field(default_factory=list)
@@ -81,7 +82,6 @@ class Exploration:
     plane: list[Look] = field(default_factory=list)
     tori: list[TorusPoint] = field(default_factory=list)
     failures: list[str] = field(default_factory=list)
-    ahead: LeadsAhead | None = None
     n_begun: int = 0
     n_tori: int = 0
 
@@ -187,8 +187,7 @@ class Exploration:
             lead = min(self.leads, key=lambda waiting: waiting.rank)
             self.leads.remove(lead)
             if self._is_known(lead):
-                if self.ahead is not None:
-                    self.ahead.forget(lead)
+                self.ahead.forget(lead)
                 continue
             left = "depth" if lead.depth > self.settings.body.depth else self.stopped
             if left:
@@ -199,15 +198,13 @@ class Exploration:
 
     def _offer(self, lead: Lead) -> None:
         """Say which leads may be followed elsewhere while one is here."""
-        if self.ahead is None:
-            return
         later = sorted(self.leads, key=lambda waiting: waiting.rank)
         unknown = (one for one in later if one.depth <= self.settings.body.depth and not self._is_known(one))
 
         def plan_steps(one: Lead, name: str) -> list[dict[str, Any]]:
             return plan_branch(self.settings, one, f"{name}_orbit", f"{name}_branch")
 
-        self.ahead.offer(self.context, self.prefix, lead, unknown, may_be_one_branch, plan_steps)
+        self.ahead.offer(lead, unknown, may_be_one_branch, plan_steps)
 
     def _is_known(self, lead: Lead) -> bool:
         """Return whether a lead leads to a branch that is there.
@@ -229,7 +226,7 @@ class Exploration:
 
     def _follow_as(self, lead: Lead, name: str) -> None:
         steps = plan_branch(self.settings, lead, f"{self.prefix}orbit_{self.n_begun}", name)
-        computed = {} if self.ahead is None else self.ahead.take(lead, steps)
+        computed = self.ahead.take(lead, steps)
         recorded = None
         for fields in steps:
             recorded = self.try_to_do(fields, computed.get(fields["name"]))

@@ -96,6 +96,15 @@ def test_what_is_zero_but_for_errors_is_drawn_as_a_line(tmp_path, show):
     assert show(results).axes[0].get_ylim() == (-1.0, 1.0)
 
 
+def test_what_is_small_in_its_units_is_not_taken_for_zero(tmp_path, show):
+    """x' = b - a x rests at b / a, 1e-9 here."""
+    steps = [{"name": "all", "explore": {"over": {"a": [1, 2]}, "starts": 4, "check": 4}}]
+    equations = {"x'": "b - a*x"}
+    small = {"name": "s", "states": ["x"], "parameters": {"a": 1, "b": 1e-9}, "modes": {"free": equations}}
+    results = run({**small, "initial": {"x": 1e-9}, "run": {"steps": steps}}, tmp_path / "a.h5")
+    assert show(results).axes[0].get_ylim()[1] < 2e-9
+
+
 def test_an_exploration_without_branches_is_drawn(tmp_path, show):
     steps = [{"name": "all", "explore": {"over": {"a": [-1, 2]}, "starts": 4, "check": 0, "max_branches": 1}}]
     results = run({**MODEL, "run": {"steps": steps}}, tmp_path / "a.h5")
