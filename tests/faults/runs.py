@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
+import os
+import signal
+import subprocess
+import sys
+
 import h5py
 import numpy as np
 
 from pddecont.model import parse_document
 from pddecont.steps import load_run_plan
+from tests.conftest import ROOT
 from tests.runs import change, to_yaml
 
 MODEL = {
@@ -109,3 +116,27 @@ def is_beginning(step, whole):
     return points and all(
         a.tobytes() == whole.orbit(i)[key].tobytes() for i in range(n) for key, a in step.orbit(i).items()
     )
+
+
+@contextlib.contextmanager
+def start_run(folder, *words, on_ctrl_c=signal.SIG_DFL):
+    """Start ``pddecont run`` with some words more and yield the process when it computes; it does not outlive this.
+
+    Ctrl-C reaches it whatever started the tests: a job in the background leaves the signal out, and so would what it
+    starts.
+    """
+    with subprocess.Popen(
+        [sys.executable, "-m", "pddecont", "run", *map(str, words)],
+        cwd=folder,
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        preexec_fn=lambda: signal.signal(signal.SIGINT, on_ctrl_c),
+    ) as process:
+        try:
+            line = process.stderr.readline()
+            assert "..." in line, line
+            yield process
+        finally:
+            process.kill()

@@ -1,10 +1,7 @@
 """A run whose steps are computed in other processes, ended at random instants: no process is left, --resume goes on."""
 
-import os
 import random
 import signal
-import subprocess
-import sys
 import time
 from pathlib import Path
 
@@ -13,8 +10,7 @@ import pytest
 from pddecont.results import read_results
 from pddecont.steps.execution import execute
 from tests.cli.test_cli import call
-from tests.conftest import ROOT
-from tests.faults.runs import is_beginning
+from tests.faults.runs import is_beginning, start_run
 from tests.faults.test_interrupt import MESSAGE
 from tests.runs import change, plan, to_yaml
 from tests.steps.test_early_steps import RUN, STEPS
@@ -54,17 +50,13 @@ def test_no_process_is_left_and_the_run_goes_on(tmp_path, whole, number, code, t
     (tmp_path / "run.yaml").write_text(to_yaml(LONG))
     rng, seen = random.Random(int(number)), set()
     path, seconds = tmp_path / "a.h5", whole[1]
-    command = [sys.executable, "-m", "pddecont", "run", str(tmp_path / "run.yaml"), "-o", str(path), "--workers", "2"]
     while not seen:
         path.unlink(missing_ok=True)
-        process = subprocess.Popen(
-            command, cwd=tmp_path, text=True, stderr=subprocess.PIPE, env={**os.environ, "PYTHONPATH": str(ROOT)}
-        )
-        assert "..." in process.stderr.readline()
-        time.sleep(rng.uniform(0.3, 1.0) * seconds)
-        others = find_others(process.pid)
-        process.send_signal(number)
-        err = process.communicate(timeout=20)[1]
+        with start_run(tmp_path, tmp_path / "run.yaml", "-o", path, "--workers", 2) as process:
+            time.sleep(rng.uniform(0.3, 1.0) * seconds)
+            others = find_others(process.pid)
+            process.send_signal(number)
+            err = process.communicate(timeout=20)[1]
         if process.returncode == 0:  # too fast for this instant
             continue
         seen |= others

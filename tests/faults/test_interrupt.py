@@ -1,7 +1,6 @@
 """Ctrl-C and SIGTERM at random instants: a clean end, a message, the exit code, a file that --resume goes on with."""
 
 import contextlib
-import os
 import random
 import signal
 import subprocess
@@ -16,7 +15,7 @@ from pddecont.results import read_results
 from pddecont.steps.execution import execute
 from tests.cli.test_cli import call
 from tests.conftest import ROOT
-from tests.faults.runs import is_beginning, plan_of, run_of, text_of
+from tests.faults.runs import is_beginning, plan_of, run_of, start_run, text_of
 from tests.faults.test_disk import same_numbers
 from tests.runs import change, to_yaml
 
@@ -36,34 +35,9 @@ LONG = to_yaml(
         },
     )
 )
-
-
+RUN = ("quick.yaml", "-o", "q.h5")
 # Runs of which three are to be caught by a signal.
 MOST_TRIED = 60
-
-
-@pytest.fixture
-def started():
-    """Return what starts a run and waits until it computes; none outlives its test."""
-    with contextlib.ExitStack() as stack:
-
-        def start(folder, *options):
-            process = subprocess.Popen(
-                [sys.executable, "-m", "pddecont", "run", "quick.yaml", "-o", "q.h5", *options],
-                cwd=folder,
-                text=True,
-                stdout=subprocess.PIPE,
-                stderr=subprocess.PIPE,
-                env={**os.environ, "PYTHONPATH": str(ROOT)},
-                # A job in the background leaves Ctrl-C out, and so would what it starts.
-                preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
-            )
-            stack.callback(process.kill)
-            line = process.stderr.readline()
-            assert "..." in line, line
-            return process
-
-        yield start
 
 
 def wait_for_step(path, name):
@@ -77,7 +51,7 @@ def wait_for_step(path, name):
 
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
-def test_a_signal_at_a_random_instant_is_a_clean_end(started, tmp_path, number, code, tally):
+def test_a_signal_at_a_random_instant_is_a_clean_end(tmp_path, number, code, tally):
     (tmp_path / "quick.yaml").write_text(text_of("continue"))
     execute(plan_of("continue"), tmp_path / "whole.h5")
     whole, rng = read_results(tmp_path / "whole.h5"), random.Random(1)
@@ -86,11 +60,11 @@ def test_a_signal_at_a_random_instant_is_a_clean_end(started, tmp_path, number, 
         tried += 1
         assert tried < MOST_TRIED, "every run was done before the signal came"
         (tmp_path / "q.h5").unlink(missing_ok=True)
-        process = started(tmp_path)
-        time.sleep(rng.uniform(0.0, 0.6))
-        ended = process.poll() is not None
-        process.send_signal(number)
-        out, err = process.communicate(timeout=20)
+        with start_run(tmp_path, *RUN) as process:
+            time.sleep(rng.uniform(0.0, 0.6))
+            ended = process.poll() is not None
+            process.send_signal(number)
+            out, err = process.communicate(timeout=20)
         if ended or process.returncode == 0:  # too fast for this instant: all of it is there
             assert same_numbers(tmp_path / "q.h5", tmp_path / "whole.h5"), err
             continue
@@ -143,43 +117,35 @@ def test_integrations_are_interrupted_in_machine_code_without_harm(tally):
 
 
 @pytest.mark.parametrize("workers", [1, 2])
-def test_machine_code_and_workers_do_not_hold_a_signal_up(started, tmp_path, workers, tally):
+def test_machine_code_and_workers_do_not_hold_a_signal_up(tmp_path, workers, tally):
     (tmp_path / "quick.yaml").write_text(LONG)
-    process = started(tmp_path, "--workers", str(workers))
-    wait_for_step(tmp_path / "q.h5", "last")
-    time.sleep(0.5)
-    assert process.poll() is None
-    process.send_signal(signal.SIGINT)
-    _, err = process.communicate(timeout=20)
+    with start_run(tmp_path, *RUN, "--workers", workers) as process:
+        wait_for_step(tmp_path / "q.h5", "last")
+        time.sleep(0.5)
+        assert process.poll() is None
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=20)
     assert process.returncode == 130
     assert err.splitlines()[-1] == MESSAGE
     assert read_results(tmp_path / "q.h5").step("last").done is False
     tally("faults", f"Ctrl-C in machine code, {workers} worker(s)", "exit 130")
 
 
-def test_a_second_signal_ends_the_program_on_the_spot(started, tmp_path):
+def test_a_second_signal_ends_the_program_on_the_spot(tmp_path):
     (tmp_path / "quick.yaml").write_text(LONG)
-    process = started(tmp_path)
-    time.sleep(1.0)
-    process.send_signal(signal.SIGINT)
-    time.sleep(0.2)
-    process.send_signal(signal.SIGINT)
-    process.communicate(timeout=20)
+    with start_run(tmp_path, *RUN) as process:
+        time.sleep(1.0)
+        process.send_signal(signal.SIGINT)
+        time.sleep(0.2)
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=20)
     assert process.returncode == 130
 
 
 def test_an_ignored_signal_stays_ignored(tmp_path):
     # As in a job that a script puts in the background.
     (tmp_path / "quick.yaml").write_text(text_of("simulate"))
-    process = subprocess.Popen(
-        [sys.executable, "-m", "pddecont", "run", "quick.yaml", "-o", "q.h5"],
-        cwd=tmp_path,
-        text=True,
-        stderr=subprocess.PIPE,
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_IGN),
-    )
-    assert "..." in process.stderr.readline()
-    process.send_signal(signal.SIGINT)
-    process.communicate(timeout=60)
+    with start_run(tmp_path, *RUN, on_ctrl_c=signal.SIG_IGN) as process:
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=60)
     assert process.returncode == 0
