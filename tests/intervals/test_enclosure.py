@@ -47,16 +47,21 @@ WIDTHS = st.sampled_from([0.0, 1e-12, 0.01, 0.5, 3.0])
 
 
 def evaluate(expr, at):
-    """Return what an expression is worth, with many digits; None where it has no real value."""
+    """Return what an expression is worth, with many digits; None where it or a function in it has no real value.
+
+    A logarithm of zero has none, though one over it is zero to those who reckon with infinity.
+    """
     if not all(abs(estimate(a, at)) < HUGE for f in expr.atoms(sympy.Function) for a in f.args):
         return None
     with mpmath.workdps(DIGITS):
         numbers = {s: mpmath.mpf(v) for s, v in at.items()}
         try:
-            value = sympy.lambdify(list(numbers), expr, "mpmath")(*numbers.values())
+            parts = [*expr.atoms(sympy.Function), expr]
+            values = sympy.lambdify(list(numbers), parts, "mpmath")(*numbers.values())
         except (ValueError, ZeroDivisionError, OverflowError, AttributeError, TypeError):
             return None
-        return value if isinstance(value, mpmath.mpf) and mpmath.isfinite(value) else None
+        has_value = all(isinstance(value, mpmath.mpf) and mpmath.isfinite(value) for value in values)
+        return values[-1] if has_value else None
 
 
 def has_jump(expr):
@@ -94,6 +99,16 @@ def test_values_and_slopes_lie_in_their_intervals(expr, low, widths, parts, p):
         slope = None if has_jump(expr) and not values.sure[0, 0] else evaluate(differentiate(expr, symbol), at)
         if slope is not None:
             assert slopes.low[0, k, 0] <= slope <= slopes.high[0, k, 0]
+
+
+def test_where_a_function_inside_has_no_value_the_whole_has_none():
+    nowhere, zero = Enclosure((1 / sympy.log(X),), (X,), {}), np.zeros((1, 1))
+    assert nowhere.values(zero, zero).is_empty[0, 0]
+    # Beside it there are values, and zero is not missed as their limit.
+    beside = nowhere.values(zero, zero + 0.5)
+    assert beside.low[0, 0] <= 1 / np.log(0.5) <= beside.high[0, 0]
+    assert beside.holds_zero[0, 0]
+    assert not beside.sure[0, 0]
 
 
 @pytest.mark.parametrize(
