@@ -121,6 +121,7 @@ def test_the_coefficient_with_a_moving_lag_in_closed_form():
     assert expected.real / w == pytest.approx(0.0137439515417, rel=1e-10)
 
 
+@pytest.mark.slow
 def test_a_delay_that_a_threshold_defines():
     """int_0^tau (1 + q x(t - s)) ds = 1 and x' = 1/2 - a x(t - tau) (1 + x/5): the delay is a state here.
 

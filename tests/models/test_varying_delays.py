@@ -116,6 +116,7 @@ def test_torus_point():
     compare([orbit.gains[0], orbit.period], "two_state_dependent_lags", "torus point")
 
 
+@pytest.mark.slow
 def test_fold():
     """The gain as a function of the period has its maximum there."""
     before = (np.arange(2.66, 2.85, 0.03), 20), (np.arange(2.87, 3.3, 0.03), 60), (np.arange(3.32, 3.7, 0.04), 120)

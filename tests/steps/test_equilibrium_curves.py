@@ -369,6 +369,7 @@ def test_folds_of_orbits_begin_at_a_generalised_hopf_point(tmp_path):
     assert step.meta["curve"] == "LP"
 
 
+@pytest.mark.slow
 def test_folds_of_orbits_of_a_delay_equation_begin_as_expansions_of_small_orbits_say(tmp_path):
     """With r = r_0 + p_2(k) A^2 + p_4 A^4 the folds lie at r - r_0 = -p_2^2/(4 p_4), p_2 = p_2' (k - k_0)."""
     case, (r, k) = BAUTIN_DELAYED, BAUTIN_DELAYED.place.values()

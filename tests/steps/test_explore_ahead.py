@@ -48,7 +48,7 @@ def taken(monkeypatch):
 
 
 @pytest.mark.parametrize("name", RUNS)
-@pytest.mark.parametrize("workers", [2, 3])
+@pytest.mark.parametrize("workers", [2, pytest.param(3, marks=pytest.mark.slow)])
 def test_the_file_and_the_words_are_the_same(taken, name, workers, tmp_path):
     alone, words = do(RUNS[name], tmp_path / "a.h5", 1)
     assert not taken
