@@ -10,7 +10,7 @@ from setuptools import Extension, setup
 NATIVE = Path("pddecont") / "native"
 PARTS = ("integrator", "assembly")
 # Sums and products are rounded one by one, as Python does it, on every processor.
-FLAGS = ["-O2", "-ffp-contract=off"]
+FLAGS = ["-O3", "-ffp-contract=off"]
 
 
 def make_extension(part):

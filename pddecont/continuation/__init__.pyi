@@ -15,6 +15,7 @@ from .branch import StepSettings as StepSettings
 from .branch import follow_branch as follow_branch
 from .closure import Home as Home
 from .curve_point import CurvePoint as CurvePoint
+from .linear import EquilibratedMatrix as EquilibratedMatrix
 from .linear import Matrix as Matrix
 from .linear import ScaledFactors as ScaledFactors
 from .linear import add_row as add_row

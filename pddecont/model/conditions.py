@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable, Mapping
+from functools import cache
 from typing import Any, TypeVar
 
 import sympy
@@ -55,6 +56,7 @@ def _compare(op: ast.cmpop, left: ast.expr, right: ast.expr, scope: Scope) -> Bo
     return COMPARISONS[type(op)](translate_expression(left, scope), translate_expression(right, scope))
 
 
+@cache
 def list_differences(condition: Boolean) -> tuple[sympy.Expr, ...]:
     """Return an expression for each comparison in a condition, positive where it holds."""
     return tuple(map(_subtract, sorted(condition.atoms(Relational), key=sympy.default_sort_key)))
@@ -90,5 +92,6 @@ def substitute_in(condition: Boolean, values: Mapping[sympy.Symbol, sympy.Expr])
     return condition.func(*(substitute_in(part, values) for part in condition.args))
 
 
+@cache
 def _subtract(comparison: Any) -> sympy.Expr:
     return comparison.gts - comparison.lts

@@ -1,6 +1,7 @@
 """The entries of the assembly as they are compiled: the functions of its sources."""
 
 from pddecont.native.assembly.cutting import cut_piece as cut_piece
+from pddecont.native.assembly.elimination import eliminate_in_time as eliminate_in_time
 from pddecont.native.assembly.entries import add_moves as add_moves
 from pddecont.native.assembly.entries import spread_over_reads as spread_over_reads
 from pddecont.native.assembly.entries import spread_slopes as spread_slopes

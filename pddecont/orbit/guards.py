@@ -33,19 +33,30 @@ def measure_guard(orbit: Orbit, s: int) -> float:
 
     It is judged by the states after the reset at the segment's end.
     """
-    guard = orbit.signature.segments[s].guard
-    differences = list_differences(guard)
-    values, sizes = evaluate_after(orbit, s, differences)
-    return combine_differences(guard, dict(zip(differences, (values / sizes).tolist(), strict=True)))
+    return orbit.once("guards", lambda: _measure_guards(orbit))[s]
 
 
-def evaluate_after(orbit: Orbit, s: int, exprs: Sequence[sympy.Expr]) -> tuple[Array, Array]:
-    """Return expressions after the event and the reset at the end of segment ``s``, and their sizes (n_exprs,).
+def _measure_guards(orbit: Orbit) -> dict[int, float]:
+    """Return how far the condition of each segment that has one is from changing."""
+    signature = orbit.signature
+    guarded = list_guarded(signature)
+    differences = {s: list_differences(signature.segments[s].guard) for s in guarded}
+    every = tuple(dict.fromkeys(e for exprs in differences.values() for e in exprs))
+    values, sizes = evaluate_after(orbit, guarded, every)
+    return {
+        s: combine_differences(signature.segments[s].guard, dict(zip(every, column.tolist(), strict=True)))
+        for s, column in zip(guarded, (values / sizes).T, strict=True)
+    }
 
-    The size is what one changes by when states, delayed values and time move by their sizes.
+
+def evaluate_after(orbit: Orbit, segments: Sequence[int], exprs: Sequence[sympy.Expr]) -> tuple[Array, Array]:
+    """Return expressions after the event and the reset at the ends of some segments, and their sizes.
+
+    The size is what one changes by when states, delayed values and time move by their sizes. Both have the shape
+    (n_exprs, len(segments)).
     """
-    numeric, following = orbit.numeric, (s + 1) % len(orbit.signature)
-    reads, at = read_starts(orbit), [following]
+    numeric = orbit.numeric
+    reads, at = read_starts(orbit), (np.asarray(segments, dtype=np.intp) + 1) % len(orbit.signature)
     function = numeric.function(exprs)
     found = function.derivatives(reads.t[at], reads.x[:, at], reads.xd[:, at], orbit.parameters)
     where = function.structure()
@@ -53,12 +64,12 @@ def evaluate_after(orbit: Orbit, s: int, exprs: Sequence[sympy.Expr]) -> tuple[A
     delayed = np.array([sizes[read.state] / orbit.period**read.derivative for read in numeric.model.delayed])
     integrals = orbit.equation_reads.xd[len(delayed) :]
     delayed = np.concatenate([delayed, measure_states(integrals.T)])
-    change = np.zeros(len(exprs))
-    np.add.at(change, where.dx[0], np.abs(found.dx[:, 0]) * sizes[where.dx[1]])
-    np.add.at(change, where.dxd[0], np.abs(found.dxd[:, 0]) * delayed[where.dxd[1]])
-    np.add.at(change, where.dt, np.abs(found.dt[:, 0]) * orbit.period)
+    change = np.zeros(found.value.shape)
+    np.add.at(change, where.dx[0], np.abs(found.dx) * sizes[where.dx[1]][:, None])
+    np.add.at(change, where.dxd[0], np.abs(found.dxd) * delayed[where.dxd[1]][:, None])
+    np.add.at(change, where.dt, np.abs(found.dt) * orbit.period)
     # What parameters alone make has no size; its own number tells the side.
-    return found.value[:, 0], np.where(change > 0.0, change, 1.0)
+    return found.value, np.where(change > 0.0, change, 1.0)
 
 
 def is_alternative(signature: Signature, s: int, name: str) -> bool:

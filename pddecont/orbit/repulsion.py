@@ -52,7 +52,8 @@ class Repeller:
     def _find_rates(self, orbit: Orbit) -> tuple[Array, Array]:
         """Return du/dt along the fields below and above the surface, and their sizes."""
         digits = self.derived.find_digits(self._find_mode(orbit)) or ()
-        return evaluate_after(orbit, self.s, self.derived.surfaces.find_bounds(self.switch, digits))
+        values, sizes = evaluate_after(orbit, [self.s], self.derived.surfaces.find_bounds(self.switch, digits))
+        return values[:, 0], sizes[:, 0]
 
 
 def list_repellers(orbit: Orbit) -> list[Repeller]:
@@ -64,7 +65,7 @@ def list_repellers(orbit: Orbit) -> list[Repeller]:
             digits = derived.find_digits(segment.to) or ()
             if digits[k] in (ABOVE, BELOW):
                 u = derived.surfaces.find_function(k, digits)
-                values, sizes = evaluate_after(orbit, s, (u,))
-                if abs(values[0]) <= RELATIVE_ZERO * sizes[0]:
+                values, sizes = evaluate_after(orbit, [s], (u,))
+                if abs(values[0, 0]) <= RELATIVE_ZERO * sizes[0, 0]:
                     found.append(Repeller(derived, s, k))
     return found

@@ -39,6 +39,8 @@ from pddecont.results.whole_file import compact_step
 ROW_NUMBER = Column("i8")
 # Rows that arrays have room for at first; each time that is used up they get twice as much.
 CAPACITY = 64
+# Bytes that a reason takes, as a rule: the first one comes after other arrays have got their room.
+REASON_BYTES = 128
 # Stands for all arrays with one row a point, which have the same room; no array is named so.
 ONE_A_POINT = "points/"
 
@@ -83,6 +85,8 @@ class StepWriter:
             }
         capacity = max(capacity, kept, *self.used.values())
         self.capacity = dict.fromkeys((ONE_A_POINT, *step_format.orbits), capacity)
+        if "reason" in self.capacity:
+            self.capacity["reason"] *= REASON_BYTES
         self._descriptor = -1
         self._places: dict[str, Place] = {}
         self._arrange()

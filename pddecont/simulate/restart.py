@@ -25,6 +25,8 @@ from pddecont.simulate.simulator import Simulator
 Array = NDArray[np.float64]
 # Events that are recorded of a motion; one with more goes another way than what it is compared with.
 MAX_EVENTS = 128
+# Steps that there is room for at first beside those of the past: more than most segments of an orbit take.
+ROOM = 96
 
 
 def restart_motion(
@@ -46,7 +48,7 @@ def restart_motion(
     values = simulator.reached.fit_values(values)
     kept = simulator.past_columns
     used = len(past.time) if len(kept) else 0
-    state = make_state(system, values, max(used, len(pending)) + 3)
+    state = make_state(system, values, max(used, len(pending)) + ROOM)
     if used:
         state.past_time[:used], state.past_length[:used], state.past_end[:used] = past.time, past.length, past.end
         state.past_arc[:used] = past.arc

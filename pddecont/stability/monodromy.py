@@ -19,7 +19,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from pddecont.continuation import Matrix, ScaledFactors, equilibrate
+from pddecont.continuation import EquilibratedMatrix, Matrix, ScaledFactors, equilibrate
 from pddecont.delay import FullWeights
 from pddecont.errors import ConvergenceError
 from pddecont.orbit import Assembly, Linearisation, Orbit, OrbitProblem, Reads, measure_orbit
@@ -27,6 +27,7 @@ from pddecont.stability.characteristic import Characteristic, MapCharacteristic,
 from pddecont.stability.lagged_columns import LaggedColumns, count_lags
 from pddecont.stability.moving_edges import Edge, find_still_edges
 from pddecont.stability.period_line import PeriodLine, make_period_line
+from pddecont.stability.time_order import order_in_time
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
@@ -49,13 +50,13 @@ class Coupling:
 class MonodromyOperator:
     """The linear map from a history to the history one period later.
 
-    ``present`` holds the factors of A_0, ``past`` the columns of A_1, A_2, ... that are not zero, ``kept[w - 1]`` which
-    unknowns of period k - w the history keeps, ``assembly`` where all entries stand. ``sizes`` (n_columns,) are typical
-    sizes of a period's unknowns; ``wide`` holds A_0, A_1, ... side by side (without delay lines).
+    ``present`` is A_0, ``past`` the columns of A_1, A_2, ... that are not zero, ``kept[w - 1]`` which unknowns of
+    period k - w the history keeps, ``assembly`` where all entries stand. ``sizes`` (n_columns,) are typical sizes of a
+    period's unknowns; ``wide`` holds A_0, A_1, ... side by side (without delay lines).
     """
 
     problem: OrbitProblem
-    present: ScaledFactors
+    present: EquilibratedMatrix
     past: tuple[Matrix, ...]
     kept: tuple[Ints, ...]
     couplings: tuple[Coupling, ...]
@@ -74,8 +75,22 @@ class MonodromyOperator:
         remembers = self.problem.numeric.model.read_symbols or self.problem.links or self.couplings
         return None if remembers else self.problem.unknowns.n_states
 
-    def step(self, histories: Array) -> tuple[Array, Array]:
-        """Return the next periods X (n_columns, k) and the histories one period later, for ``histories`` (size, k)."""
+    @cached_property
+    def factors(self) -> ScaledFactors:
+        """The factors of A_0.
+
+        Raises
+        ------
+        ConvergenceError
+            If it is singular: the map is not defined.
+        """
+        return self.present.factor()
+
+    def step(self, histories: Array, *, all_at_once: bool = False) -> tuple[Array, Array]:
+        """Return the next periods X (n_columns, k) and the histories one period later, for ``histories`` (size, k).
+
+        Where they are all that is asked for (``all_at_once``) A_0 need not be factored.
+        """
         parts, lines = self._split(histories)
         rhs = self.past[0] @ parts[0]
         for A, y in zip(self.past[1:], parts[1:], strict=True):
@@ -84,7 +99,8 @@ class MonodromyOperator:
             made = c.line.from_start(y)
             for q, into in enumerate(c.into):
                 rhs = rhs + into @ made[:, q]
-        x = self.present.solve(-rhs)
+        x = self._solve_at_once(-rhs) if all_at_once else None
+        x = self.factors.solve(-rhs) if x is None else x
         unknowns, mesh = self.problem.unknowns, self.problem.mesh
         values = x[unknowns.values].reshape(mesh.n_base, unknowns.n_states, -1)
         after = []
@@ -95,6 +111,11 @@ class MonodromyOperator:
         for w in range(1, len(self.kept)):
             recent.append(parts[w - 1][np.searchsorted(self.kept[w - 1], self.kept[w])])
         return x, np.concatenate([*recent, *(y.reshape(-1, x.shape[1]) for y in after)])
+
+    def _solve_at_once(self, rhs: Array) -> Array | None:
+        """Return the solutions of A_0 X = ``rhs`` (n_columns, k) in the order of time, None where that does not do."""
+        order = order_in_time(self.problem) if sp.issparse(self.present.matrix) else None
+        return None if order is None else order.solve(self.present, rhs)
 
     def _split(self, histories: Array) -> tuple[list[Array], list[Array]]:
         ends = np.cumsum([*map(len, self.kept), *(c.size for c in self.couplings)])
@@ -117,7 +138,7 @@ class MonodromyOperator:
     @cached_property
     def scaled_matrix(self) -> Array:
         """The map as a matrix, shape (size, size), of histories in units of their sizes."""
-        return self.step(np.diag(self.history_sizes))[1] / self.history_sizes[:, None]
+        return self.step(np.diag(self.history_sizes), all_at_once=True)[1] / self.history_sizes[:, None]
 
     @cached_property
     def characteristic(self) -> Characteristic:
@@ -176,8 +197,8 @@ def linearise_period(orbit: Orbit, assembly: Assembly | None = None) -> Monodrom
     couplings = tuple(
         Coupling(line, tuple(_read_by(assembly, at, n, q) for q in line.numbers)) for line in lines.values()
     )
-    factors = equilibrate(present, sizes).factor()
-    return MonodromyOperator(orbit.problem, factors, past, kept, couplings, assembly, sizes, wide)
+    equilibrated = equilibrate(present, sizes)
+    return MonodromyOperator(orbit.problem, equilibrated, past, kept, couplings, assembly, sizes, wide)
 
 
 def _find_kept(wide: Matrix, n: int) -> tuple[Ints, ...]:

@@ -17,7 +17,7 @@ from pddecont.orbit import Profile
 
 PARTS = (
     *("lagrange", "location", "reading", "residual", "entries", "sparse"),
-    *("lagged", "turning", "extrema", "transfer", "cutting"),
+    *("lagged", "turning", "extrema", "transfer", "cutting", "elimination"),
 )
 RNG = np.random.default_rng(7)
 MODEL = """
@@ -302,3 +302,49 @@ def test_residuals_are_those_of_array_code(native):
     first = slice(n_points - n_segments, n_points - n_segments + 1)
     assert result[-2] == pytest.approx(model.event("e").value(t[first], x[first].T, xd[first].T, p)[0, 0], abs=1e-13)
     assert result[-1] == 7.0
+
+
+def eliminate(native, matrix, sizes, right):
+    """Return what elimination says of a matrix whose blocks stand in their order, and what it solves and leaves."""
+    n, first, sparse = len(matrix), np.cumsum([0, *sizes[:-1]]), sp.csc_matrix(matrix)
+    of_row = np.repeat(np.arange(len(sizes) + 1), [*sizes, n - sum(sizes)])
+    left, solved = right.copy(), np.zeros(right.shape)
+    done = native.eliminate_in_time(
+        sparse.indptr,
+        sparse.indices,
+        sparse.data,
+        first,
+        first,
+        np.array(sizes),
+        len(sizes),
+        of_row,
+        right.shape[1],
+        left,
+        solved,
+        np.empty(max(sizes) ** 2),
+    )
+    return done, solved[: sum(sizes)], left[sum(sizes) :]
+
+
+def test_elimination_in_the_order_of_time(native):
+    sizes, n = [2, 4, 3], 11
+    full = RNG.normal(size=(n, n))
+    for size, first in zip(sizes, (0, 2, 6), strict=True):
+        full[first : first + size, first + size : 9] = 0.0
+    # A zero where the first pivot would be.
+    full[2, 2] = 0.0
+    right = np.concatenate([full[:, 9:], RNG.normal(size=(n, 3))], axis=1)
+    done, solved, left = eliminate(native, full, sizes, right)
+    assert done
+    above = np.linalg.solve(full[:9, :9], right[:9])
+    assert solved == pytest.approx(above, rel=1e-11)
+    assert left == pytest.approx(right[9:] - full[9:, :9] @ above, rel=1e-10)
+
+
+@pytest.mark.parametrize(("row", "column", "value"), [(0, 4, 1.0), (1, 1, 0.0)])
+def test_elimination_tells_what_it_cannot_do(native, row, column, value):
+    """An entry that reads the future, and a block that is singular."""
+    matrix = np.eye(6)
+    matrix[row, column] = value
+    assert not eliminate(native, matrix, [2, 3], np.ones((6, 1)))[0]
+    assert eliminate(native, np.eye(6), [2, 3], np.ones((6, 1)))[0]
