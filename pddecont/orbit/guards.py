@@ -36,17 +36,13 @@ def measure_guard(orbit: Orbit, s: int) -> float:
     return orbit.once("guards", lambda: _measure_guards(orbit))[s]
 
 
-def _measure_guards(orbit: Orbit) -> dict[int, float]:
-    """Return how far the condition of each segment that has one is from changing."""
-    signature = orbit.signature
-    guarded = list_guarded(signature)
-    differences = {s: list_differences(signature.segments[s].guard) for s in guarded}
-    every = tuple(dict.fromkeys(e for exprs in differences.values() for e in exprs))
-    values, sizes = evaluate_after(orbit, guarded, every)
-    return {
-        s: combine_differences(signature.segments[s].guard, dict(zip(every, column.tolist(), strict=True)))
-        for s, column in zip(guarded, (values / sizes).T, strict=True)
-    }
+def _measure_guards(orbit: Orbit) -> list[float]:
+    """Return how far the condition of each segment is from changing."""
+    guards = [segment.guard for segment in orbit.signature.segments]
+    every = tuple(dict.fromkeys(e for guard in guards for e in list_differences(guard)))
+    values, sizes = evaluate_after(orbit, range(len(guards)), every)
+    columns = (values / sizes).T.tolist()
+    return [combine_differences(g, dict(zip(every, c, strict=True))) for g, c in zip(guards, columns, strict=True)]
 
 
 def evaluate_after(orbit: Orbit, segments: Sequence[int], exprs: Sequence[sympy.Expr]) -> tuple[Array, Array]:

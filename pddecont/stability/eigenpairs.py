@@ -75,10 +75,12 @@ def _find_leading(monodromy: MonodromyOperator, n: int) -> tuple[Complex, Comple
     """Return leading eigenvalues by falling modulus, and their vectors as columns."""
     if monodromy.size > SHORT:
         return find_eigenpairs(monodromy, n)
-    basis, inside = find_inside(monodromy.scaled_matrix)
+    # Near grazing the map has large and small entries; with rows and columns of one size none of them is lost.
+    balanced, _, _, sizes, _ = lapack.dgebal(monodromy.scaled_matrix, scale=1)
+    basis, inside = find_inside(balanced)
     values, vectors = np.linalg.eig(inside)
     leading = np.argsort(-np.abs(values), kind="stable")[:n]
-    return values[leading].astype(complex), basis @ vectors[:, leading].astype(complex)
+    return values[leading].astype(complex), sizes[:, None] * (basis @ vectors[:, leading].astype(complex))
 
 
 def find_inside(matrix: Array) -> tuple[Array, Array]:

@@ -119,7 +119,7 @@ def test_orbits_that_hit_the_hard_wall(hard, record):
         "product of its multipliers",
         "r^2 exp(-c T)",
         np.max(np.abs(product / (0.49 * math.exp(-0.8 * math.pi / 2.2)) - 1)),
-        1e-6,
+        1e-9,
     )
     order = np.polyfit(np.log(speeds[-5:]), np.log(np.max(np.abs(both[-5:]), axis=1)), 1)[0]
     record("order of its leading multiplier in the impact speed", "-1: the map's square root", abs(order + 1), 0.02)

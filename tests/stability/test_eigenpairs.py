@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from types import SimpleNamespace
 
+import mpmath
 import numpy as np
 import pytest
 
@@ -86,6 +87,18 @@ def test_a_map_that_forgets_nothing_is_looked_at_as_it_is():
     matrix = map_with([1.5, -0.7], 9)
     basis, inside = find_inside(matrix)
     assert inside is matrix and np.array_equal(basis, np.eye(9))
+
+
+def test_a_small_multiplier_beside_large_entries_keeps_its_digits():
+    """A map as it is near grazing; mpmath tells what multipliers it has."""
+    matrix = np.array(
+        [[-230.43, -230.43, 42.32, -36.507], [1, 1, 0, 0], [0, 0, 0, 0], [-1008.873, -1008.873, 186.61, -160.5347]]
+    )
+    with mpmath.workdps(40):
+        exact = sorted((complex(v) for v in mpmath.eig(mpmath.matrix(matrix.tolist()))[0]), key=abs, reverse=True)
+    found = find_all_outside(MapOnly(matrix), 4, 0.95)
+    assert abs(exact[1]) < 1e-5 * abs(exact[0])
+    assert [m.value for m in found][:2] == pytest.approx(exact[:2], rel=1e-9)
 
 
 def test_what_remembers_more_than_a_period_is_left_to_others():
