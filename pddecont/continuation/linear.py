@@ -20,6 +20,8 @@ from pddecont.native import compiled_assembly
 Array = NDArray[np.float64]
 # An Array or a scipy.sparse matrix in CSC form; scipy has no types.
 Matrix: TypeAlias = Any
+# From so many unknowns on entries that happen to be zero are left out: what they fill costs more than finding them.
+MANY = 1000
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +109,7 @@ def factor(matrix: Matrix) -> Callable[[Array], Array]:
         if not np.isfinite(matrix.data).all():
             raise ConvergenceError("the Jacobian holds values that are not finite")
         try:
-            solve: Callable[[Array], Array] = scipy.sparse.linalg.splu(matrix).solve
+            solve: Callable[[Array], Array] = scipy.sparse.linalg.splu(_leave_out_zeros(matrix)).solve
         except RuntimeError as exc:
             raise ConvergenceError("the Jacobian is singular") from exc
         return solve
@@ -120,6 +122,15 @@ def factor(matrix: Matrix) -> Callable[[Array], Array]:
         except (scipy.linalg.LinAlgWarning, scipy.linalg.LinAlgError) as exc:
             raise ConvergenceError("the Jacobian is singular") from exc
     return lambda b: np.asarray(scipy.linalg.lu_solve(dense, b, check_finite=False))
+
+
+def _leave_out_zeros(matrix: Matrix) -> Matrix:
+    """Return a sparse matrix without stored zeros where it is large, itself where it has none."""
+    if matrix.shape[0] < MANY or np.count_nonzero(matrix.data) == len(matrix.data):
+        return matrix
+    result = matrix.copy()
+    result.eliminate_zeros()
+    return result
 
 
 def scale_matrix(matrix: Matrix, rows: Array, columns: Array) -> Matrix:

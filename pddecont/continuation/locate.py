@@ -83,7 +83,8 @@ class BranchSegment(Generic[E]):
 
         Where branches cross, points cannot be corrected near the crossing; its place is then interpolated from points
         around it, all of them near it where the zero was nearly reached before. None where the test function jumps
-        through zero or cannot be followed: there is no special point then.
+        through zero or cannot be followed: there is no special point then. It is looked for between points that are
+        known already: other test functions are often zero at the same place.
         """
         values: dict[float, float] = {}
 
@@ -95,13 +96,35 @@ class BranchSegment(Generic[E]):
             return result
 
         try:
-            fraction, at_zero = find_zero_between(value, low, high, f_low, f_high, FRACTION_TOL)
+            bracket = self._narrow(value, low, high, f_low, f_high)
+            fraction, at_zero = find_zero_between(value, *bracket, FRACTION_TOL)
         except ConvergenceError:
             near = min(values, key=values.__getitem__, default=None)
             if near is None or values[near] > AGREE * max(abs(f_low), abs(f_high)):
                 return self._interpolate_across(test, low, high)
             return self._interpolate_near(test, near, low, high)
         return None if abs(at_zero) > JUMP_TOL * max(abs(f_low), abs(f_high)) else fraction
+
+    def _narrow(
+        self, value: Callable[[float], float], low: float, high: float, f_low: float, f_high: float
+    ) -> tuple[float, float, float, float]:
+        """Return two neighbours among the known points from ``low`` to ``high`` with a zero between, and its values.
+
+        Points where the function has no value are left out.
+        """
+        known = sorted(fraction for fraction in self.known if low < fraction < high)
+        while known:
+            middle = known.pop(len(known) // 2)
+            try:
+                f_middle = value(middle)
+            except ConvergenceError:
+                continue
+            if (f_middle > 0.0) == (f_low > 0.0):
+                low, f_low = middle, f_middle
+            else:
+                high, f_high = middle, f_middle
+            known = [fraction for fraction in known if low < fraction < high]
+        return low, high, f_low, f_high
 
     def _correct(self, system: AdaptiveSystem[E], guess: Array, level: float) -> CurvePoint[E]:
         def solve(on_mesh: AdaptiveSystem[E], start: Array, _: list[Array]) -> Solution[E]:

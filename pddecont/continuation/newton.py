@@ -15,9 +15,11 @@ from pddecont.continuation.system import E, Evaluation
 from pddecont.errors import ConvergenceError
 
 Array = NDArray[np.float64]
-# From so many unknowns on a factorisation costs far more than a step. Steps that are taken at most with an old one, and
-# the scaled length of a step that is rounding.
-LARGE, CHORD_STEPS, EXACT = 50, 5, 1e-15
+# From so many unknowns on a factorisation costs as much as so many steps with an old one, which are taken at most.
+LARGE, CHORD_STEPS = 50, 5
+LARGER, MORE_CHORD_STEPS = 1000, 10
+# The scaled length of a step that is rounding.
+EXACT = 1e-15
 # Solutions with the Jacobian at the end of such steps are corrected to this, relative to their size, so many times.
 CORRECTED, MAX_CORRECTIONS = 1e-10, 6
 
@@ -161,6 +163,7 @@ def _follow_chord(
     left after the last.
     """
     result: list[_Step[E]] = []
+    most = CHORD_STEPS if len(at.x) < LARGER else MORE_CHORD_STEPS
     while True:
         step = factors.solve_scaled(-at.residual)
         before, length = length, _norm(step)
@@ -169,7 +172,7 @@ def _follow_chord(
             n_left = 1.0
         else:
             n_left = np.log(EXACT / length) / np.log(shrinks) if shrinks < 1.0 else np.inf
-        if len(result) + n_left > CHORD_STEPS:
+        if len(result) + n_left > most:
             return []
         at = evaluate(at.x + factors.columns * step)
         try:

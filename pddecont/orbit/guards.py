@@ -7,10 +7,12 @@ moves by its size, so that units do not matter; ``and`` takes the least, ``or`` 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 
 import numpy as np
 import sympy
 from numpy.typing import NDArray
+from sympy.logic.boolalg import Boolean
 
 from pddecont.model import combine_differences, list_alternatives, list_differences
 from pddecont.orbit.error import measure_states
@@ -77,4 +79,9 @@ def is_alternative(signature: Signature, s: int, name: str) -> bool:
 def explain_guard(signature: Signature, s: int) -> Reason:
     """Return the reason that says that the condition of segment ``s`` does not hold."""
     segment = signature.segments[s]
-    return make_reason(CODE, number=s + 1, segment=segment.name, condition=str(segment.guard))
+    return make_reason(CODE, number=s + 1, segment=segment.name, condition=_print_condition(segment.guard))
+
+
+@cache
+def _print_condition(condition: Boolean) -> str:
+    return str(condition)

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 import scipy.sparse as sp
+import scipy.sparse.linalg
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pddecont.continuation import add_row, equilibrate, factor, scale_matrix
+from pddecont.continuation import add_row, equilibrate, factor, linear, scale_matrix
 from pddecont.continuation.linear import row_maxima
 from pddecont.errors import ConvergenceError
 
@@ -66,6 +67,20 @@ def test_factors_solve_for_one_and_for_several_right_sides(make):
         residual = np.abs(matrix @ x - right) / (np.abs(matrix) @ np.abs(x) + np.abs(right))
         assert np.max(residual) < 1e-14
         assert pytest.approx(x, rel=1e-15) == (sizes * factors.solve_scaled(right).T).T
+
+
+@pytest.mark.parametrize("n_zeros", [0, 40])
+def test_large_matrices_are_factored_without_entries_that_are_zero(monkeypatch, n_zeros):
+    rng = np.random.default_rng(4)
+    whole = sp.random_array((60, 60), density=0.1, rng=rng, format="csc") + sp.eye_array(60, format="csc")
+    stored, factored = whole.copy(), []
+    stored.data[np.flatnonzero(np.abs(stored.data) < 1.0)[:n_zeros]] = 0.0
+    splu, b = scipy.sparse.linalg.splu, rng.standard_normal(60)
+    monkeypatch.setattr(scipy.sparse.linalg, "splu", lambda matrix: factored.append(matrix) or splu(matrix))
+    monkeypatch.setattr(linear, "MANY", 60)
+    x = factor(stored)(b)
+    assert stored @ x == pytest.approx(b, abs=1e-12)
+    assert factored[0].nnz == stored.nnz - n_zeros and stored.nnz == whole.nnz
 
 
 @KINDS

@@ -81,6 +81,25 @@ def test_a_zero_is_looked_for_in_its_part_of_the_way():
     assert of.at(fraction).x[1] == pytest.approx(0.5, abs=2e-13)
 
 
+def test_a_place_that_is_known_is_not_looked_for_again():
+    """Another function with the same zero takes no more points; one with another zero finds that."""
+    of = segment(circle(), [1.0, 0.0], [0.6, 0.8])
+    fraction = of.find_zero(lambda point: point.x[1] - 0.3, 0.0, 1.0, -0.3, 0.5)
+    n = len(of.known)
+    again = of.find_zero(lambda point: np.expm1(0.3 - point.x[1]), 0.0, 1.0, np.expm1(0.3), np.expm1(-0.5))
+    assert (again, len(of.known)) == (fraction, n)
+    other = of.find_zero(lambda point: point.x[1] - 0.6, 0.0, 1.0, -0.6, 0.2)
+    assert of.at(other).x[1] == pytest.approx(0.6, abs=2e-13) and len(of.known) > n
+
+
+def test_a_known_place_without_a_value_is_passed_over():
+    of = segment(circle(), [1.0, 0.0], [0.6, 0.8])
+    of.at(0.5)
+    there = of.at(0.25).x[1]
+    fraction = of.find_zero(lambda point: math.nan if point.x[1] == there else point.x[1] - 0.3, 0.0, 1.0, -0.3, 0.5)
+    assert of.at(fraction).x[1] == pytest.approx(0.3, abs=2e-13)
+
+
 def test_a_jump_through_zero_is_none():
     of = segment(circle(), [1.0, 0.0], [0.6, 0.8])
     assert of.find_zero(lambda point: 1.0 if point.x[1] > 0.3 else -1.0, 0.0, 1.0, -1.0, 1.0) is None

@@ -90,6 +90,16 @@ def test_few_steps_with_one_jacobian_lead_to_the_solution_to_rounding(monkeypatc
     assert asked == [1.41, solution.x[0]]
 
 
+@pytest.mark.parametrize(("larger", "n_asked"), [(1, 1), (1000, 2)])
+def test_where_factors_are_dear_more_steps_are_taken_with_them(monkeypatch, larger, n_asked):
+    monkeypatch.setattr(newton, "LARGE", 1)
+    monkeypatch.setattr(newton, "LARGER", larger)
+    asked = []
+    solution = solve(lambda x: x**2 - 2, lambda x: asked.append(x[0]) or np.diag(2 * x), [1.37])
+    assert len(asked) == n_asked
+    assert solution.x[0] == pytest.approx(math.sqrt(2), abs=1e-15)
+
+
 def test_factors_of_a_point_nearby_lead_to_the_solution_to_rounding():
     """The square root of 2 by the slope at that of 2.001: every step is 4e-4 times as long as the one before."""
     asked = []
