@@ -1,9 +1,10 @@
 """This version's branches against those of an earlier one, in turns: part of ``make bench``.
 
 Takes the Python of the earlier version (``make bench`` installs one), how often each takes its turn, and with
-``--large`` adds chains of 100 and 200 states with multipliers. Prints the least CPU milliseconds a point, and how far
-special points that both find are apart. For scale, figures of others as they were taken with Octave on two cores, a
-point with multipliers: PWSDDE-cont, DDE-BIFTOOL and COCO, 400 to 6500 ms.
+``--large`` adds chains of 100 and 200 states. Prints the least CPU milliseconds a point, and how far special points
+that both find are apart. A turn of the earlier version that takes longer than ``--limit`` seconds is ended: this
+version's whole turn is set against the limit then. For scale, figures of others as they were taken with Octave on two
+cores, a point with multipliers: PWSDDE-cont, DDE-BIFTOOL and COCO, 400 to 6500 ms.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import json
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 from benchmarks.continuation import BRANCH, ROOT, delays
@@ -33,7 +35,7 @@ CHAIN = """run:
     - {name: transient, simulate: {t_end: 60*2*pi/omega}}
     - {name: orbit, orbit: {from: transient}}
     - name: branch
-      continue: {from: orbit, free: [K], range: {K: [0.0, 2.0]}, stability: true, max_points: 3, direction: up}
+      continue: {from: orbit, free: [K], range: {K: [0.0, 2.0]}, stability: MULTIPLIERS, max_points: 3, direction: up}
 """
 SHIPPED = {
     "mackey_glass": "in_delay",
@@ -56,8 +58,9 @@ def list_cases(*, large):
         cases[name] = make_case(path.read_text(encoding="utf-8"), step, path)
     cases["eight delays"] = make_case(delays(8) + DELAYS, "branch", "delays.yaml")
     for n in (50, 100) if large else ():
-        text = chain(n).split("\nrun:")[0] + "\n" + CHAIN
-        cases[f"chain of {2 * n} states"] = make_case(text, "branch", "chain.yaml")
+        for name, multipliers in (("", "false"), (", multipliers", "true")):
+            text = chain(n).split("\nrun:")[0] + "\n" + CHAIN.replace("MULTIPLIERS", multipliers)
+            cases[f"chain of {2 * n} states{name}"] = make_case(text, "branch", "chain.yaml")
     return cases
 
 
@@ -66,12 +69,35 @@ def make_case(text, step, source):
     return {"text": text, "step": step, "source": str(source)}
 
 
-def run(python, case, folder):
-    """Return what one version takes for a case, in a process of its own."""
+def run(python, case, folder, limit=None):
+    """Return what one version takes for a case, in a process of its own; None if it takes more than ``limit`` s."""
     path = Path(folder) / "case.json"
     path.write_text(json.dumps(case), encoding="utf-8")
-    done = subprocess.run([python, str(TIMES), str(path)], capture_output=True, text=True, cwd=folder, check=True)
-    return json.loads(done.stdout)
+    command, start = [python, str(TIMES), str(path)], time.perf_counter()
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, cwd=folder, check=True, timeout=limit)
+    except subprocess.TimeoutExpired:
+        return None
+    return {**json.loads(done.stdout), "whole": time.perf_counter() - start}
+
+
+def compare(case, before, folder, turns, limit):
+    """Return a line that says what both versions take for a case."""
+    best, found = {}, {}
+    for _ in range(turns):
+        for version, python in (("now", sys.executable), ("before", before)):
+            found[version] = run(python, case, folder, limit if version == "before" else None)
+            if found[version] is None:
+                whole = found["now"]["whole"]
+                least = f"ratio over {limit / whole:.0f}: no end in {limit:.0f} s, now {whole:.0f} s"
+                return f"{'-':>8} {best['now']:8.1f}  {least}"
+            spent = 1e3 * found[version]["seconds"] / found[version]["points"]
+            best[version] = min(best.get(version, spent), spent)
+    one, other = (found[version]["special"] for version in ("before", "now"))
+    apart = max((abs(one[label] - other[label]) for label in one.keys() & other.keys()), default=0.0)
+    labels = "" if one.keys() == other.keys() else f"; labels {sorted(one)} and {sorted(other)}"
+    ratio = best["before"] / best["now"]
+    return f"{best['before']:8.1f} {best['now']:8.1f}  ratio {ratio:.2f}  {apart:.1e}{labels}"
 
 
 def main():
@@ -80,24 +106,13 @@ def main():
     parser.add_argument("before")
     parser.add_argument("--turns", type=int, default=3)
     parser.add_argument("--large", action="store_true")
+    parser.add_argument("--limit", type=float, default=600.0)
     options = parser.parse_args()
-    print("CPU milliseconds a point, the least of the turns; how far special points are apart at most")
+    print("CPU milliseconds a point, before and now, the least of the turns; how far special points are apart at most")
     with tempfile.TemporaryDirectory() as folder:
         for name, case in list_cases(large=options.large).items():
-            best, found = {}, {}
-            for _ in range(options.turns):
-                for version, python in (("before", str(Path(options.before).absolute())), ("now", sys.executable)):
-                    found[version] = run(python, case, folder)
-                    spent = 1e3 * found[version]["seconds"] / found[version]["points"]
-                    best[version] = min(best.get(version, spent), spent)
-            one, other = (found[version]["special"] for version in ("before", "now"))
-            apart = max((abs(one[label] - other[label]) for label in one.keys() & other.keys()), default=0.0)
-            labels = "" if one.keys() == other.keys() else f"; labels {sorted(one)} and {sorted(other)}"
-            ratio = best["before"] / best["now"]
-            print(
-                f"  {name:32} {best['before']:8.1f} {best['now']:8.1f}  ratio {ratio:.2f}  {apart:.1e}{labels}",
-                flush=True,
-            )
+            line = compare(case, str(Path(options.before).absolute()), folder, options.turns, options.limit)
+            print(f"  {name:32} {line}", flush=True)
 
 
 if __name__ == "__main__":
