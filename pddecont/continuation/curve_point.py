@@ -39,9 +39,15 @@ class CurvePoint(Generic[E]):
         return self.solution.n_iterations if self.solution else 0
 
     @property
-    def solve(self) -> Callable[[Array], Array] | None:
-        """What solves with the bordered Jacobian here, None where its factors are not at hand."""
-        return self.solution.solve if self.solution is not None and self.solution.at is self.at else None
+    def solve_nearly(self) -> Callable[[Array], Array] | None:
+        """What solves with the bordered Jacobian here to a few per cent, None where its factors are not at hand.
+
+        The factors are those of the last Newton step: steps with them led here, each far shorter than the one before.
+        """
+        if self.solution is None or self.solution.at is not self.at:
+            return None
+        factors = self.solution.factors
+        return self.solution.solve if factors is None else factors.solve
 
     @cached_property
     def tangent(self) -> Array:

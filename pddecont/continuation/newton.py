@@ -18,8 +18,9 @@ Array = NDArray[np.float64]
 # From so many unknowns on a factorisation costs as much as so many steps with an old one, which are taken at most.
 LARGE, CHORD_STEPS = 50, 5
 LARGER, MORE_CHORD_STEPS = 1000, 10
-# The scaled length of a step that is rounding.
-EXACT = 1e-15
+# The scaled length of a step that is rounding. One of up to so many times this length is rounding too if it is no
+# shorter than a tenth of the one before.
+EXACT, NOISE = 1e-15, 1000.0
 # Solutions with the Jacobian at the end of such steps are corrected to this, relative to their size, so many times.
 CORRECTED, MAX_CORRECTIONS = 1e-10, 6
 
@@ -168,7 +169,8 @@ def _follow_chord(
         step = factors.solve_scaled(-at.residual)
         before, length = length, _norm(step)
         shrinks = 1.0 if before is None else length / before
-        if length <= EXACT or before is None:
+        is_rounding = length <= EXACT or (bool(result) and length <= NOISE * EXACT and shrinks > 0.1)
+        if is_rounding or before is None:
             n_left = 1.0
         else:
             n_left = np.log(EXACT / length) / np.log(shrinks) if shrinks < 1.0 else np.inf
@@ -180,7 +182,8 @@ def _follow_chord(
         except ConvergenceError:
             return []
         result.append(_Step(at, length, residual, factors))
-        if length < settings.step_tol and residual < settings.residual_tol and shrinks * length <= EXACT:
+        arrived = is_rounding or shrinks * length <= EXACT
+        if arrived and length < settings.step_tol and residual < settings.residual_tol:
             return result
 
 

@@ -41,7 +41,8 @@ def estimate_error(
     States count relative to their sizes along the orbit, times to the period. An orbit with free parameters is compared
     with the nearest exact orbit, whose parameters may differ; they count relative to the widths of their ``ranges``.
     Infinite where exact orbits are not isolated. ``solve``, where it is at hand, solves with the Jacobian of the
-    orbit's equations, bordered by a row for each free parameter: no other matrix is factored where that does.
+    orbit's equations, bordered by a row for each free parameter, to a few per cent: no other matrix is factored where
+    that does.
     ``tangent`` is the direction in which one free parameter leads, where that is known.
     """
     finer = _raise_orbit(orbit)

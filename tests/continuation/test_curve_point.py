@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from pddecont.continuation import CurvePoint, FixedUnknowns, NewtonSettings, correct_component
+from pddecont.continuation import CurvePoint, FixedUnknowns, NewtonSettings, correct_component, newton
 from pddecont.continuation.arclength import solve_with_row
-from tests.continuation.systems import Growth, circle, grow
+from tests.continuation.systems import Algebraic, Growth, circle, grow
 
 SYSTEM = FixedUnknowns(circle())
 
@@ -26,7 +26,20 @@ def test_a_point_without_factors_has_its_tangent_and_factors_again_where_it_must
     assert slim.solution.solve is not solution.solve and slim.n_iterations == point.n_iterations
     assert slim.tangent is point.tangent
     # The equation 2 x dx + 2 y dy = 1 with dy = 0 has dx = 1 / 1.6.
-    assert slim.solve(np.array([1.0, 0.0])) == pytest.approx([0.625, 0.0], abs=1e-12)
+    assert slim.solve_nearly(np.array([1.0, 0.0])) == pytest.approx([0.625, 0.0], abs=1e-12)
+
+
+def test_what_led_to_a_point_solves_there_to_a_few_per_cent(monkeypatch):
+    monkeypatch.setattr(newton, "LARGE", 1)
+    asked = []
+    watched = Algebraic(circle().equations, lambda x: asked.append(x) or circle().derivatives(x))
+    system = FixedUnknowns(watched)
+    solution = correct_component(system, np.array([0.801, 0.6]), 1, 0.6, NewtonSettings())
+    point = CurvePoint(system, solution.at, solution)
+    assert len(asked) == 1
+    nearly = point.solve_nearly(np.array([1.0, 0.0]))
+    assert nearly != pytest.approx([0.625, 0.0], rel=1e-12)
+    assert nearly == pytest.approx([0.625, 0.0], rel=0.03) and len(asked) == 1
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])

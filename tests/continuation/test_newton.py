@@ -100,6 +100,21 @@ def test_where_factors_are_dear_more_steps_are_taken_with_them(monkeypatch, larg
     assert solution.x[0] == pytest.approx(math.sqrt(2), abs=1e-15)
 
 
+def test_steps_of_rounding_end_it():
+    """Residuals off by 1e-13, now this way, now that: steps with the factors at hand stay that long."""
+    call = count()
+
+    def residual(x):
+        return x**2 - 2.0 + 1e-13 * (-1.0) ** next(call)
+
+    asked = []
+    near = equilibrate(np.diag([2 * math.sqrt(2.00001)]), np.ones(1)).factor()
+    system = Algebraic(residual, lambda x: asked.append(x) or np.diag(2 * x))
+    solution = solve_newton(system.at, np.array([1.4143]), np.ones(1), near=near)
+    assert solution.x[0] == pytest.approx(math.sqrt(2), abs=2e-13)
+    assert not asked
+
+
 def test_factors_of_a_point_nearby_lead_to_the_solution_to_rounding():
     """The square root of 2 by the slope at that of 2.001: every step is 4e-4 times as long as the one before."""
     asked = []

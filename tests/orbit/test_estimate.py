@@ -269,7 +269,7 @@ def test_along_branches_and_round_folds(model, name, ends, rule, compare):
         true, other = (distance(here, exact, width) for exact in nearest)
         if abs(true - other) < true / RESOLVED:
             errors.append(true)
-            estimates.append(estimate_error(here, (width,), point.state.point.solve))
+            estimates.append(estimate_error(here, (width,), point.state.point.solve_nearly))
     assert len(errors) >= len(points) - 2
     compare(f"{model}, along a branch", errors, estimates)
     trusted(np.array(errors), np.array(estimates))

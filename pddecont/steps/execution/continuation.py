@@ -118,7 +118,7 @@ class _Branch:
             ranges=self.settings.widths,
             multipliers=multipliers,
             error=point.error,
-            solve=None if isinstance(at, ExtendedEvaluation) else state.point.solve,
+            solve=None if isinstance(at, ExtendedEvaluation) else state.point.solve_nearly,
             n_shown=self.step.settings.multipliers.number,
         )
         self.writer.append({**points, "unexplained": point.n_unexplained}, rows, point.reason)

@@ -90,7 +90,7 @@ def orbit_to_row(
 
     ``events`` are those whose surfaces the step keeps, ``n_shown`` is the number of multipliers that were asked for,
     ``ranges`` are the widths of the free parameters' ranges; ``error`` is that of the orbit, where it is known already,
-    ``solve`` solves with its bordered Jacobian, where its factors are at hand.
+    ``solve`` solves with its bordered Jacobian to a few per cent, where factors are at hand.
     An orbit that is no motion of the model is not stable.
     """
     unknown = multipliers is None or not multipliers.says_stability
