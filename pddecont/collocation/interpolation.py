@@ -68,9 +68,11 @@ def _read_folded(mesh: Mesh, theta: Array, values: Array, s: int, times: Array) 
     inside = np.clip(times, edges[0], np.nextafter(edges[-1], edges[0]))
     over = (low <= inside[:, None]) & (inside[:, None] < high)
     which, among = np.nonzero(over)
-    points = MeshPoints(intervals[among], (inside[which] - left[among]) / lengths[among])
+    # By its own length one between edges that are the same to rounding may have none.
+    widths = np.diff(edges)[among]
+    points = MeshPoints(intervals[among], np.clip((inside[which] - left[among]) / widths, 0.0, 1.0))
     result = np.zeros((len(times), values.shape[1]))
-    np.add.at(result, which, np.sign(np.diff(edges)[among])[:, None] * mesh.interpolate(values, points))
+    np.add.at(result, which, np.sign(widths)[:, None] * mesh.interpolate(values, points))
     return result
 
 

@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pddecont.collocation import Mesh, Piece, raise_degree, resample, transfer
+from pddecont.collocation.interpolation import _read_folded
 from tests.collocation.meshes import make_pieces, meshes
 
 
@@ -107,3 +108,16 @@ def test_where_breaking_points_pass_one_another_their_jumps_change_places():
     t = fine.base_times(swapped)
     expected = [curve(time, [place for place in (one, other) if place < time]) for time in t]
     assert transfer(mesh, swapped, values, fine, swapped)[:, 0] == pytest.approx(expected, abs=1e-12)
+
+
+def test_an_interval_between_edges_that_are_the_same_to_rounding_is_read_inside():
+    """Its own length, of other sums of the same numbers, is zero; its edges are a unit of the last place apart."""
+    edges = np.array([[0, 0, 0], [0, 1, 0], [0, 0, 1], [1, 0, 0]], dtype=float)
+    mesh = Mesh(3, 1, tuple(Piece(0, a, b, np.array([0.0, 1.0])) for a, b in pairwise(edges)))
+    theta = np.array([2.0, 1.0, np.nextafter(1.0, 2.0)])
+    lengths = mesh.length.copy()
+    lengths[1] = 0.0
+    vars(mesh)["length"] = lengths
+    values = 1.0 + mesh.base_times(theta)[:, None]
+    times = np.array([0.0, 0.5, 1.0, theta[2], 1.5])
+    assert _read_folded(mesh, theta, values, 0, times)[:, 0] == pytest.approx(1.0 + times, abs=1e-14)
