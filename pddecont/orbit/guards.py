@@ -43,7 +43,9 @@ def _measure_guards(orbit: Orbit) -> list[float]:
     guards = [segment.guard for segment in orbit.signature.segments]
     every = tuple(dict.fromkeys(e for guard in guards for e in list_differences(guard)))
     values, sizes = evaluate_after(orbit, range(len(guards)), every)
-    columns = (values / sizes).T.tolist()
+    # A comparison need not have a value at segments that do not ask for it.
+    with np.errstate(invalid="ignore"):
+        columns = (values / sizes).T.tolist()
     return [combine_differences(g, dict(zip(every, c, strict=True))) for g, c in zip(guards, columns, strict=True)]
 
 

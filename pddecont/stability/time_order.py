@@ -1,9 +1,9 @@
 """The linearised equations of a period solved in the order of time.
 
 With the past and the durations given, each mesh interval follows from those before it: the matrix is block lower
-triangular, but for a border of durations, breaking times and the start with the equations that fix them. Going through
-the blocks once costs about as much as a sparse factorisation before its first solution. Pivots are sought inside a
-block alone; what is left of the equations shows whether that was enough.
+triangular, but for a border of durations, breaking times and the start with the equations that fix them. Where blocks
+are small going through them once costs less than a sparse factorisation before its first solution. Pivots are sought
+inside a block alone; what is left of the equations shows whether that was enough.
 
 Reference: Ascher, Mattheij, Russell (1995), section 7.2, for growth in such eliminations.
 """
