@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from pddecont.codegen.machine_code import ModelFunctions
 
 Array = NDArray[np.float64]
+Ints = NDArray[np.intp]
 # No states, at one point.
 _NONE = np.zeros((0, 1))
 
@@ -77,6 +78,18 @@ class NumericModel:
     def parameter_values(self) -> Array:
         """The model file's parameter values, in the order of ``model.parameters``."""
         return np.array(list(self.model.parameters.values()), dtype=float)
+
+    def list_reads(self, delay: int) -> list[tuple[int, Ints, Ints]]:
+        """Return what is read by a delay: each derivative with the states and the numbers of the delayed values."""
+        return self._reads.get(delay, [])
+
+    @cached_property
+    def _reads(self) -> dict[int, list[tuple[int, Ints, Ints]]]:
+        found: dict[int, list[tuple[int, Ints, Ints]]] = {}
+        for (delay, order), numbers in self.model.read_groups.items():
+            states = np.array([self.model.delayed[i].state for i in numbers], dtype=np.intp)
+            found.setdefault(delay, []).append((order, states, np.array(numbers, dtype=np.intp)))
+        return found
 
     def with_fixed(self, p: Array) -> Array:
         """Return ``p`` with the parameters that effects left out set at their values."""

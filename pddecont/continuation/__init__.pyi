@@ -25,6 +25,7 @@ from .linear import find_log_determinant as find_log_determinant
 from .linear import is_odd as is_odd
 from .linear import row_maxima as row_maxima
 from .linear import scale_matrix as scale_matrix
+from .linear import make_sparse as make_sparse
 from .linear import with_values as with_values
 from .newton import NewtonSettings as NewtonSettings
 from .newton import Solution as Solution

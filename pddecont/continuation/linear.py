@@ -6,6 +6,7 @@ import warnings
 from collections.abc import Callable
 from copy import copy
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -18,9 +19,11 @@ from pddecont.errors import ConvergenceError
 from pddecont.native import compiled_assembly
 
 Array = NDArray[np.float64]
+Ints = NDArray[np.intc]
 # An Array or a scipy.sparse matrix in CSC form; scipy has no types.
 Matrix: TypeAlias = Any
-# From so many unknowns on entries that happen to be zero are left out: what they fill costs more than finding them.
+# From so many unknowns on entries that happen to be zero are left out, as what they fill costs more than finding them,
+# and columns are factored several at once, which takes longer for fewer.
 MANY = 1000
 
 
@@ -109,7 +112,7 @@ def factor(matrix: Matrix) -> Callable[[Array], Array]:
         if not np.isfinite(matrix.data).all():
             raise ConvergenceError("the Jacobian holds values that are not finite")
         try:
-            solve: Callable[[Array], Array] = scipy.sparse.linalg.splu(_leave_out_zeros(matrix)).solve
+            solve: Callable[[Array], Array] = _factor_sparse(matrix).solve
         except RuntimeError as exc:
             raise ConvergenceError("the Jacobian is singular") from exc
         return solve
@@ -124,13 +127,14 @@ def factor(matrix: Matrix) -> Callable[[Array], Array]:
     return lambda b: np.asarray(scipy.linalg.lu_solve(dense, b, check_finite=False))
 
 
-def _leave_out_zeros(matrix: Matrix) -> Matrix:
-    """Return a sparse matrix without stored zeros where it is large, itself where it has none."""
-    if matrix.shape[0] < MANY or np.count_nonzero(matrix.data) == len(matrix.data):
-        return matrix
-    result = matrix.copy()
-    result.eliminate_zeros()
-    return result
+def _factor_sparse(matrix: Matrix) -> Any:
+    """Return the factors of a sparse matrix; a large one is factored without the zeros among its entries."""
+    if matrix.shape[0] < MANY:
+        return scipy.sparse.linalg.splu(matrix, panel_size=1, relax=1)
+    if np.count_nonzero(matrix.data) < len(matrix.data):
+        matrix = matrix.copy()
+        matrix.eliminate_zeros()
+    return scipy.sparse.linalg.splu(matrix)
 
 
 def scale_matrix(matrix: Matrix, rows: Array, columns: Array) -> Matrix:
@@ -163,18 +167,32 @@ def add_row(matrix: Matrix, row: Array) -> Matrix:
         compiled_assembly.append_row(
             starts, indices, matrix.data, n_rows, n_columns, below, new_starts, new_indices, data
         )
-        return sp.csc_matrix((data, new_indices, new_starts), shape=(n_rows + 1, n_columns))
+        return make_sparse(data, new_indices, new_starts, (n_rows + 1, n_columns))
     return np.vstack([matrix, row])
 
 
-def _find_structure(matrix: Matrix) -> tuple[NDArray[np.intc], NDArray[np.intc]]:
+def _find_structure(matrix: Matrix) -> tuple[Ints, Ints]:
     """Return where columns of a sparse matrix start, and the rows of its entries."""
     return np.ascontiguousarray(matrix.indptr, dtype=np.intc), np.ascontiguousarray(matrix.indices, dtype=np.intc)
 
 
+def make_sparse(data: Array, rows: Ints, starts: Ints, shape: tuple[int, int]) -> Matrix:
+    """Return a sparse matrix (CSC) of columns that begin at ``starts``; in each the ``rows`` rise, none twice."""
+    # scipy has no way to say so: its constructors check what is known already, for longer than the matrix is used.
+    result = copy(_make_empty(shape))
+    result.data, result.indices, result.indptr = data, rows, starts
+    return result
+
+
+@lru_cache(maxsize=256)
+def _make_empty(shape: tuple[int, int]) -> Matrix:
+    empty = sp.csc_matrix(shape)
+    empty.has_canonical_format = True
+    return empty
+
+
 def with_values(matrix: Matrix, values: NDArray[Any]) -> Matrix:
     """Return a sparse matrix of the same structure, which is not looked through again, with other values."""
-    # scipy has no way to say so: its constructors check what is checked already, for longer than it is used.
     other = copy(matrix)
     other.data = values
     return other

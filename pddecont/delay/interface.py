@@ -15,8 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.collocation import Mesh, MeshPoints, weigh
+from pddecont.native import compiled_assembly
 
 Array = NDArray[np.float64]
+Ints = NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,11 +29,11 @@ class LocalWeights:
     ``sigma`` of mesh ``interval``, ``wraps`` periods back; all of shape (n_points,).
     """
 
-    columns: NDArray[np.intp]
+    columns: Ints
     weights: Array
-    interval: NDArray[np.intp]
+    interval: Ints
     sigma: Array
-    wraps: NDArray[np.intp]
+    wraps: Ints
 
     def differentiate(self, matrix: Array, lengths: Array) -> LocalWeights:
         """Return what reads the time derivative: ``matrix`` is that of slopes, ``lengths`` (n_points,) of intervals."""
@@ -40,6 +42,27 @@ class LocalWeights:
     def apply(self, values: Array) -> Array:
         """Return the delayed values of base ``values`` (n_base, n_quantities), shape (n_points, n_quantities)."""
         return weigh(self.weights, self.columns, values)
+
+    def read(self, values: Array, states: Ints, rows: Ints, out: Array) -> None:
+        """Write the delayed values of some of the ``states`` of base ``values`` to ``rows`` of ``out``.
+
+        Shapes: values (n_base, n_states), states and rows (n,), out (n_points, n_rows).
+        """
+        n_points, m = self.columns.shape
+        base_values = np.ascontiguousarray(values)
+        compiled_assembly.read_states(
+            self.weights,
+            self.columns,
+            n_points,
+            m,
+            base_values,
+            base_values.shape[1],
+            states,
+            rows,
+            len(states),
+            out.shape[1],
+            out,
+        )
 
     def reads_as(self, other: LocalWeights) -> bool:
         """Return whether every point reads the same base points, as many periods back, as with ``other``."""
@@ -56,6 +79,10 @@ class FullWeights:
     def apply(self, values: Array) -> Array:
         """Return the delayed values of base ``values`` (n_base, n_quantities), shape (n_points, n_quantities)."""
         return self.weights @ values
+
+    def read(self, values: Array, states: Ints, rows: Ints, out: Array) -> None:
+        """Write delayed values as :meth:`LocalWeights.read` does."""
+        out[:, rows] = self.apply(values[:, states])
 
     @property
     def amplification(self) -> float:

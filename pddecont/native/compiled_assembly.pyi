@@ -12,6 +12,7 @@ from pddecont.native.assembly.lagged import stretch_lagged_rates as stretch_lagg
 from pddecont.native.assembly.lagrange import evaluate_lagrange as evaluate_lagrange
 from pddecont.native.assembly.location import locate_times as locate_times
 from pddecont.native.assembly.reading import move_reads as move_reads
+from pddecont.native.assembly.reading import read_states as read_states
 from pddecont.native.assembly.reading import weigh_reads as weigh_reads
 from pddecont.native.assembly.reading import weigh_values as weigh_values
 from pddecont.native.assembly.residual import fill_residual as fill_residual

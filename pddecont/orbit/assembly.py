@@ -78,11 +78,13 @@ class Assembly:
         self.functions: list[FunctionEquations] = []
         self._rows: list[Ints] = []
         self._columns: list[Ints] = []
-        self._constant: list[Array] = []
+        self._known: list[tuple[slice, Array | float]] = []
         self._size = 0
         for equation in list_equations(problem):
             self._add_equation(equation)
-        self.constant = np.concatenate(self._constant)
+        self.constant = np.zeros(self._size)
+        for place, values in self._known:
+            self.constant[place] = values
         self.entry_rows, self.entry_columns = np.concatenate(self._rows), np.concatenate(self._columns)
 
     @property
@@ -165,7 +167,7 @@ class Assembly:
         values = entries.values
         if not callable(values):
             place, shape = self._add_places(entries.rows, entries.columns)
-            self._constant[-1] = np.broadcast_to(values, shape).ravel()
+            self._known.append((place, values if np.isscalar(values) else np.broadcast_to(values, shape).ravel()))
             return
 
         def fill(at: Linearisation, out: Array) -> None:
@@ -180,9 +182,8 @@ class Assembly:
         r, c = np.empty(shape, dtype=np.intp), np.empty(shape, dtype=np.intp)
         r[...], c[...] = rows, columns
         place, self._size = slice(self._size, self._size + r.size), self._size + r.size
-        self._rows.append(r.ravel())
-        self._columns.append(c.ravel())
-        self._constant.append(np.zeros(r.size))
+        self._rows.append(r.reshape(-1))
+        self._columns.append(c.reshape(-1))
         return place, shape
 
     def _add_equation(self, equation: Equation) -> None:
@@ -246,7 +247,7 @@ class Assembly:
     def _add_states(self, e: FunctionEquations) -> None:
         """Add the derivatives of a function in the states at its points."""
         out, state = e.function.structure(self.problem.free_index).dx
-        columns = np.moveaxis(self.problem.unknowns.value_index[e.base], 2, 0)[state]
+        columns = self.problem.unknowns.value_index.T[state][:, e.base]
         place, (n_slopes, n, m) = self._add_places(e.rows[out][:, :, None], columns)
         weights = np.ascontiguousarray(e.weights)
 

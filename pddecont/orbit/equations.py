@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from pddecont.codegen import ArrayFunction
 from pddecont.orbit.problem import OrbitProblem
-from pddecont.orbit.residual import Rows, group_by_mode, group_by_reset
+from pddecont.orbit.residual import Rows, group_by_event, group_by_mode, group_by_reset
 from pddecont.orbit.signature import DelayedEventLink
 
 Array = NDArray[np.float64]
@@ -94,8 +94,12 @@ Equation: TypeAlias = (
 )
 
 
-def list_equations(problem: OrbitProblem) -> Iterator[Equation]:
-    """Yield the equations of an orbit in the order of their rows."""
+def list_equations(problem: OrbitProblem) -> tuple[Equation, ...]:
+    """Return the equations of an orbit, kind by kind; they do not depend on what is read of the past."""
+    return problem.mesh.always(("equations", problem.signature, problem.links), lambda: tuple(_list(problem)))
+
+
+def _list(problem: OrbitProblem) -> Iterator[Equation]:
     mesh, rows = problem.mesh, Rows(problem.unknowns)
     n, n_segments = problem.numeric.n_states, mesh.n_segments
     collocation = np.arange(rows.n_collocation).reshape(mesh.n_collocation, n)
@@ -115,6 +119,8 @@ def list_equations(problem: OrbitProblem) -> Iterator[Equation]:
     for reset, which in group_by_reset(problem):
         yield _at_ends(problem, problem.numeric.reset(reset), which, resets[which].T, -1.0)
     links = {link.segment: link for link in problem.links}
+    for event, which in group_by_event(problem):
+        yield _at_ends(problem, problem.numeric.event(event), which, (rows.events + which)[None, :], 1.0)
     for s, segment in enumerate(problem.segments):
         row = rows.events + s
         if s in links:
@@ -122,10 +128,7 @@ def list_equations(problem: OrbitProblem) -> Iterator[Equation]:
             varying = links[s].find_varying(problem.numeric.model)
             if varying is not None:
                 yield _at_ends(problem, problem.numeric.varying_delay(varying), np.array([s]), np.array([[row]]), -1.0)
-        elif segment.event:
-            function = problem.numeric.event(segment.event)
-            yield _at_ends(problem, function, np.array([s]), np.array([[row]]), 1.0)
-        else:
+        elif not segment.event:
             yield PhaseEquation(row)
     yield from _list_breaking(problem, rows)
     yield PeriodEquation(rows.period)

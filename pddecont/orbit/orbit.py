@@ -151,15 +151,16 @@ class Orbit:
         """
         mesh, theta, model = self.mesh, self.theta, self.numeric.model
         t = self.start + mesh.evaluate_times(points, theta)
-        x, xd = mesh.interpolate(self.values, points).T, np.zeros((len(points), len(model.read_symbols))).T
+        x, past = mesh.interpolate(self.values, points).T, np.zeros((len(points), len(model.read_symbols)))
+        xd = past.T
         lags = np.zeros((len(model.varying), len(points)))
         operators = self.problem.make_operators(theta, points) if delays else []
         for k, operator in enumerate(operators):
-            self._read_delay(k, operator, xd)
+            self._read_delay(k, operator, past)
         for number in range(len(model.varying) if delays else 0):
             lags[number] = self.numeric.varying_delay(number).value(t, x, xd, self.parameters)[0]
             operators.append(self.problem.make_varying_operator(theta, lags[number], points, number))
-            self._read_delay(len(model.delays) + number, operators[-1], xd)
+            self._read_delay(len(model.delays) + number, operators[-1], past)
         found = self._integrate(points, t, x, xd) if delays and integrals else []
         return Reads(points, mesh.evaluate_edges(theta)[1], t, x, xd, operators, lags, found)
 
@@ -172,13 +173,10 @@ class Orbit:
             xd[len(model.delayed) + number] = found[-1].value
         return found
 
-    def _read_delay(self, k: int, operator: DelayOperator, xd: Array) -> None:
-        """Write what is read by delay number ``k`` to its rows of ``xd``."""
-        model = self.numeric.model
-        for order in range(self.problem.orders[k] + 1):
-            rows = model.read_groups.get((k, order), [])
-            states = [model.delayed[i].state for i in rows]
-            xd[rows] = operator.weights_of(order).apply(self.values[:, states]).T
+    def _read_delay(self, k: int, operator: DelayOperator, past: Array) -> None:
+        """Write what is read by delay number ``k`` to its columns of ``past`` (n_points, n_reads)."""
+        for order, states, columns in self.numeric.list_reads(k):
+            operator.weights_of(order).read(self.values, states, columns, past)
 
     def find_segment(self, time: float) -> int:
         """Return the segment that holds a time after the orbit's start, in [0, period]."""

@@ -11,6 +11,7 @@ Rows, in this order (c runs over collocation points, s over segments):
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -69,9 +70,9 @@ def group_by_mode(problem: OrbitProblem) -> list[tuple[str, Ints]]:
     mesh = problem.mesh
 
     def find() -> list[tuple[str, Ints]]:
-        of_interval = np.array([problem.segments[s].mode for s in mesh.segment])
-        of_point = np.repeat(of_interval, mesh.degree)
-        return [(mode, np.flatnonzero(of_point == mode)) for mode in dict.fromkeys(of_interval.tolist())]
+        intervals = _group([problem.segments[s].mode for s in mesh.segment.tolist()])
+        inside = np.arange(mesh.degree)
+        return [(mode, (mesh.degree * which[:, None] + inside).ravel()) for mode, which in intervals]
 
     return mesh.always(("modes", problem.signature), find)
 
@@ -79,11 +80,23 @@ def group_by_mode(problem: OrbitProblem) -> list[tuple[str, Ints]]:
 def group_by_reset(problem: OrbitProblem) -> list[tuple[str, Ints]]:
     """Return each reset of the orbit with the segments at whose ends it happens."""
 
-    def find() -> list[tuple[str, Ints]]:
-        resets = np.array([segment.reset for segment in problem.segments])
-        return [(reset, np.flatnonzero(resets == reset)) for reset in dict.fromkeys(resets.tolist())]
+    resets = [segment.reset for segment in problem.segments]
+    return problem.mesh.always(("resets", problem.signature), lambda: _group(resets))
 
-    return problem.mesh.always(("resets", problem.signature), find)
+
+def group_by_event(problem: OrbitProblem) -> list[tuple[str, Ints]]:
+    """Return each event with a function that ends segments of the orbit, with those segments."""
+    linked = {link.segment for link in problem.links}
+    events = ["" if s in linked else segment.event for s, segment in enumerate(problem.segments)]
+    return [(event, which) for event, which in _group(events) if event]
+
+
+def _group(names: Sequence[str]) -> list[tuple[str, Ints]]:
+    """Return each name with its places."""
+    places: dict[str, list[int]] = {}
+    for i, name in enumerate(names):
+        places.setdefault(name, []).append(i)
+    return [(name, np.array(found)) for name, found in places.items()]
 
 
 def compute_residual(orbit: Orbit) -> Array:
@@ -115,12 +128,10 @@ def _list_functions(problem: OrbitProblem) -> Equations:
             "events", tuple(s.event for s, has in zip(segments, has_function, strict=True) if has)
         )
         found = iter(events)
-        codes = [
-            *(fields[s] for s in mesh.segment for _ in range(mesh.degree)),
-            *resets,
-            *(next(found) if has else (0, 0) for has in has_function),
-        ]
-        address, which = np.array(codes, dtype=np.int64).T.copy()
+        at_events = [next(found) if has else (0, 0) for has in has_function]
+        codes = np.array([*fields, *resets, *at_events], dtype=np.int64)
+        at_points = np.repeat(codes[: len(fields)][mesh.segment], mesh.degree, axis=0)
+        address, which = np.concatenate([at_points, codes[len(fields) :]]).T.copy()
         return Equations(
             degree=mesh.degree,
             n_intervals=mesh.n_intervals,

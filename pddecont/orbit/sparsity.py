@@ -6,10 +6,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from pddecont.continuation import Matrix, with_values
+from pddecont.continuation import Matrix, make_sparse, with_values
 from pddecont.native import compiled_assembly
 
 Array = NDArray[np.float64]
@@ -37,7 +36,7 @@ class SparsityPattern:
     @cached_property
     def _empty(self) -> Matrix:
         indices, indptr, _ = self._order
-        return sp.csc_matrix((np.zeros(len(indices)), indices, indptr), shape=self.shape)
+        return make_sparse(np.zeros(len(indices)), indices, indptr, self.shape)
 
     def fill(self, values: Array) -> Matrix:
         """Return the sparse matrix (CSC) with these values (n_entries,)."""

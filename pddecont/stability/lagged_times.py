@@ -73,10 +73,11 @@ class LaggedMesh:
     @cached_property
     def _edges(self) -> tuple[Array, Array]:
         pieces, of = self.mesh.pieces, self.mesh.piece
-        starts, ends = (self._spread([getattr(piece, side) for piece in pieces]) for side in ("start", "end"))
+        edges = self._spread([*(piece.start for piece in pieces), *(piece.end for piece in pieces)])
+        starts, ends = edges[: len(pieces)], edges[len(pieces) :]
         widths = ends - starts
         cuts = np.concatenate([piece.cuts[:-1] for piece in pieces])[:, None, None]
-        parts = np.concatenate([np.diff(piece.cuts) for piece in pieces])[:, None, None]
+        parts = np.concatenate([piece.cuts[1:] - piece.cuts[:-1] for piece in pieces])[:, None, None]
         return starts[of] + cuts * widths[of], parts * widths[of]
 
     def _spread(self, edges: list[Array]) -> Array:

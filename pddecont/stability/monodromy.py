@@ -19,7 +19,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from pddecont.continuation import EquilibratedMatrix, Matrix, ScaledFactors, equilibrate
+from pddecont.continuation import EquilibratedMatrix, Matrix, ScaledFactors, equilibrate, make_sparse
 from pddecont.delay import FullWeights
 from pddecont.errors import ConvergenceError
 from pddecont.orbit import Assembly, Linearisation, Orbit, OrbitProblem, Reads, measure_orbit
@@ -188,7 +188,7 @@ def linearise_period(orbit: Orbit, assembly: Assembly | None = None) -> Monodrom
     wide.eliminate_zeros()
     sizes = _measure_columns(orbit)
     end = wide.indptr[n]
-    present = sp.csc_matrix((wide.data[:end], wide.indices[:end], wide.indptr[: n + 1]), shape=(n, n))
+    present = make_sparse(wide.data[:end], wide.indices[:end], wide.indptr[: n + 1], (n, n))
     if lines:
         present = present.toarray()
         assembly.add_full_reads(present, at)
@@ -213,7 +213,7 @@ def _take_period(wide: Matrix, n: int, w: int, places: Ints) -> Matrix:
     """Return columns ``places`` of the ``n`` of period k - w, of which all that are not zero must be among them."""
     starts = wide.indptr[w * n : (w + 1) * n + 1]
     inside, chosen = slice(starts[0], starts[-1]), np.concatenate([starts[places], starts[-1:]]) - starts[0]
-    return sp.csc_matrix((wide.data[inside], wide.indices[inside], chosen), shape=(n, len(places)))
+    return make_sparse(wide.data[inside], wide.indices[inside], chosen, (n, len(places)))
 
 
 def _move_assembly(

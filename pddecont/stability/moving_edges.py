@@ -28,8 +28,9 @@ def find_still_edges(orbit: Orbit) -> frozenset[Edge]:
     mesh, S = orbit.mesh, orbit.mesh.n_segments
 
     def find_returned() -> list[tuple[int, int]]:
-        returned = [i for i, piece in enumerate(mesh.pieces) if np.any(piece.start[S:])]
-        return [(i, _find_level(orbit, mesh.pieces[i].start)) for i in returned]
+        starts = np.array([piece.start for piece in mesh.pieces])
+        returned = np.flatnonzero(starts[:, S:].any(axis=1))
+        return list(zip(returned.tolist(), _find_levels(orbit, starts[returned]), strict=True))
 
     levels = mesh.always(("levels of edges", orbit.signature), find_returned)
     if not levels:
@@ -41,13 +42,15 @@ def find_still_edges(orbit: Orbit) -> frozenset[Edge]:
     return frozenset(tuple(mesh.pieces[i].start.tolist()) for i in returned if i not in jumps)
 
 
-def _find_level(orbit: Orbit, edge: Array) -> int:
-    """Return the lowest derivative of the solution that can jump at an edge some delays after an event."""
+def _find_levels(orbit: Orbit, edges: Array) -> list[int]:
+    """Return the lowest derivative of the solution that can jump at each of ``edges`` some delays after an event."""
     S, jumps = orbit.mesh.n_segments, orbit.signature.discontinuity_sources.jumps
-    if not orbit.signature.discontinuity_sources.are_sums:
-        return 1
-    ended = round(float(np.sum(edge[:S] - np.min(edge[:S])))) if S else 0
-    return jumps[(ended - 1) % len(jumps)] + round(float(np.sum(edge[S:])))
+    if not orbit.signature.discontinuity_sources.are_sums or not len(edges):
+        return [1] * len(edges)
+    events, delays = edges[:, :S], np.rint(edges[:, S:].sum(axis=1)).astype(np.intp)
+    ended = np.rint((events - events.min(axis=1, keepdims=True)).sum(axis=1)).astype(np.intp)
+    levels: list[int] = (np.array(jumps)[(ended - 1) % len(jumps)] + delays).tolist()
+    return levels
 
 
 def _find_jumps(orbit: Orbit, pieces: list[int]) -> list[bool]:

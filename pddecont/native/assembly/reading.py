@@ -7,6 +7,9 @@ from math import inf
 from pddecont.native.arrays import Floats, Integers, entry
 from pddecont.native.assembly.lagrange import evaluate_lagrange
 
+# So few values are summed up one after the other, more of them together.
+FEW = 4
+
 
 @entry
 def weigh_values(
@@ -16,6 +19,14 @@ def weigh_values(
 
     ``result`` has the shape (n, n_values).
     """
+    if n_values <= FEW:
+        for i in range(n):
+            for q in range(n_values):
+                total = 0.0
+                for k in range(m):
+                    total += weights[i * m + k] * values[columns[i * m + k] * n_values + q]
+                result[i * n_values + q] = total
+        return
     for i in range(n):
         for q in range(n_values):
             result[i * n_values + q] = 0.0
@@ -24,6 +35,32 @@ def weigh_values(
             first = columns[i * m + k] * n_values
             for q in range(n_values):
                 result[i * n_values + q] += weight * values[first + q]
+
+
+@entry
+def read_states(
+    weights: Floats,
+    columns: Integers,
+    n: int,
+    m: int,
+    values: Floats,
+    n_values: int,
+    states: Integers,
+    rows: Integers,
+    n_read: int,
+    n_rows: int,
+    result: Floats,
+) -> None:
+    """Write what :func:`weigh_values` makes of ``states`` (n_read,) alone to ``rows`` (n_read,) of ``result``.
+
+    Its shape is (n, n_rows); other rows stay.
+    """
+    for i in range(n):
+        for r in range(n_read):
+            total = 0.0
+            for k in range(m):
+                total += weights[i * m + k] * values[columns[i * m + k] * n_values + states[r]]
+            result[i * n_rows + rows[r]] = total
 
 
 @entry
