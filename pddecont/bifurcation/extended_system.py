@@ -22,6 +22,7 @@ from pddecont.continuation import (
     NewtonSettings,
     Scaling,
     Solution,
+    TimeOrder,
     add_row,
     equilibrate,
     solve_adaptively,
@@ -97,6 +98,11 @@ class ExtendedEvaluation:
         slopes = self.rates_along(directions)
         return add_row(matrix, (rows @ np.linalg.solve(rows.T @ rows, slopes)) / size)
 
+    @property
+    def time_order(self) -> TimeOrder | None:
+        """In which order of time the Jacobian is eliminated."""
+        return self.inner.time_order
+
     def free_directions(self) -> Array:
         """Return unit directions that span the null space of the orbit's equations, shape (n_free, n_unknowns)."""
         return self._span(self.inner.jacobian(), np.zeros(len(self.x) - len(self.orbit.problem.free)))[0]
@@ -118,14 +124,14 @@ class ExtendedEvaluation:
         if basis.directions is None:
             basis.directions = np.random.default_rng(1).standard_normal((n_free, matrix.shape[1])) * size
             for _ in range(2):
-                basis.directions = _span_null(matrix, size, basis.directions, rhs)[0]
-        basis.directions, solution = _span_null(matrix, size, basis.directions, rhs)
+                basis.directions = _span_null(matrix, size, basis.directions, rhs, self.time_order)[0]
+        basis.directions, solution = _span_null(matrix, size, basis.directions, rhs, self.time_order)
         return basis.directions, solution
 
 
-def _span_null(matrix: Matrix, size: Array, near: Array, rhs: Array) -> tuple[Array, Array]:
+def _span_null(matrix: Matrix, size: Array, near: Array, rhs: Array, order: TimeOrder | None) -> tuple[Array, Array]:
     """Return unit vectors that span the null space, and the solution for ``rhs`` at right angles to those ``near``."""
-    null, solution = equilibrate(matrix, size).solve_with_border(near / size, rhs)
+    null, solution = equilibrate(matrix, size).solve_with_border(near / size, rhs, order)
     basis, upper = np.linalg.qr(null)
     return (basis * np.sign(np.diag(upper))).T * size, solution * size
 

@@ -23,9 +23,9 @@ from .linear import equilibrate as equilibrate
 from .linear import factor as factor
 from .linear import find_log_determinant as find_log_determinant
 from .linear import is_odd as is_odd
+from .linear import make_sparse as make_sparse
 from .linear import row_maxima as row_maxima
 from .linear import scale_matrix as scale_matrix
-from .linear import make_sparse as make_sparse
 from .linear import with_values as with_values
 from .newton import NewtonSettings as NewtonSettings
 from .newton import Solution as Solution
@@ -41,3 +41,4 @@ from .test_functions import CountFunction as CountFunction
 from .test_functions import Counts as Counts
 from .test_functions import TestFunction as TestFunction
 from .test_functions import TestFunctions as TestFunctions
+from .time_order import TimeOrder as TimeOrder

@@ -16,6 +16,7 @@ from pddecont.continuation.linear import Matrix, ScaledFactors, add_row, equilib
 from pddecont.continuation.newton import NewtonSettings, Solution, solve_newton
 from pddecont.continuation.scaling import Scaling
 from pddecont.continuation.system import E, Evaluation, System
+from pddecont.continuation.time_order import TimeOrder
 
 Array = NDArray[np.float64]
 
@@ -42,11 +43,16 @@ class BorderedEvaluation(Generic[E]):
         """Return the residuals' derivatives, square."""
         return add_row(self.inner.jacobian(), self.row)
 
+    @property
+    def time_order(self) -> TimeOrder | None:
+        """In which order of time the Jacobian is eliminated."""
+        return self.inner.time_order
+
 
 def find_tangent(at: Evaluation, scaling: Scaling, towards: Array) -> Array:
     """Return the unit tangent of the branch at one of its points that makes an acute angle with ``towards``."""
     bordered = equilibrate(add_row(at.jacobian(), scaling.covector(towards)), scaling.scale)
-    return scaling.normalise(bordered.factor().solve(_last_unit(len(at.x))))
+    return scaling.normalise(bordered.factor(at.time_order).solve(_last_unit(len(at.x))))
 
 
 def tangent_at(solution: Solution[E], scaling: Scaling, towards: Array) -> Array:

@@ -15,6 +15,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg
 from numpy.typing import NDArray
 
+from pddecont.continuation.time_order import TimeOrder, factor_in_time
 from pddecont.errors import ConvergenceError
 from pddecont.native import compiled_assembly
 
@@ -38,21 +39,22 @@ class EquilibratedMatrix:
     rows: Array
     columns: Array
 
-    def factor(self) -> ScaledFactors:
-        """Return the factors of a square matrix.
+    def factor(self, order: TimeOrder | None = None) -> ScaledFactors:
+        """Return the factors of a square matrix; a sparse one is eliminated in an ``order`` of time where that does.
 
         Raises
         ------
         ConvergenceError
             If it is singular or not finite.
         """
-        return ScaledFactors(factor(self.matrix), self.rows, self.columns)
+        return ScaledFactors(_factor(self.matrix, order), self.rows, self.columns)
 
-    def solve_with_border(self, border: Array, rhs: Array) -> tuple[Array, Array]:
+    def solve_with_border(self, border: Array, rhs: Array, order: TimeOrder | None = None) -> tuple[Array, Array]:
         """Return what spans the null space of a matrix with k columns more than rows, and a solution for ``rhs``.
 
         With the k rows ``border`` (k, n) below it, in scaled unknowns, the matrix becomes square; which rows does not
-        matter as long as it becomes regular. The solutions for their unit vectors span the null space.
+        matter as long as it becomes regular. The solutions for their unit vectors span the null space. ``order`` is as
+        for :meth:`factor`.
 
         Returns
         -------
@@ -65,7 +67,7 @@ class EquilibratedMatrix:
         right = np.zeros((matrix.shape[0], k + 1))
         right[-k or len(right) :, :k] = np.eye(k)
         right[: len(self.rows), k] = self.rows * rhs
-        solved = factor(matrix)(right)
+        solved = _factor(matrix, order)(right)
         return solved[:, :k], solved[:, k]
 
 
@@ -98,6 +100,12 @@ def equilibrate(matrix: Matrix, columns: Array | None = None) -> EquilibratedMat
     scaled = matrix if columns is None else scale_matrix(matrix, np.ones(n_rows), sizes)
     rows = 1.0 / row_maxima(scaled)
     return EquilibratedMatrix(scale_matrix(scaled, rows, np.ones(n_columns)), rows, sizes)
+
+
+def _factor(matrix: Matrix, order: TimeOrder | None) -> Callable[[Array], Array]:
+    """Return what solves with a matrix, in an ``order`` of time where there is one and that does."""
+    found = None if order is None or not sp.issparse(matrix) else factor_in_time(matrix, order)
+    return found or factor(matrix)
 
 
 def factor(matrix: Matrix) -> Callable[[Array], Array]:

@@ -132,7 +132,7 @@ def _take_newton_step(
     if not history:
         history.append(size)
     try:
-        factors = equilibrated.factor()
+        factors = equilibrated.factor(here.time_order)
         step = factors.solve_scaled(-residual)
     except ConvergenceError as exc:
         raise ConvergenceError(f"{exc} (residuals: {format_history(history)})", history) from exc
@@ -203,7 +203,7 @@ def _count_newton_steps(last: float, first: float, settings: NewtonSettings) -> 
 
 def _find_factors_at(at: Evaluation, scale: Array) -> Callable[[], Callable[[Array], Array]]:
     """Return what factors the Jacobian at a point and returns what solves with it."""
-    return lambda: equilibrate(at.jacobian(), scale).factor().solve
+    return lambda: equilibrate(at.jacobian(), scale).factor(at.time_order).solve
 
 
 def _correct_solutions(last: _Step[E]) -> Callable[[Array], Array]:
@@ -220,7 +220,7 @@ def _correct_solutions(last: _Step[E]) -> Callable[[Array], Array]:
             x = x + correction
             if _norm(correction / factors.columns) <= CORRECTED * size:
                 return x
-        return equilibrate(matrix[0], factors.columns).factor().solve(b)
+        return equilibrate(matrix[0], factors.columns).factor(last.at.time_order).solve(b)
 
     return solve
 

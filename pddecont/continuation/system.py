@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from pddecont.continuation.linear import Matrix
 from pddecont.continuation.scaling import Scaling
+from pddecont.continuation.time_order import TimeOrder
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
@@ -42,6 +43,11 @@ class Evaluation(Protocol):
         ConvergenceError
             If they have no finite values here.
         """
+        ...
+
+    @property
+    def time_order(self) -> TimeOrder | None:
+        """In which order of time the Jacobian is eliminated, once rows below it make it square; None if in none."""
         ...
 
 

@@ -185,6 +185,10 @@ class CriticalEvaluation:
             result[k:, column] = (ends[1] - ends[0]) / (2.0 * step)
         return result
 
+    @property
+    def time_order(self) -> None:
+        """None: nothing here happens in time."""
+
     def _move(self, column: int, step: float) -> Array:
         x = self.x.copy()
         x[column] += step

@@ -107,6 +107,10 @@ class EquilibriumEvaluation:
             return sp.vstack([sp.hstack([in_x, slopes.T, in_p]), below], format="csc")
         return np.vstack([np.hstack([in_x, slopes.T, in_p]), below]).reshape(n + m, -1)
 
+    @property
+    def time_order(self) -> None:
+        """None: nothing here happens in time."""
+
     @cached_property
     def _field(self) -> tuple[Array, Matrix, Array]:
         at = self.equilibrium

@@ -161,6 +161,10 @@ class _Equations:
             result[:, column] = (ends[1] - ends[0]) / (2.0 * step)
         return result
 
+    @property
+    def time_order(self) -> None:
+        """None: nothing here happens in time."""
+
     def _moved(self, column: int, step: float) -> _Equations:
         x = self.x.copy()
         x[column] += step

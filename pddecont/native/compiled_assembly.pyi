@@ -1,7 +1,10 @@
 """The entries of the assembly as they are compiled: the functions of its sources."""
 
 from pddecont.native.assembly.cutting import cut_piece as cut_piece
-from pddecont.native.assembly.elimination import eliminate_in_time as eliminate_in_time
+from pddecont.native.assembly.elimination import factor_in_time as factor_in_time
+from pddecont.native.assembly.elimination import find_wrapped as find_wrapped
+from pddecont.native.assembly.elimination import solve_in_time as solve_in_time
+from pddecont.native.assembly.elimination import take_columns as take_columns
 from pddecont.native.assembly.entries import add_moves as add_moves
 from pddecont.native.assembly.entries import spread_over_reads as spread_over_reads
 from pddecont.native.assembly.entries import spread_slopes as spread_slopes

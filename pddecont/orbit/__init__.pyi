@@ -82,6 +82,7 @@ from .system import OrbitEvaluation as OrbitEvaluation
 from .system import PeriodicOrbitSystem as PeriodicOrbitSystem
 from .system import Sizes as Sizes
 from .system import measure_orbit as measure_orbit
+from .time_order import order_in_time as order_in_time
 from .verdict import NOT_DONE as NOT_DONE
 from .verdict import Verification as Verification
 from .verdict import Verifier as Verifier

@@ -167,7 +167,7 @@ class Assembly:
         values = entries.values
         if not callable(values):
             place, shape = self._add_places(entries.rows, entries.columns)
-            self._known.append((place, values if np.isscalar(values) else np.broadcast_to(values, shape).ravel()))
+            self._known.append((place, np.broadcast_to(values, shape).ravel() if np.ndim(values) else values))
             return
 
         def fill(at: Linearisation, out: Array) -> None:

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.collocation import raise_degree, resample
-from pddecont.continuation import Matrix, Scaling, equilibrate
+from pddecont.continuation import Matrix, Scaling, TimeOrder, equilibrate
 from pddecont.errors import ConvergenceError
 from pddecont.orbit.deferred_correction import find_deferred_correction
 from pddecont.orbit.error import estimate_rounding_error
@@ -51,7 +51,7 @@ def estimate_error(
         step = None if solve is None else _find_nearest_by_deferral(orbit, finer, solve, tangent, system.scaling)
         if step is None:
             at = system.at(finer.x)
-            step = solve_nearest(at.jacobian(), -at.residual, system.scaling)
+            step = solve_nearest(at.jacobian(), -at.residual, system.scaling, at.time_order)
     except ConvergenceError:
         return np.inf
     return max(float(np.max(np.abs(step) / system.scaling.scale)), estimate_rounding_error(orbit))
@@ -79,7 +79,7 @@ def _raise_orbit(orbit: Orbit) -> Orbit:
     return settle_reads(Orbit(new, new.unknowns.join(values, orbit.durations, orbit.start, orbit.free)))
 
 
-def solve_nearest(matrix: Matrix, rhs: Array, scaling: Scaling) -> Array:
+def solve_nearest(matrix: Matrix, rhs: Array, scaling: Scaling, order: TimeOrder | None = None) -> Array:
     """Return the shortest solution of ``matrix @ step = rhs`` for a matrix with k >= 0 columns more than rows.
 
     The rows that make it square do not matter as long as it becomes regular, and random ones make it so; what the
@@ -88,6 +88,6 @@ def solve_nearest(matrix: Matrix, rhs: Array, scaling: Scaling) -> Array:
     n_rows, n = matrix.shape
     border = np.random.default_rng(1).standard_normal((n - n_rows, n))
     border /= np.linalg.norm(border, axis=1)[:, None]
-    null, step = equilibrate(matrix, scaling.size).solve_with_border(border, rhs)
+    null, step = equilibrate(matrix, scaling.size).solve_with_border(border, rhs, order)
     along, _ = np.linalg.qr(null)
     return scaling.size * (step - along @ (along.T @ step))

@@ -79,7 +79,6 @@ def group_by_mode(problem: OrbitProblem) -> list[tuple[str, Ints]]:
 
 def group_by_reset(problem: OrbitProblem) -> list[tuple[str, Ints]]:
     """Return each reset of the orbit with the segments at whose ends it happens."""
-
     resets = [segment.reset for segment in problem.segments]
     return problem.mesh.always(("resets", problem.signature), lambda: _group(resets))
 

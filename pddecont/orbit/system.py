@@ -11,7 +11,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from pddecont.collocation import Density, MeshRule, equal_cuts, has_wanted_intervals, share_intervals
-from pddecont.continuation import Matrix, Scaling
+from pddecont.continuation import Matrix, Scaling, TimeOrder
 from pddecont.errors import ConvergenceError
 from pddecont.orbit.error import measure_states
 from pddecont.orbit.jacobian import JacobianAssembler
@@ -28,6 +28,7 @@ from pddecont.orbit.remesh import (
     transfer_orbit,
 )
 from pddecont.orbit.residual import compute_residual
+from pddecont.orbit.time_order import order_in_time
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
@@ -89,6 +90,11 @@ class OrbitEvaluation:
         if not np.isfinite(matrix.data if sp.issparse(matrix) else matrix).all():
             raise ConvergenceError(explain_not_finite(self.orbit, derivatives=True))
         return matrix
+
+    @property
+    def time_order(self) -> TimeOrder | None:
+        """In which order of time the Jacobian is eliminated."""
+        return order_in_time(self.orbit.problem)
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,12 +22,11 @@ from numpy.typing import NDArray
 from pddecont.continuation import EquilibratedMatrix, Matrix, ScaledFactors, equilibrate, make_sparse
 from pddecont.delay import FullWeights
 from pddecont.errors import ConvergenceError
-from pddecont.orbit import Assembly, Linearisation, Orbit, OrbitProblem, Reads, measure_orbit
+from pddecont.orbit import Assembly, Linearisation, Orbit, OrbitProblem, Reads, measure_orbit, order_in_time
 from pddecont.stability.characteristic import Characteristic, MapCharacteristic, PeriodCharacteristic
 from pddecont.stability.lagged_columns import LaggedColumns, count_lags
 from pddecont.stability.moving_edges import Edge, find_still_edges
 from pddecont.stability.period_line import PeriodLine, make_period_line
-from pddecont.stability.time_order import order_in_time
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
@@ -89,7 +88,7 @@ class MonodromyOperator:
     def step(self, histories: Array, *, all_at_once: bool = False) -> tuple[Array, Array]:
         """Return the next periods X (n_columns, k) and the histories one period later, for ``histories`` (size, k).
 
-        Where they are all that is asked for (``all_at_once``) A_0 need not be factored.
+        Where they are all that is asked for (``all_at_once``) A_0 is eliminated in the order of time where that does.
         """
         parts, lines = self._split(histories)
         rhs = self.past[0] @ parts[0]
@@ -99,8 +98,8 @@ class MonodromyOperator:
             made = c.line.from_start(y)
             for q, into in enumerate(c.into):
                 rhs = rhs + into @ made[:, q]
-        x = self._solve_at_once(-rhs) if all_at_once else None
-        x = self.factors.solve(-rhs) if x is None else x
+        factors = self.present.factor(order_in_time(self.problem, goes_on=True)) if all_at_once else self.factors
+        x = factors.solve(-rhs)
         unknowns, mesh = self.problem.unknowns, self.problem.mesh
         values = x[unknowns.values].reshape(mesh.n_base, unknowns.n_states, -1)
         after = []
@@ -111,11 +110,6 @@ class MonodromyOperator:
         for w in range(1, len(self.kept)):
             recent.append(parts[w - 1][np.searchsorted(self.kept[w - 1], self.kept[w])])
         return x, np.concatenate([*recent, *(y.reshape(-1, x.shape[1]) for y in after)])
-
-    def _solve_at_once(self, rhs: Array) -> Array | None:
-        """Return the solutions of A_0 X = ``rhs`` (n_columns, k) in the order of time, None where that does not do."""
-        order = order_in_time(self.problem) if sp.issparse(self.present.matrix) else None
-        return None if order is None else order.solve(self.present, rhs)
 
     def _split(self, histories: Array) -> tuple[list[Array], list[Array]]:
         ends = np.cumsum([*map(len, self.kept), *(c.size for c in self.couplings)])

@@ -42,6 +42,8 @@ class Evaluated:
         matrix = np.asarray(self.system.derivatives(self.x), dtype=float)
         return sp.csc_matrix(matrix) if self.system.sparse else matrix
 
+    time_order = None
+
 
 @dataclass(frozen=True, eq=False)
 class Algebraic:
@@ -106,6 +108,8 @@ class GridEvaluation:
         matrix[rows + 1, rows], matrix[rows + 1, rows + 1] = -1.0 - 0.5 * step, 1.0 - 0.5 * step
         matrix[1:, -1] = -0.5 / n * (u[1:] + u[:-1])
         return sp.csc_matrix(matrix)
+
+    time_order = None
 
 
 @dataclass(frozen=True, eq=False)

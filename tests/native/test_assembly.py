@@ -304,47 +304,64 @@ def test_residuals_are_those_of_array_code(native):
     assert result[-1] == 7.0
 
 
-def eliminate(native, matrix, sizes, right):
-    """Return what elimination says of a matrix whose blocks stand in their order, and what it solves and leaves."""
-    n, first, sparse = len(matrix), np.cumsum([0, *sizes[:-1]]), sp.csc_matrix(matrix)
-    of_row = np.repeat(np.arange(len(sizes) + 1), [*sizes, n - sum(sizes)])
-    left, solved = right.copy(), np.zeros(right.shape)
-    done = native.eliminate_in_time(
-        sparse.indptr,
-        sparse.indices,
-        sparse.data,
-        first,
-        first,
-        np.array(sizes),
-        len(sizes),
-        of_row,
-        right.shape[1],
-        left,
-        solved,
-        np.empty(max(sizes) ** 2),
-    )
-    return done, solved[: sum(sizes)], left[sum(sizes) :]
+SIZES = [2, 4, 3]
+
+
+def make_blocks(matrix):
+    """Return a matrix and its blocks, which stand in their order, as the functions of the elimination take them."""
+    first, sparse = np.cumsum([0, *SIZES[:-1]]), sp.csc_matrix(matrix)
+    of_row = np.repeat(np.arange(len(SIZES) + 1), [*SIZES, len(matrix) - sum(SIZES)])
+    return (sparse.indptr, sparse.indices, sparse.data), (first, first, np.array(SIZES), len(SIZES), of_row)
+
+
+def draw_blocks(n):
+    """Return a random matrix whose blocks hold nothing of later ones, with a zero where a first pivot would be."""
+    full = RNG.normal(size=(n, n))
+    for size, first in zip(SIZES, (0, 2, 6), strict=True):
+        full[first : first + size, first + size : 9] = 0.0
+    full[2, 2] = 0.0
+    return full
 
 
 def test_elimination_in_the_order_of_time(native):
-    sizes, n = [2, 4, 3], 11
-    full = RNG.normal(size=(n, n))
-    for size, first in zip(sizes, (0, 2, 6), strict=True):
-        full[first : first + size, first + size : 9] = 0.0
-    # A zero where the first pivot would be.
-    full[2, 2] = 0.0
-    right = np.concatenate([full[:, 9:], RNG.normal(size=(n, 3))], axis=1)
-    done, solved, left = eliminate(native, full, sizes, right)
-    assert done
+    full = draw_blocks(11)
+    right = np.concatenate([full[:, 9:], RNG.normal(size=(11, 3))], axis=1)
+    matrix, blocks = make_blocks(full)
+    factors, pivots, left, solved = np.empty(29), np.empty(9, dtype=np.intp), right.copy(), np.zeros(right.shape)
+    assert native.factor_in_time(*matrix, *blocks, factors, pivots)
+    native.solve_in_time(*matrix, *blocks, factors, pivots, 5, left, solved)
     above = np.linalg.solve(full[:9, :9], right[:9])
-    assert solved == pytest.approx(above, rel=1e-11)
-    assert left == pytest.approx(right[9:] - full[9:, :9] @ above, rel=1e-10)
+    assert solved[:9] == pytest.approx(above, rel=1e-11)
+    assert left[9:] == pytest.approx(right[9:] - full[9:, :9] @ above, rel=1e-10)
 
 
-@pytest.mark.parametrize(("row", "column", "value"), [(0, 4, 1.0), (1, 1, 0.0)])
-def test_elimination_tells_what_it_cannot_do(native, row, column, value):
-    """An entry that reads the future, and a block that is singular."""
-    matrix = np.eye(6)
-    matrix[row, column] = value
-    assert not eliminate(native, matrix, [2, 3], np.ones((6, 1)))[0]
-    assert eliminate(native, np.eye(6), [2, 3], np.ones((6, 1)))[0]
+def test_elimination_tells_of_a_singular_block(native):
+    for value in (1.0, 0.0):
+        full = np.eye(10)
+        full[3, 3] = value
+        matrix, blocks = make_blocks(full)
+        assert native.factor_in_time(*matrix, *blocks, np.empty(29), np.empty(9, dtype=np.intp)) == bool(value)
+
+
+def test_columns_that_come_round(native):
+    """Columns of blocks that earlier blocks hold: which, and what of them and of the border stands at the right."""
+    full = draw_blocks(11)
+    full[0, 3], full[1, 8], full[4, 8] = 2.0, 3.0, 4.0
+    matrix, (_, columns, sizes, n_blocks, of_row) = make_blocks(full)
+    found = np.empty(11, dtype=np.intp)
+    assert native.find_wrapped(*matrix[:2], columns, sizes, n_blocks, of_row, found) == 2
+    assert found[:2].tolist() == [3, 8]
+    right = np.zeros((11, 3))
+    native.take_columns(*matrix, np.array([3, 8, 10]), 3, of_row, of_row, n_blocks, right)
+    expected = np.stack([full[:, 3], full[:, 8], full[:, 10]], axis=1)
+    expected[2:, 0] = expected[6:, 1] = 0.0
+    assert np.array_equal(right, expected)
+
+
+def test_a_few_values_are_read_of_many(native):
+    weights, columns = RNG.normal(size=(5, 3)), RNG.integers(0, 7, size=(5, 3))
+    values, result = RNG.normal(size=(7, 4)), np.full((5, 3), 9.0)
+    native.read_states(weights, columns, 5, 3, values, 4, np.array([3, 1]), np.array([2, 0]), 2, 3, result)
+    every = np.einsum("pk,pkn->pn", weights, values[columns])
+    assert result[:, [2, 0]] == pytest.approx(every[:, [3, 1]], abs=1e-14)
+    assert np.all(result[:, 1] == 9.0)

@@ -1,58 +1,103 @@
-"""Elimination in the order of time: what each part of a period makes of the parts before it."""
+"""Elimination in the order of time: what each part of a period makes of the parts before it.
+
+Blocks of equations and unknowns stand one after the other; what an equation holds of later blocks, and of unknowns
+beside all of them, is left to the right-hand sides.
+"""
 
 from __future__ import annotations
 
 from pddecont.native.arrays import Floats, Indices, Integers, entry
 
 
-def solve_block(matrix: Floats, n: int, right: Floats, first: int, width: int) -> bool:
-    """Put the solution of a full ``matrix`` (n, n), which is lost, in place of ``right`` (n, width) from ``first`` on.
+def factor_block(factors: Floats, first: int, n: int, pivots: Integers, top: int) -> bool:
+    """Put the factors of a full matrix (n, n) from ``first`` on in its place; False where a pivot is zero.
 
-    By Gaussian elimination with partial pivoting; False where a pivot is zero.
+    By Gaussian elimination with partial pivoting: row p was exchanged with row ``pivots[top + p]``.
     """
     for p in range(n):
         best = p
         for r in range(p + 1, n):
-            if abs(matrix[r * n + p]) > abs(matrix[best * n + p]):
+            if abs(factors[first + r * n + p]) > abs(factors[first + best * n + p]):
                 best = r
-        if matrix[best * n + p] == 0.0:
+        pivots[top + p] = best
+        if factors[first + best * n + p] == 0.0:
             return False
-        here = first + p * width
         if best != p:
-            other = first + best * width
-            for c in range(p, n):
-                kept = matrix[p * n + c]
-                matrix[p * n + c] = matrix[best * n + c]
-                matrix[best * n + c] = kept
+            for c in range(n):
+                kept = factors[first + p * n + c]
+                factors[first + p * n + c] = factors[first + best * n + c]
+                factors[first + best * n + c] = kept
+        for r in range(p + 1, n):
+            factors[first + r * n + p] /= factors[first + p * n + p]
+            factor = factors[first + r * n + p]
+            if factor != 0.0:
+                for c in range(p + 1, n):
+                    factors[first + r * n + c] -= factor * factors[first + p * n + c]
+    return True
+
+
+def solve_block(
+    factors: Floats, first: int, n: int, pivots: Integers, top: int, right: Floats, at: int, width: int
+) -> None:
+    """Put the solution of a factored block in place of ``right`` (n, width) from ``at`` on."""
+    for p in range(n):
+        here = at + p * width
+        best = pivots[top + p]
+        if best != p:
+            other = at + best * width
             for t in range(width):
                 kept = right[here + t]
                 right[here + t] = right[other + t]
                 right[other + t] = kept
+    for p in range(n):
+        here = at + p * width
         for r in range(p + 1, n):
-            factor = matrix[r * n + p] / matrix[p * n + p]
+            factor = factors[first + r * n + p]
             if factor != 0.0:
-                for c in range(p + 1, n):
-                    matrix[r * n + c] -= factor * matrix[p * n + c]
-                there = first + r * width
+                there = at + r * width
                 for t in range(width):
                     right[there + t] -= factor * right[here + t]
     for i in range(n):
         p = n - 1 - i
-        here = first + p * width
+        here = at + p * width
         for c in range(p + 1, n):
-            factor = matrix[p * n + c]
+            factor = factors[first + p * n + c]
             if factor != 0.0:
-                there = first + c * width
+                there = at + c * width
                 for t in range(width):
                     right[here + t] -= factor * right[there + t]
-        inverse = 1.0 / matrix[p * n + p]
+        inverse = 1.0 / factors[first + p * n + p]
         for t in range(width):
             right[here + t] *= inverse
-    return True
 
 
 @entry
-def eliminate_in_time(
+def find_wrapped(
+    starts: Indices,
+    indices: Indices,
+    columns: Integers,
+    sizes: Integers,
+    n_blocks: int,
+    block_of_row: Integers,
+    wrapped: Integers,
+) -> int:
+    """Write which columns of blocks equations of earlier blocks hold, in order; return how many there are.
+
+    Block b has ``sizes[b]`` columns from ``columns[b]`` on. ``wrapped`` has room for all columns.
+    """
+    n = 0
+    for b in range(n_blocks):
+        for c in range(columns[b], columns[b] + sizes[b]):
+            for e in range(starts[c], starts[c + 1]):
+                if block_of_row[indices[e]] < b:
+                    wrapped[n] = c
+                    n += 1
+                    break
+    return n
+
+
+@entry
+def factor_in_time(
     starts: Indices,
     indices: Indices,
     data: Floats,
@@ -61,41 +106,88 @@ def eliminate_in_time(
     sizes: Integers,
     n_blocks: int,
     block_of_row: Integers,
+    factors: Floats,
+    pivots: Integers,
+) -> bool:
+    """Write the factors of the blocks of a matrix, one after the other; False where one of them is singular.
+
+    Block b has ``sizes[b]`` rows and columns from ``rows[b]`` and ``columns[b]`` on. ``factors`` has room for all
+    blocks' entries, ``pivots`` for a number a row of theirs.
+    """
+    first = 0
+    top = 0
+    for b in range(n_blocks):
+        size = sizes[b]
+        for i in range(size * size):
+            factors[first + i] = 0.0
+        for c in range(size):
+            for e in range(starts[columns[b] + c], starts[columns[b] + c + 1]):
+                if block_of_row[indices[e]] == b:
+                    factors[first + (indices[e] - rows[b]) * size + c] += data[e]
+        if not factor_block(factors, first, size, pivots, top):
+            return False
+        first += size * size
+        top += size
+    return True
+
+
+@entry
+def solve_in_time(
+    starts: Indices,
+    indices: Indices,
+    data: Floats,
+    rows: Integers,
+    columns: Integers,
+    sizes: Integers,
+    n_blocks: int,
+    block_of_row: Integers,
+    factors: Floats,
+    pivots: Integers,
     width: int,
     right: Floats,
     solved: Floats,
-    matrix: Floats,
-) -> bool:
-    """Solve a matrix that is block lower triangular in time but for a border; False where it is not, or is singular.
+) -> None:
+    """Solve a matrix whose blocks are factored, what stands above and beside them left out.
 
-    Block b has ``sizes[b]`` rows and columns from ``rows[b]`` and ``columns[b]`` on; the rows below all of them are
-    those with the number ``n_blocks`` in ``block_of_row`` (n_rows,). ``right`` (n_rows, width) holds right-hand sides;
-    in the rows below it ends as what the solutions ``solved`` (n_columns, width), written in the blocks' columns, leave
-    there. ``matrix`` has room for the largest block.
+    The rows below all blocks are those with the number ``n_blocks`` in ``block_of_row`` (n_rows,). ``right`` (n_rows,
+    width) holds right-hand sides; in the rows below it ends as what the solutions ``solved`` (n_columns, width) leave
+    there, which are written in the blocks' columns.
     """
+    first = 0
+    top = 0
     for b in range(n_blocks):
         size = sizes[b]
-        top = rows[b]
         left = columns[b]
-        for i in range(size * size):
-            matrix[i] = 0.0
-        for c in range(size):
-            for e in range(starts[left + c], starts[left + c + 1]):
-                row = indices[e]
-                if block_of_row[row] == b:
-                    matrix[(row - top) * size + c] += data[e]
-                elif block_of_row[row] < b:
-                    return False
         for i in range(size * width):
-            solved[left * width + i] = right[top * width + i]
-        if not solve_block(matrix, size, solved, left * width, width):
-            return False
+            solved[left * width + i] = right[rows[b] * width + i]
+        solve_block(factors, first, size, pivots, top, solved, left * width, width)
+        first += size * size
+        top += size
         for c in range(size):
             here = (left + c) * width
             for e in range(starts[left + c], starts[left + c + 1]):
-                if block_of_row[indices[e]] != b:
+                if block_of_row[indices[e]] > b:
                     value = data[e]
                     there = indices[e] * width
                     for t in range(width):
                         right[there + t] -= value * solved[here + t]
-    return True
+
+
+@entry
+def take_columns(
+    starts: Indices,
+    indices: Indices,
+    data: Floats,
+    chosen: Integers,
+    n: int,
+    block_of_row: Integers,
+    block_of_column: Integers,
+    n_blocks: int,
+    right: Floats,
+) -> None:
+    """Write ``n`` columns to ``right`` (n_rows, n), zero before: of those of a block what earlier blocks' rows hold."""
+    for k in range(n):
+        block = block_of_column[chosen[k]]
+        for e in range(starts[chosen[k]], starts[chosen[k] + 1]):
+            if block == n_blocks or block_of_row[indices[e]] < block:
+                right[indices[e] * n + k] = data[e]

@@ -1,0 +1,81 @@
+"""The order of time in which equations of orbits are solved: against sparse factorisations, for orbits and for maps."""
+
+import numpy as np
+import pytest
+
+from pddecont.collocation import MeshRule
+from pddecont.continuation import add_row, equilibrate
+from pddecont.continuation.time_order import factor_in_time
+from pddecont.orbit import adapt_mesh, order_in_time, solve_on_mesh
+from pddecont.stability.monodromy import linearise_period
+from tests.known_orbits import (
+    chained_impact_oscillator,
+    hard_wall,
+    impact_oscillator,
+    mackey_glass,
+    neuron,
+    with_parameter,
+)
+
+
+def remember_two_periods():
+    orbit = mackey_glass()
+    return with_parameter(orbit, "tau", 1.2 + 2 * orbit.period, MeshRule(6, intervals=12))
+
+
+ORBITS = {
+    "two segments": impact_oscillator,
+    "hard wall": hard_wall,
+    "no events": mackey_glass,
+    "delayed events": neuron,
+    "longer delay": remember_two_periods,
+}
+
+
+def solve(make, degree=4):
+    return solve_on_mesh(adapt_mesh(make(), MeshRule(degree, intervals=10))).at
+
+
+def check(matrix, order, sizes):
+    """Check that a matrix is solved as SuperLU does, and that its rows and columns are each in one block or beside."""
+    equilibrated = equilibrate(matrix, sizes)
+    found = factor_in_time(equilibrated.matrix, order)
+    right = np.random.default_rng(0).normal(size=(order.n_columns, 5))
+    expected = equilibrated.factor().solve_scaled(right / equilibrated.rows[:, None])
+    assert np.max(np.abs(found(right) - expected)) < 1e-11 * np.max(np.abs(expected))
+    assert np.sum(order.sizes) + len(order.rows_below) == order.n_columns
+    assert len(order.rows_below) == len(order.columns_beside)
+    assert matrix.shape == (order.n_columns, order.n_columns)
+
+
+@pytest.mark.parametrize("name", ORBITS)
+def test_equations_of_an_orbit(name):
+    at = solve(ORBITS[name])
+    check(at.jacobian(), order_in_time(at.orbit.problem), at.system.scaling.scale)
+
+
+def test_equations_of_a_branch():
+    """With a free parameter and a row that picks a point; only what the past reads of the end comes round."""
+    orbit = solve(impact_oscillator).orbit.with_free(("tau_d",))
+    at = type(solve(impact_oscillator))(solve(impact_oscillator).system, orbit)
+    matrix = add_row(at.jacobian(), np.random.default_rng(1).normal(size=len(orbit.x)))
+    check(matrix, at.time_order, np.ones(len(orbit.x)))
+
+
+@pytest.mark.parametrize("name", ORBITS)
+def test_equations_of_a_map(name):
+    monodromy = linearise_period(solve(ORBITS[name]).orbit)
+    check(monodromy.present.matrix, order_in_time(monodromy.problem, goes_on=True), np.ones(len(monodromy.sizes)))
+
+
+@pytest.mark.parametrize("make", [impact_oscillator, mackey_glass, chained_impact_oscillator])
+def test_the_whole_map_is_that_of_its_steps(make):
+    monodromy = linearise_period(solve(make).orbit)
+    sizes = monodromy.history_sizes
+    steps = np.stack([monodromy.step(column[:, None])[1][:, 0] for column in np.diag(sizes)], axis=1) / sizes[:, None]
+    assert monodromy.scaled_matrix == pytest.approx(steps, abs=1e-11 * np.max(np.abs(steps)))
+
+
+def test_large_blocks_stay_sparse():
+    assert order_in_time(solve(impact_oscillator, degree=32).orbit.problem) is not None
+    assert order_in_time(solve(impact_oscillator, degree=33).orbit.problem) is None
