@@ -55,6 +55,13 @@ class MeshPoints:
     def __len__(self) -> int:
         return len(self.sigma)
 
+    @cached_property
+    def side(self) -> Array:
+        """From which side each point reads (n_points,): 1 after it, -1 before, 0 inside an interval, where both do."""
+        if self.inward is not None:
+            return self.inward
+        return np.where(self.sigma <= 0.0, 1.0, np.where(self.sigma >= 1.0, -1.0, 0.0))
+
     def clipped(self) -> MeshPoints:
         """Return the points with sigma moved into [0, 1], where rounding or a wide reach took it beyond."""
         return replace(self, sigma=np.clip(self.sigma, 0.0, 1.0), weights=None)

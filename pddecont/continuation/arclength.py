@@ -7,6 +7,7 @@ Lengths are measured in scaled unknowns. Reference: Allgower, Georg, Introductio
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Generic
 
 import numpy as np
@@ -34,10 +35,12 @@ class BorderedEvaluation(Generic[E]):
         """The unknowns."""
         return self.inner.x
 
-    @property
+    @cached_property
     def residual(self) -> Array:
         """The residuals, that of the linear equation last."""
-        return np.append(self.inner.residual, float(self.row @ self.x) - self.level)
+        result = np.empty(len(self.row))
+        result[:-1], result[-1] = self.inner.residual, float(self.row @ self.x) - self.level
+        return result
 
     def jacobian(self) -> Matrix:
         """Return the residuals' derivatives, square."""

@@ -242,5 +242,6 @@ def format_history(history: Sequence[float]) -> str:
 
 
 def _norm(v: Array) -> float:
-    largest = max(float(v.max(initial=0.0)), -float(v.min(initial=0.0)))
-    return largest if np.isfinite(largest) else np.inf
+    largest = float(np.abs(v).max(initial=0.0))
+    # What is no number is no smaller than anything.
+    return largest if largest < np.inf else np.inf

@@ -118,7 +118,7 @@ def make_operator(mesh: Mesh, theta: Array, reads: Reads, lags: Array | float, o
 def _weigh(mesh: Mesh, theta: Array, reads: Reads, lags: Array | float) -> LocalWeights:
     """Return what reads ``reads``, ``lags`` earlier than their times."""
     (starts, lengths), basis, points, n = mesh.evaluate_edges(theta), mesh.basis, reads.points, len(reads.points)
-    earlier = np.full(n, lags) if np.ndim(lags) == 0 else np.ascontiguousarray(lags, dtype=np.float64)
+    earlier = np.zeros(n) + lags
     sigma, weights = np.empty(n), np.empty((n, basis.degree + 1))
     farthest = compiled_assembly.weigh_reads(
         starts,
@@ -228,9 +228,6 @@ def find_reads(mesh: Mesh, theta: Array, lag: Array, points: MeshPoints, lags: A
 
     ``lags`` (n_points,) are added to ``lag @ theta``.
     """
-    inward = points.inward
-    if inward is None:
-        inward = np.where(points.sigma <= 0.0, 1.0, np.where(points.sigma >= 1.0, -1.0, 0.0))
     at = mesh.evaluate_times(points, theta) - lag @ theta - lags
-    located, later = mesh.locate(theta, at, choose_by=at + NUDGE * mesh.period(theta) * inward)
+    located, later = mesh.locate(theta, at, choose_by=at + NUDGE * mesh.period(theta) * points.side)
     return Reads(mesh, points, lag, -later, located.interval, mesh.base_index[located.interval])

@@ -110,7 +110,7 @@ class Orbit:
     @cached_property
     def period(self) -> float:
         """The sum of the segment durations."""
-        return float(np.sum(self.durations))
+        return float(self.durations.sum())
 
     @cached_property
     def event_times(self) -> Array:

@@ -58,8 +58,9 @@ class Place:
 class StepWriter:
     """Rows of one step; a context manager that leaves the file without spare room when the step is done.
 
-    The first ``kept`` rows of ``recorded``, what the file holds of the step, stay; the rest is written anew. ``closed``
-    is told what the file holds once it is closed.
+    The first ``kept`` rows of ``recorded``, what the file holds of the step, stay; the rest is written anew. Where its
+    first point comes ``at_once`` the file gets the step with that, and has to be arranged once instead of twice.
+    ``closed`` is told what the file holds once it is closed.
     """
 
     def __init__(
@@ -72,6 +73,7 @@ class StepWriter:
         capacity: int = CAPACITY,
         recorded: Step | None = None,
         kept: int = 0,
+        at_once: bool = False,
         closed: Callable[[Step], None] = lambda step: None,
     ):
         self.path, self.name, self.format, self.meta = path, name, step_format, dict(meta)
@@ -89,7 +91,8 @@ class StepWriter:
             self.capacity["reason"] *= REASON_BYTES
         self._descriptor = -1
         self._places: dict[str, Place] = {}
-        self._arrange()
+        if not at_once:
+            self._arrange()
 
     def __enter__(self) -> StepWriter:
         return self
@@ -145,6 +148,8 @@ class StepWriter:
 
     def _check_place(self) -> None:
         """Check that the file still stands where it was opened: what is written to a file that has no name is lost."""
+        if self._descriptor < 0:
+            return
         try:
             here = os.path.samestat(os.stat(self.path), os.fstat(self._descriptor))
         except OSError:
@@ -157,7 +162,7 @@ class StepWriter:
     def _make_room(self, rows: Mapping[str, NDArray[Any]]) -> None:
         """Make room where an array has none for a point with these rows, and in all arrays that will soon have none."""
         wanted = {ONE_A_POINT: (self.n, 1)} | {name: (self.used[name], len(values)) for name, values in rows.items()}
-        if any(used + n > self.capacity[name] for name, (used, n) in wanted.items()):
+        if self._descriptor < 0 or any(used + n > self.capacity[name] for name, (used, n) in wanted.items()):
             self.capacity |= {
                 name: max(2 * self.capacity[name], used + n * self._capacity)
                 for name, (used, n) in wanted.items()

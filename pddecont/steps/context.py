@@ -72,10 +72,11 @@ class Context:
         recorded: Step | None = None,
         kept: int = 0,
         capacity: int | None = None,
+        at_once: bool = False,
     ) -> RowWriter:
         """Return the writer of a step's rows, with what every step says of itself added to ``meta``.
 
-        The first ``kept`` rows of ``recorded`` stay.
+        The first ``kept`` rows of ``recorded`` stay. The first point comes ``at_once``, or the step is seen before.
         """
         common = {
             "parameters": list(self.plan.model.parameters),
@@ -83,7 +84,7 @@ class Context:
             "model": self.plan.model.name,
             "settings": self.plan.describe_settings(step),
         }
-        options: dict[str, Any] = {} if capacity is None else {"capacity": capacity}
+        options: dict[str, Any] = {"at_once": at_once} | ({} if capacity is None else {"capacity": capacity})
         return self.open_as(step.name, step_format, {**common, **meta}, recorded=recorded, kept=kept, **options)
 
     def open_as(self, name: str, step_format: StepFormat, meta: Mapping[str, Any], **options: Any) -> RowWriter:

@@ -208,7 +208,7 @@ def run_continue(context: Context, step: PlannedStep[ContinueSettings], recorded
         "curve": start.kind,
         "curve_reason": reason.to_json() if start.kind else "",
     }
-    with context.open_step(step, CONTINUE, meta, recorded=recorded, kept=kept) as writer:
+    with context.open_step(step, CONTINUE, meta, recorded=recorded, kept=kept, at_once=not kept) as writer:
         branch = _Branch(context, step, settings, writer, first)
 
         def follow_here(way: int) -> Reason:

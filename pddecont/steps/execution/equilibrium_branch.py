@@ -151,7 +151,7 @@ def run_equilibrium_branch(context: Context, step: PlannedStep[ContinueSettings]
         "curve": start.at.system.critical.label if isinstance(start.at, CriticalEvaluation) else "",
         "curve_reason": find_curve_reason(start),
     }
-    with context.open_step(step, EQUILIBRIA, meta, recorded=recorded, kept=kept) as writer:
+    with context.open_step(step, EQUILIBRIA, meta, recorded=recorded, kept=kept, at_once=not kept) as writer:
         branch = _Branch(context, step, writer, first)
 
         def follow_here(way: int) -> Reason:
