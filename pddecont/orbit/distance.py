@@ -31,15 +31,16 @@ def _sample(orbit: Orbit) -> Array:
 
 def _farthest(points: Array, curve: Array) -> float:
     """Return the largest distance of ``points`` from the polygon through ``curve``, both (n, n_states)."""
-    _, nearest = cKDTree(curve).query(points)
-    best = np.linalg.norm(points - curve[nearest], axis=1)
+    best, nearest = cKDTree(curve).query(points)
+    chords = np.roll(curve, -1, axis=0) - curve
+    squares = np.einsum("ij,ij->i", chords, chords)
     # Where two intervals meet a point stands twice: the polygon goes on from the one beside it.
     for first in (-2, -1, 0, 1):
-        begin, end = (curve[(nearest + first + k) % len(curve)] for k in (0, 1))
-        chord = end - begin
-        length = np.sum(chord**2, axis=1)
+        which = (nearest + first) % len(curve)
+        away, chord, square = points - curve[which], chords[which], squares[which]
         with np.errstate(invalid="ignore", divide="ignore"):
-            along = np.sum((points - begin) * chord, axis=1) / length
-        along = np.clip(np.where(length > 0.0, along, 0.0), 0.0, 1.0)
-        best = np.minimum(best, np.linalg.norm(points - begin - along[:, None] * chord, axis=1))
+            along = np.einsum("ij,ij->i", away, chord) / square
+        along = np.clip(np.where(square > 0.0, along, 0.0), 0.0, 1.0)
+        away -= along[:, None] * chord
+        best = np.minimum(best, np.sqrt(np.einsum("ij,ij->i", away, away)))
     return float(np.max(best))

@@ -18,6 +18,9 @@ from numpy.typing import NDArray
 
 from pddecont.errors import ResultsError
 
+# Types that were met, by how HDF5 writes them.
+_DTYPES: dict[bytes, np.dtype[Any]] = {}
+
 
 @dataclass(frozen=True, slots=True)
 class StoredArray:
@@ -65,12 +68,19 @@ class StoredArray:
 
 def open_group(parent: h5g.GroupID, name: str) -> h5g.GroupID:
     """Return a group that stands in the file itself."""
-    return _open(parent, name, h5g.GroupID, "group")
+    item = h5o.open(parent, _find(parent, name))
+    if not isinstance(item, h5g.GroupID):
+        raise ResultsError(f"'{name}' is not stored as a group")
+    return item
 
 
 def open_array(parent: h5g.GroupID, name: str) -> StoredArray:
     """Return an array that stands in the file itself; its type and place are looked at before its contents."""
-    item = _open(parent, name, h5d.DatasetID, "dataset")
+    place = _find(parent, name)
+    try:
+        item = h5d.open(parent, place)
+    except KeyError as exc:
+        raise ResultsError(f"'{name}' is not stored as a dataset") from exc
     kind, plist = item.get_type(), item.get_create_plist()
     if kind.get_class() not in (h5t.INTEGER, h5t.FLOAT, h5t.STRING) or kind.detect_class(h5t.VLEN):
         raise ResultsError(f"'{name}' is not an array of numbers or text")
@@ -78,7 +88,7 @@ def open_array(parent: h5g.GroupID, name: str) -> StoredArray:
         raise ResultsError(f"'{name}' is a text of variable length; only those of fixed length are read")
     if plist.get_layout() != h5d.CONTIGUOUS or plist.get_external_count() or plist.get_nfilters():
         raise ResultsError(f"'{name}' is not stored as this program stores arrays")
-    dtype, shape = kind.dtype, item.shape
+    dtype, shape = _find_dtype(kind), item.shape
     if dtype.kind not in "fiuS" or dtype.itemsize * math.prod(shape) != item.get_storage_size():
         raise ResultsError(f"'{name}' is not an array of numbers or text that is wholly there")
     return StoredArray(name, item, kind, dtype, shape)
@@ -89,11 +99,17 @@ def list_names(group: h5g.GroupID) -> list[str]:
     return [name.decode() for name in group]
 
 
-def _open(parent: h5g.GroupID, name: str, kind: type, what: str) -> Any:
+def _find(parent: h5g.GroupID, name: str) -> bytes:
+    """Return a name as HDF5 has it, if what it names stands in the file itself."""
     place = name.encode()
     if not parent.links.exists(place) or parent.links.get_info(place).type != h5l.TYPE_HARD:
         raise ResultsError(f"'{name}' is missing or leads elsewhere; only what stands in the file itself is read")
-    item = h5o.open(parent, place)
-    if not isinstance(item, kind):
-        raise ResultsError(f"'{name}' is not stored as a {what}")
-    return item
+    return place
+
+
+def _find_dtype(kind: h5t.TypeID) -> np.dtype[Any]:
+    """Return the type of numpy for one of HDF5; a file holds the same few again and again."""
+    key: bytes = kind.encode()
+    if key not in _DTYPES:
+        _DTYPES[key] = kind.dtype
+    return _DTYPES[key]
