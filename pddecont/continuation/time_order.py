@@ -102,19 +102,43 @@ def factor_in_time(matrix: Any, order: TimeOrder) -> Callable[[Array], Array] | 
     above = eliminate(right)
     small = np.concatenate([above[wrapped], right[below]])
     small[:n_wrapped, :n_wrapped].flat[:: n_wrapped + 1] += 1.0
-    lu, places, singular = lapack.dgetrf(small) if size else (small, None, 0)
+    lu, exchanged, singular = lapack.dgetrf(small) if size else (small, np.zeros(0, dtype=np.intc), 0)
     if singular or not np.isfinite(lu).all():
         return None
+    above_by_column, lu_by_column = np.ascontiguousarray(above.T), np.ascontiguousarray(lu.T)
 
     def solve(b: Array) -> Array:
-        right = np.array(b, dtype=np.float64, order="C").reshape(n, -1)
+        if b.ndim > 1:
+            return solve_many(b)
+        x, right, border = np.empty(n), np.array(b, dtype=np.float64), np.empty(size)
+        compiled_assembly.solve_bordered(
+            *blocks,
+            factors,
+            pivots,
+            wrapped,
+            n_wrapped,
+            beside,
+            below,
+            len(beside),
+            above_by_column,
+            lu_by_column,
+            exchanged,
+            n,
+            right,
+            border,
+            x,
+        )
+        return x
+
+    def solve_many(b: Array) -> Array:
+        right = np.array(b, dtype=np.float64, order="C")
         solved = eliminate(right)
         if not size:
-            return solved.reshape(b.shape)
-        border, _ = lapack.dgetrs(lu, places, np.concatenate([solved[wrapped], right[below]]))
-        x: Array = solved - above @ border
-        x[beside] = border[n_wrapped:]
-        return x.reshape(b.shape)
+            return solved
+        unknown, _ = lapack.dgetrs(lu, exchanged, np.concatenate([solved[wrapped], right[below]]))
+        x: Array = solved - above @ unknown
+        x[beside] = unknown[n_wrapped:]
+        return x
 
     trial = _draw(n)
     with np.errstate(all="ignore"):

@@ -3,6 +3,7 @@
 from pddecont.native.assembly.cutting import cut_piece as cut_piece
 from pddecont.native.assembly.elimination import factor_in_time as factor_in_time
 from pddecont.native.assembly.elimination import find_wrapped as find_wrapped
+from pddecont.native.assembly.elimination import solve_bordered as solve_bordered
 from pddecont.native.assembly.elimination import solve_in_time as solve_in_time
 from pddecont.native.assembly.elimination import take_columns as take_columns
 from pddecont.native.assembly.entries import add_moves as add_moves

@@ -191,3 +191,85 @@ def take_columns(
         for e in range(starts[chosen[k]], starts[chosen[k] + 1]):
             if block == n_blocks or block_of_row[indices[e]] < block:
                 right[indices[e] * n + k] = data[e]
+
+
+@entry
+def solve_bordered(
+    starts: Indices,
+    indices: Indices,
+    data: Floats,
+    rows: Integers,
+    columns: Integers,
+    sizes: Integers,
+    n_blocks: int,
+    block_of_row: Integers,
+    factors: Floats,
+    pivots: Integers,
+    wrapped: Integers,
+    n_wrapped: int,
+    beside: Integers,
+    below: Integers,
+    n_beside: int,
+    above: Floats,
+    small: Floats,
+    exchanged: Indices,
+    n: int,
+    right: Floats,
+    border: Floats,
+    x: Floats,
+) -> None:
+    """Write the solution ``x`` (n,) for the right-hand side ``right`` (n,), which is lost.
+
+    The columns ``wrapped`` and ``beside`` of blocks and border are the unknowns of a small full system, whose factors
+    ``small`` LAPACK has made, column by column, with ``exchanged`` rows. ``above`` (n_wrapped + n_beside, n) are the
+    blocks' solutions for those columns. ``border`` has room for the small system's solution.
+    """
+    first = 0
+    top = 0
+    for b in range(n_blocks):
+        size = sizes[b]
+        left = columns[b]
+        for i in range(size):
+            x[left + i] = right[rows[b] + i]
+        for i in range(size):
+            kept = x[left + pivots[top + i]]
+            x[left + pivots[top + i]] = x[left + i]
+            for p in range(i):
+                kept -= factors[first + i * size + p] * x[left + p]
+            x[left + i] = kept
+        for k in range(size):
+            i = size - 1 - k
+            total = x[left + i]
+            for p in range(i + 1, size):
+                total -= factors[first + i * size + p] * x[left + p]
+            x[left + i] = total / factors[first + i * size + i]
+        first += size * size
+        top += size
+        for c in range(left, left + size):
+            for e in range(starts[c], starts[c + 1]):
+                if block_of_row[indices[e]] > b:
+                    right[indices[e]] -= data[e] * x[c]
+    for k in range(n_wrapped):
+        border[k] = x[wrapped[k]]
+    for k in range(n_beside):
+        border[n_wrapped + k] = right[below[k]]
+        x[beside[k]] = 0.0
+    width = n_wrapped + n_beside
+    for k in range(width):
+        kept = border[exchanged[k]]
+        border[exchanged[k]] = border[k]
+        border[k] = kept
+    for k in range(width):
+        for i in range(k + 1, width):
+            border[i] -= small[k * width + i] * border[k]
+    for j in range(width):
+        k = width - 1 - j
+        border[k] /= small[k * width + k]
+        for i in range(k):
+            border[i] -= small[k * width + i] * border[k]
+    for k in range(width):
+        value = border[k]
+        for i in range(n):
+            x[i] -= above[k * n + i] * value
+    for k in range(n_beside):
+        x[beside[k]] = border[n_wrapped + k]
