@@ -48,7 +48,7 @@ def rewrite(path: Path, change: Callable[[h5py.File | None, h5py.File], None], *
         raise make_write_error(path, exc) from exc
 
 
-def write_all(descriptor: int, data: bytes, offset: int) -> None:
+def write_all(descriptor: int, data: bytes | bytearray, offset: int) -> None:
     """Write all of ``data`` at ``offset``; the system may take it in pieces."""
     done = os.pwrite(descriptor, data, offset)
     while done < len(data):

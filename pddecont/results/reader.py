@@ -234,10 +234,23 @@ def _read_step(name: str, group: h5py.h5g.GroupID, room: list[int], version: int
     check_columns(meta, points, step_format.points)
     check_columns(meta, orbits, step_format.orbits)
     check_contents(step_format, meta, points, orbits)
-    done = len(endings) >= meta.get("directions", 1)
     compact = are_full and orbits_are_full and (not step_format.has_branch or "special_points" in names)
+    return make_step(name, kind, meta, points, orbits, endings, compact=compact)
+
+
+def make_step(
+    name: str,
+    kind: str,
+    meta: dict[str, Any],
+    points: dict[str, NDArray[Any]],
+    orbits: dict[str, NDArray[Any]],
+    endings: tuple[Reason, ...],
+    *,
+    compact: bool = False,
+) -> Step:
+    """Return a step; it is done when all its directions have ended."""
     held = [Fields(name, values) for values in (meta, points, orbits)]
-    return Step(name, kind, held[0], held[1], held[2], endings, done, compact)
+    return Step(name, kind, held[0], held[1], held[2], endings, len(endings) >= meta.get("directions", 1), compact)
 
 
 def _read_points(group: h5py.h5g.GroupID, room: list[int], n: int) -> tuple[dict[str, NDArray[Any]], bool]:

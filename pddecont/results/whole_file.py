@@ -51,12 +51,15 @@ def compact_step(path: Path, name: str) -> Step:
     Where the step is a branch that is done, write its table of special points.
     """
     step = read_results(path, name).step(name)
-    if step.compact:
-        return step
+    return step if step.compact else write_compact(path, step)
+
+
+def write_compact(path: Path, step: Step) -> Step:
+    """Write a step, which the file holds, without spare room; return it."""
 
     def change(old: h5py.File | None, new: h5py.File) -> None:
         assert old is not None
-        had, target = old[f"steps/{name}"], copy_steps(old, new, anew=name)
+        had, target = old[f"steps/{step.name}"], copy_steps(old, new, anew=step.name)
         for key in ("kind", "meta", "finished", "termination"):
             old.copy(had[key], target)
         make_arrays(target, _list_arrays(step))

@@ -1,7 +1,9 @@
 """Appending to a results file so that a process killed at any instant leaves a file that opens.
 
 Between changes of the file's structure every array has room for rows to come at a fixed place in the file, and a new
-point is written there directly, its count last: no metadata of HDF5 is touched while a computation runs.
+point is written there directly, its count last: no metadata of HDF5 is touched while a computation runs. Arrays with
+one row a point lie side by side; their part of the file is kept in memory too, and written as a whole while it is
+small: what it held before is written once more, and dozens of writes are one.
 """
 
 from __future__ import annotations
@@ -11,7 +13,6 @@ import json
 import math
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.errors import ResultsError
-from pddecont.reasons import Reason
+from pddecont.reasons import Reason, reason_from_json
 from pddecont.results.file_structure import (
     TEXT,
     copy_steps,
@@ -32,27 +33,20 @@ from pddecont.results.file_structure import (
     write_text,
 )
 from pddecont.results.format import N_TERMINATIONS, TEXT_BYTES, Column, StepFormat
-from pddecont.results.reader import Step
+from pddecont.results.parts import Part, Place, find_parts
+from pddecont.results.reader import Step, make_step
 from pddecont.results.stored_arrays import open_array
-from pddecont.results.whole_file import compact_step
+from pddecont.results.whole_file import write_compact
 
 ROW_NUMBER = Column("i8")
 # Rows that arrays have room for at first; each time that is used up they get twice as much.
 CAPACITY = 64
 # Bytes that a reason takes, as a rule: the first one comes after other arrays have got their room.
 REASON_BYTES = 128
+# Bytes of the arrays with one row a point, beyond which their rows are written one by one.
+LARGEST_PART = 1 << 18
 # Stands for all arrays with one row a point, which have the same room; no array is named so.
 ONE_A_POINT = "points/"
-
-
-@dataclass(frozen=True, slots=True)
-class Place:
-    """Where the rows of an array lie in the file: type and shape of a row, its bytes, where the first one begins."""
-
-    dtype: np.dtype[Any]
-    shape: tuple[int, ...]
-    row_bytes: int
-    offset: int
 
 
 class StepWriter:
@@ -91,6 +85,7 @@ class StepWriter:
             self.capacity["reason"] *= REASON_BYTES
         self._descriptor = -1
         self._places: dict[str, Place] = {}
+        self._parts: list[Part] | None = None
         if not at_once:
             self._arrange()
 
@@ -114,14 +109,14 @@ class StepWriter:
             rows["reason"] = np.frombuffer(reason.to_json().encode(), dtype=np.uint8)
         self._check_place()
         self._make_room(rows)
-        for name in self.format.orbits:
-            values = rows.get(name, ())
+        for name, values in rows.items():
             if len(values):
                 self._write(f"orbits/{name}", self.used[name], values)
                 self.used[name] += len(values)
-            self._write(f"orbits/{name}_end", self.n, (self.used[name],))
-        for name in self.format.points:
-            self._write(f"points/{name}", self.n, (points[name],))
+        self._write_row(
+            {f"orbits/{name}_end": self.used[name] for name in self.format.orbits}
+            | {f"points/{name}": points[name] for name in self.format.points}
+        )
         self.n += 1
         self._write("finished", 0, (self.n,))
 
@@ -142,9 +137,35 @@ class StepWriter:
     def close(self) -> None:
         """Take the spare room out of the file."""
         if self._descriptor >= 0:
+            self._check_place()
+            step = self._read_back()
             os.close(self._descriptor)
             self._descriptor = -1
-            self._closed(compact_step(self.path, self.name))
+            self._closed(write_compact(self.path, step))
+
+    def _read_back(self) -> Step:
+        """Return the step as it stands in the file and as others read it, arrays in order of their names."""
+        points = {name: self._read(f"points/{name}", self.n) for name in sorted(self.format.points)}
+        orbits: dict[str, NDArray[Any]] = {}
+        for end, name in sorted((f"{name}_end", name) for name in self.format.orbits):
+            orbits[end] = self._read(f"orbits/{end}", self.n)
+            orbits[name] = self._read(f"orbits/{name}", self.used[name])
+        lines = self._read("termination", N_TERMINATIONS).tolist()
+        endings = tuple(reason_from_json(line.decode()) for line in lines if line)
+        return make_step(self.name, self.format.kind, json.loads(json.dumps(self.meta)), points, orbits, endings)
+
+    def _read(self, name: str, n: int) -> NDArray[Any]:
+        """Return the first ``n`` rows of an array."""
+        place = self._places[name]
+        result = np.empty((n, *place.shape), place.dtype)
+        left, offset = result.reshape(-1).view(np.uint8).data, place.offset
+        # The system may give it in pieces.
+        while len(left):
+            found = os.preadv(self._descriptor, [left], offset)
+            if not found:
+                raise ResultsError(f"{self.path} has become shorter while this run wrote to it")
+            left, offset = left[found:], offset + found
+        return result
 
     def _check_place(self) -> None:
         """Check that the file still stands where it was opened: what is written to a file that has no name is lost."""
@@ -190,6 +211,12 @@ class StepWriter:
         self._places = {
             name: self._describe(column, offsets.get(name, 0)) for name, column, _, _ in self._list_arrays()
         }
+        n_rows, ends = self.capacity[ONE_A_POINT], [f"orbits/{name}_end" for name in self.format.orbits]
+        beside = {*ends, *(f"points/{name}" for name in self.format.points)}
+        self._parts = None
+        if n_rows * sum(self._places[name].row_bytes for name in beside) <= LARGEST_PART:
+            parts = find_parts(self._places, n_rows, beside)
+            self._parts = [Part(self._descriptor, places, n_rows) for places in parts]
 
     def _list_arrays(self) -> Iterator[tuple[str, Column, int, int]]:
         """Yield the arrays of the step, how many rows each has room for, and how many of them are used."""
@@ -197,9 +224,10 @@ class StepWriter:
         yield "termination", TEXT, N_TERMINATIONS, N_TERMINATIONS
         for name, column in self.format.points.items():
             yield f"points/{name}", column, self.capacity[ONE_A_POINT], self.n
+        for name in self.format.orbits:
+            yield f"orbits/{name}_end", ROW_NUMBER, self.capacity[ONE_A_POINT], self.n
         for name, column in self.format.orbits.items():
             yield f"orbits/{name}", column, self.capacity[name], self.used[name]
-            yield f"orbits/{name}_end", ROW_NUMBER, self.capacity[ONE_A_POINT], self.n
 
     def _take_over(self, had: h5py.Group | None) -> Iterator[tuple[str, NDArray[Any]]]:
         """Yield the arrays of the step with room for rows to come, and the rows that ``had`` holds in their places."""
@@ -215,13 +243,29 @@ class StepWriter:
         dtype, shape = np.dtype(column.dtype), column.shape(self.meta)
         return Place(dtype, shape, dtype.itemsize * math.prod(shape), offset)
 
+    def _write_row(self, values: Mapping[str, Any]) -> None:
+        """Write a row of each array with one row a point."""
+        for name, value in values.items():
+            place = self._places[name]
+            if np.shape(value) != place.shape:
+                raise ResultsError(f"column {name} takes rows of shape {place.shape}, not {np.shape(value)}")
+            if self._parts is None:
+                self._write(name, self.n, (value,))
+        for part in self._parts or ():
+            for name, rows in part.rows.items():
+                rows[self.n] = values[name]
+            self._put(part.image, part.offset)
+
     def _write(self, name: str, first: int, rows: Sequence[Any] | NDArray[Any]) -> None:
         place = self._places[name]
         data = np.asarray(rows, dtype=place.dtype)
         if data.shape[1:] != place.shape:
             raise ResultsError(f"column {name} takes rows of shape {place.shape}, not {data.shape[1:]}")
         if data.size:
-            try:
-                write_all(self._descriptor, data.tobytes(), place.offset + first * place.row_bytes)
-            except OSError as exc:
-                raise make_write_error(self.path, exc) from exc
+            self._put(data.tobytes(), place.offset + first * place.row_bytes)
+
+    def _put(self, data: bytes | bytearray, offset: int) -> None:
+        try:
+            write_all(self._descriptor, data, offset)
+        except OSError as exc:
+            raise make_write_error(self.path, exc) from exc
