@@ -28,6 +28,9 @@ Ints = NDArray[np.intp]
 WIDEST = 128
 # What is left of the equations, relative to the solutions, where rounding has not grown.
 LEFT = 1e-13
+# How large solutions for a right-hand side of random numbers are at most. Beyond that equations are nearly singular, as
+# where many segments are about to vanish, and pivots sought in the whole matrix keep small unknowns apart.
+LARGEST = 1e6
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,8 +75,8 @@ class TimeOrder:
 def factor_in_time(matrix: Any, order: TimeOrder) -> Callable[[Array], Array] | None:
     """Return what solves with a square sparse matrix (CSC) whose rows have largest entries of modulus 1.
 
-    It takes right-hand sides of shape (n,) or (n, k). None where that does not do: blocks are singular, too much comes
-    round, or rounding errors have grown.
+    It takes right-hand sides of shape (n,) or (n, k). None where that does not do: blocks or the whole are singular or
+    nearly so, too much comes round, or rounding errors have grown.
     """
     n_blocks, n, of_row = len(order.sizes), order.n_columns, order.block_of_row
     structure = matrix.indptr, matrix.indices
@@ -143,8 +146,8 @@ def factor_in_time(matrix: Any, order: TimeOrder) -> Callable[[Array], Array] | 
     trial = _draw(n)
     with np.errstate(all="ignore"):
         x = solve(trial)
-        left = np.max(np.abs(matrix @ x - trial))
-    return solve if left <= LEFT * np.max(np.abs(x)) else None
+        left, largest = np.max(np.abs(matrix @ x - trial)), np.max(np.abs(x))
+    return solve if left <= LEFT * largest and largest <= LARGEST else None
 
 
 @cache

@@ -99,7 +99,7 @@ def test_directions_keep_the_signs_that_they_had(signs):
     matrix, size = rng.standard_normal((3, 5)), 10.0 ** rng.uniform(-2, 2, 5)
     null = np.linalg.svd(matrix * size)[2][-2:] * size
     near = np.array(signs)[:, None] * null
-    found, solution = _span_null(matrix, size, near, np.ones(3))
+    found, solution = _span_null(matrix, size, near, np.ones(3), None)
     assert found / size == pytest.approx(near / size, abs=1e-12)
     # The solution for the right-hand side is the shortest.
     assert matrix @ solution == pytest.approx(np.ones(3), abs=1e-12)

@@ -5,7 +5,7 @@ import pytest
 import scipy.sparse as sp
 
 from pddecont.continuation import TimeOrder, equilibrate
-from pddecont.continuation.time_order import WIDEST, factor_in_time
+from pddecont.continuation.time_order import LARGEST, WIDEST, factor_in_time
 
 RNG = np.random.default_rng(0)
 
@@ -68,6 +68,12 @@ def test_growth_is_seen_and_another_factorisation_taken():
     assert factor_in_time(sp.csc_matrix(matrix), order)(right) == pytest.approx(
         np.linalg.solve(matrix, right), rel=1e-14
     )
+
+
+@pytest.mark.parametrize("small", [1e-3, 1e-9])
+def test_nearly_singular_equations_are_left_to_another_factorisation(small):
+    matrix = np.diag([1.0, 1.0, small])
+    assert (factor_in_time(sp.csc_matrix(matrix), make_order((1, 1))) is None) == (small < 1.0 / LARGEST)
 
 
 @pytest.mark.parametrize("place", [(0, 0), (2, 2)])
