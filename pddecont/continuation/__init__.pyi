@@ -23,6 +23,7 @@ from .linear import equilibrate as equilibrate
 from .linear import factor as factor
 from .linear import find_log_determinant as find_log_determinant
 from .linear import is_odd as is_odd
+from .linear import leave_out_zeros as leave_out_zeros
 from .linear import make_sparse as make_sparse
 from .linear import row_maxima as row_maxima
 from .linear import scale_matrix as scale_matrix

@@ -139,10 +139,16 @@ def _factor_sparse(matrix: Matrix) -> Any:
     """Return the factors of a sparse matrix; a large one is factored without the zeros among its entries."""
     if matrix.shape[0] < MANY:
         return scipy.sparse.linalg.splu(matrix, panel_size=1, relax=1)
-    if np.count_nonzero(matrix.data) < len(matrix.data):
-        matrix = matrix.copy()
-        matrix.eliminate_zeros()
-    return scipy.sparse.linalg.splu(matrix)
+    return scipy.sparse.linalg.splu(leave_out_zeros(matrix))
+
+
+def leave_out_zeros(matrix: Matrix) -> Matrix:
+    """Return a sparse matrix (CSC) without the zeros that it stores; itself where it stores none."""
+    if np.count_nonzero(matrix.data) == len(matrix.data):
+        return matrix
+    result = make_sparse(matrix.data.copy(), matrix.indices.copy(), matrix.indptr.copy(), matrix.shape)
+    result.eliminate_zeros()
+    return result
 
 
 def scale_matrix(matrix: Matrix, rows: Array, columns: Array) -> Matrix:

@@ -247,7 +247,7 @@ class StepWriter:
         """Write a row of each array with one row a point."""
         for name, value in values.items():
             place = self._places[name]
-            if np.shape(value) != place.shape:
+            if (place.shape or not np.isscalar(value)) and np.shape(value) != place.shape:
                 raise ResultsError(f"column {name} takes rows of shape {place.shape}, not {np.shape(value)}")
             if self._parts is None:
                 self._write(name, self.n, (value,))

@@ -19,7 +19,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from pddecont.continuation import EquilibratedMatrix, Matrix, ScaledFactors, equilibrate, make_sparse
+from pddecont.continuation import EquilibratedMatrix, Matrix, ScaledFactors, equilibrate, leave_out_zeros, make_sparse
 from pddecont.delay import FullWeights
 from pddecont.errors import ConvergenceError
 from pddecont.orbit import Assembly, Linearisation, Orbit, OrbitProblem, Reads, measure_orbit, order_in_time
@@ -177,9 +177,8 @@ def linearise_period(orbit: Orbit, assembly: Assembly | None = None) -> Monodrom
     columns = assembly.columns
     assert isinstance(columns, LaggedColumns)
     at, n = assembly.linearise(orbit, reads), columns.n_columns
-    wide = assembly.pattern.fill(assembly.evaluate(at)).copy()
     # A delayed value that nothing depends on just now makes no history.
-    wide.eliminate_zeros()
+    wide = leave_out_zeros(assembly.pattern.fill(assembly.evaluate(at)))
     sizes = _measure_columns(orbit)
     end = wide.indptr[n]
     present = make_sparse(wide.data[:end], wide.indices[:end], wide.indptr[: n + 1], (n, n))
