@@ -65,6 +65,16 @@ class TimeOrder:
         """The columns beside all blocks, as many as rows below."""
         return np.flatnonzero(self.block_of_column == len(self.sizes))
 
+    @cached_property
+    def n_entries(self) -> int:
+        """Number of entries of all blocks."""
+        return int(self.sizes @ self.sizes)
+
+    @cached_property
+    def n_inside(self) -> int:
+        """Number of rows of all blocks."""
+        return int(np.sum(self.sizes))
+
     def _number(self, first: Ints) -> Ints:
         result = np.full(self.n_columns, len(self.sizes))
         for b, (start, size) in enumerate(zip(first.tolist(), self.sizes.tolist(), strict=True)):
@@ -87,7 +97,7 @@ def factor_in_time(matrix: Any, order: TimeOrder) -> Callable[[Array], Array] | 
     if size > WIDEST:
         return None
     blocks = *structure, matrix.data, order.rows, order.columns, order.sizes, n_blocks, of_row
-    factors, pivots = np.empty(int(order.sizes @ order.sizes)), np.empty(int(np.sum(order.sizes)), dtype=np.intp)
+    factors, pivots = np.empty(order.n_entries), np.empty(order.n_inside, dtype=np.intp)
     if not compiled_assembly.factor_in_time(*blocks, factors, pivots):
         return None
 
@@ -104,9 +114,9 @@ def factor_in_time(matrix: Any, order: TimeOrder) -> Callable[[Array], Array] | 
     )
     above = eliminate(right)
     small = np.concatenate([above[wrapped], right[below]])
-    small[:n_wrapped, :n_wrapped].flat[:: n_wrapped + 1] += 1.0
+    small.reshape(-1)[: n_wrapped * size : size + 1] += 1.0
     lu, exchanged, singular = lapack.dgetrf(small) if size else (small, np.zeros(0, dtype=np.intc), 0)
-    if singular or not np.isfinite(lu).all():
+    if singular:
         return None
     above_by_column, lu_by_column = np.ascontiguousarray(above.T), np.ascontiguousarray(lu.T)
 
@@ -146,7 +156,7 @@ def factor_in_time(matrix: Any, order: TimeOrder) -> Callable[[Array], Array] | 
     trial = _draw(n)
     with np.errstate(all="ignore"):
         x = solve(trial)
-        left, largest = np.max(np.abs(matrix @ x - trial)), np.max(np.abs(x))
+        left, largest = np.abs(matrix @ x - trial).max(), np.abs(x).max()
     return solve if left <= LEFT * largest and largest <= LARGEST else None
 
 
