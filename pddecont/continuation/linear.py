@@ -202,6 +202,8 @@ def make_sparse(data: Array, rows: Ints, starts: Ints, shape: tuple[int, int]) -
 def _make_empty(shape: tuple[int, int]) -> Matrix:
     empty = sp.csc_matrix(shape)
     empty.has_canonical_format = True
+    # Its own arrays are never read; hundreds of large ones would stay in memory.
+    empty.indptr = empty.indices
     return empty
 
 
