@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from scipy.linalg import lapack
 
 from pddecont.native import compiled_assembly
+from pddecont.native.assembly import Blocks
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
@@ -88,30 +89,36 @@ def factor_in_time(matrix: Any, order: TimeOrder) -> Callable[[Array], Array] | 
     It takes right-hand sides of shape (n,) or (n, k). None where that does not do: blocks or the whole are singular or
     nearly so, too much comes round, or rounding errors have grown.
     """
-    n_blocks, n, of_row = len(order.sizes), order.n_columns, order.block_of_row
-    structure = matrix.indptr, matrix.indices
+    blocks = Blocks(
+        starts=matrix.indptr,
+        indices=matrix.indices,
+        data=matrix.data,
+        rows=order.rows,
+        columns=order.columns,
+        sizes=order.sizes,
+        n_blocks=len(order.sizes),
+        block_of_row=order.block_of_row,
+    )
+    n = order.n_columns
     found = np.empty(n, dtype=np.intp)
-    n_wrapped = compiled_assembly.find_wrapped(*structure, order.columns, order.sizes, n_blocks, of_row, found)
+    n_wrapped = compiled_assembly.find_wrapped(blocks, found)
     wrapped, beside, below = found[:n_wrapped], order.columns_beside, order.rows_below
     size = n_wrapped + len(beside)
     if size > WIDEST:
         return None
-    blocks = *structure, matrix.data, order.rows, order.columns, order.sizes, n_blocks, of_row
     factors, pivots = np.empty(order.n_entries), np.empty(order.n_inside, dtype=np.intp)
-    if not compiled_assembly.factor_in_time(*blocks, factors, pivots):
+    if not compiled_assembly.factor_in_time(blocks, factors, pivots):
         return None
 
     def eliminate(right: Array) -> Array:
         """Return the solutions of the blocks; what they leave stays in the rows of ``right`` below."""
         solved = np.zeros(right.shape)
-        compiled_assembly.solve_in_time(*blocks, factors, pivots, right.shape[1], right, solved)
+        compiled_assembly.solve_in_time(blocks, factors, pivots, right.shape[1], right, solved)
         return solved
 
     right = np.zeros((n, size))
     chosen = np.concatenate([wrapped, beside])
-    compiled_assembly.take_columns(
-        *structure, matrix.data, chosen, size, of_row, order.block_of_column, n_blocks, right
-    )
+    compiled_assembly.take_columns(blocks, chosen, size, order.block_of_column, right)
     above = eliminate(right)
     small = np.concatenate([above[wrapped], right[below]])
     small.reshape(-1)[: n_wrapped * size : size + 1] += 1.0
@@ -125,7 +132,7 @@ def factor_in_time(matrix: Any, order: TimeOrder) -> Callable[[Array], Array] | 
             return solve_many(b)
         x, right, border = np.empty(n), np.array(b, dtype=np.float64), np.empty(size)
         compiled_assembly.solve_bordered(
-            *blocks,
+            blocks,
             factors,
             pivots,
             wrapped,

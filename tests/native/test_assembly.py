@@ -12,7 +12,7 @@ from pddecont.codegen import NumericModel
 from pddecont.collocation import make_basis
 from pddecont.model import parse_document, parse_model
 from pddecont.native import compiled_assembly, unite
-from pddecont.native.assembly import Equations
+from pddecont.native.assembly import Blocks, Equations
 from pddecont.orbit import Profile
 
 PARTS = (
@@ -308,10 +308,10 @@ SIZES = [2, 4, 3]
 
 
 def make_blocks(matrix):
-    """Return a matrix and its blocks, which stand in their order, as the functions of the elimination take them."""
+    """Return a matrix and its blocks, which stand in their order."""
     first, sparse = np.cumsum([0, *SIZES[:-1]]), sp.csc_matrix(matrix)
     of_row = np.repeat(np.arange(len(SIZES) + 1), [*SIZES, len(matrix) - sum(SIZES)])
-    return (sparse.indptr, sparse.indices, sparse.data), (first, first, np.array(SIZES), len(SIZES), of_row)
+    return Blocks(sparse.indptr, sparse.indices, sparse.data, first, first, np.array(SIZES), len(SIZES), of_row)
 
 
 def draw_blocks(n):
@@ -326,10 +326,10 @@ def draw_blocks(n):
 def test_elimination_in_the_order_of_time(native):
     full = draw_blocks(11)
     right = np.concatenate([full[:, 9:], RNG.normal(size=(11, 3))], axis=1)
-    matrix, blocks = make_blocks(full)
+    blocks = make_blocks(full)
     factors, pivots, left, solved = np.empty(29), np.empty(9, dtype=np.intp), right.copy(), np.zeros(right.shape)
-    assert native.factor_in_time(*matrix, *blocks, factors, pivots)
-    native.solve_in_time(*matrix, *blocks, factors, pivots, 5, left, solved)
+    assert native.factor_in_time(blocks, factors, pivots)
+    native.solve_in_time(blocks, factors, pivots, 5, left, solved)
     above = np.linalg.solve(full[:9, :9], right[:9])
     assert solved[:9] == pytest.approx(above, rel=1e-11)
     assert left[9:] == pytest.approx(right[9:] - full[9:, :9] @ above, rel=1e-10)
@@ -339,20 +339,20 @@ def test_elimination_tells_of_a_singular_block(native):
     for value in (1.0, 0.0):
         full = np.eye(10)
         full[3, 3] = value
-        matrix, blocks = make_blocks(full)
-        assert native.factor_in_time(*matrix, *blocks, np.empty(29), np.empty(9, dtype=np.intp)) == bool(value)
+        blocks = make_blocks(full)
+        assert native.factor_in_time(blocks, np.empty(29), np.empty(9, dtype=np.intp)) == bool(value)
 
 
 def test_columns_that_come_round(native):
     """Columns of blocks that earlier blocks hold: which, and what of them and of the border stands at the right."""
     full = draw_blocks(11)
     full[0, 3], full[1, 8], full[4, 8] = 2.0, 3.0, 4.0
-    matrix, (_, columns, sizes, n_blocks, of_row) = make_blocks(full)
+    blocks = make_blocks(full)
     found = np.empty(11, dtype=np.intp)
-    assert native.find_wrapped(*matrix[:2], columns, sizes, n_blocks, of_row, found) == 2
+    assert native.find_wrapped(blocks, found) == 2
     assert found[:2].tolist() == [3, 8]
     right = np.zeros((11, 3))
-    native.take_columns(*matrix, np.array([3, 8, 10]), 3, of_row, of_row, n_blocks, right)
+    native.take_columns(blocks, np.array([3, 8, 10]), 3, blocks.block_of_row, right)
     expected = np.stack([full[:, 3], full[:, 8], full[:, 10]], axis=1)
     expected[2:, 0] = expected[6:, 1] = 0.0
     assert np.array_equal(right, expected)

@@ -6,7 +6,26 @@ beside all of them, is left to the right-hand sides.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from pddecont.native.arrays import Floats, Indices, Integers, entry
+
+
+class Blocks(NamedTuple):
+    """A sparse matrix by columns, and its blocks in the order of time; the arrays have to outlive it.
+
+    Block b has ``sizes[b]`` rows and columns from ``rows[b]`` and ``columns[b]`` on. ``block_of_row`` (n_rows,) says
+    which block each row belongs to; ``n_blocks`` stands for those below all blocks.
+    """
+
+    starts: Indices
+    indices: Indices
+    data: Floats
+    rows: Integers
+    columns: Integers
+    sizes: Integers
+    n_blocks: int
+    block_of_row: Integers
 
 
 def factor_block(factors: Floats, first: int, n: int, pivots: Integers, top: int) -> bool:
@@ -72,24 +91,16 @@ def solve_block(
 
 
 @entry
-def find_wrapped(
-    starts: Indices,
-    indices: Indices,
-    columns: Integers,
-    sizes: Integers,
-    n_blocks: int,
-    block_of_row: Integers,
-    wrapped: Integers,
-) -> int:
+def find_wrapped(m: Blocks, wrapped: Integers) -> int:
     """Write which columns of blocks equations of earlier blocks hold, in order; return how many there are.
 
-    Block b has ``sizes[b]`` columns from ``columns[b]`` on. ``wrapped`` has room for all columns.
+    ``wrapped`` has room for all columns.
     """
     n = 0
-    for b in range(n_blocks):
-        for c in range(columns[b], columns[b] + sizes[b]):
-            for e in range(starts[c], starts[c + 1]):
-                if block_of_row[indices[e]] < b:
+    for b in range(m.n_blocks):
+        for c in range(m.columns[b], m.columns[b] + m.sizes[b]):
+            for e in range(m.starts[c], m.starts[c + 1]):
+                if m.block_of_row[m.indices[e]] < b:
                     wrapped[n] = c
                     n += 1
                     break
@@ -97,33 +108,21 @@ def find_wrapped(
 
 
 @entry
-def factor_in_time(
-    starts: Indices,
-    indices: Indices,
-    data: Floats,
-    rows: Integers,
-    columns: Integers,
-    sizes: Integers,
-    n_blocks: int,
-    block_of_row: Integers,
-    factors: Floats,
-    pivots: Integers,
-) -> bool:
+def factor_in_time(m: Blocks, factors: Floats, pivots: Integers) -> bool:
     """Write the factors of the blocks of a matrix, one after the other; False where one of them is singular.
 
-    Block b has ``sizes[b]`` rows and columns from ``rows[b]`` and ``columns[b]`` on. ``factors`` has room for all
-    blocks' entries, ``pivots`` for a number a row of theirs.
+    ``factors`` has room for all blocks' entries, ``pivots`` for a number a row of theirs.
     """
     first = 0
     top = 0
-    for b in range(n_blocks):
-        size = sizes[b]
+    for b in range(m.n_blocks):
+        size = m.sizes[b]
         for i in range(size * size):
             factors[first + i] = 0.0
         for c in range(size):
-            for e in range(starts[columns[b] + c], starts[columns[b] + c + 1]):
-                if block_of_row[indices[e]] == b:
-                    factors[first + (indices[e] - rows[b]) * size + c] += data[e]
+            for e in range(m.starts[m.columns[b] + c], m.starts[m.columns[b] + c + 1]):
+                if m.block_of_row[m.indices[e]] == b:
+                    factors[first + (m.indices[e] - m.rows[b]) * size + c] += m.data[e]
         if not factor_block(factors, first, size, pivots, top):
             return False
         first += size * size
@@ -132,77 +131,45 @@ def factor_in_time(
 
 
 @entry
-def solve_in_time(
-    starts: Indices,
-    indices: Indices,
-    data: Floats,
-    rows: Integers,
-    columns: Integers,
-    sizes: Integers,
-    n_blocks: int,
-    block_of_row: Integers,
-    factors: Floats,
-    pivots: Integers,
-    width: int,
-    right: Floats,
-    solved: Floats,
-) -> None:
+def solve_in_time(m: Blocks, factors: Floats, pivots: Integers, width: int, right: Floats, solved: Floats) -> None:
     """Solve a matrix whose blocks are factored, what stands above and beside them left out.
 
-    The rows below all blocks are those with the number ``n_blocks`` in ``block_of_row`` (n_rows,). ``right`` (n_rows,
-    width) holds right-hand sides; in the rows below it ends as what the solutions ``solved`` (n_columns, width) leave
-    there, which are written in the blocks' columns.
+    ``right`` (n_rows, width) holds right-hand sides; in the rows below all blocks it ends as what the solutions
+    ``solved`` (n_columns, width) leave there, which are written in the blocks' columns.
     """
     first = 0
     top = 0
-    for b in range(n_blocks):
-        size = sizes[b]
-        left = columns[b]
+    for b in range(m.n_blocks):
+        size = m.sizes[b]
+        left = m.columns[b]
         for i in range(size * width):
-            solved[left * width + i] = right[rows[b] * width + i]
+            solved[left * width + i] = right[m.rows[b] * width + i]
         solve_block(factors, first, size, pivots, top, solved, left * width, width)
         first += size * size
         top += size
         for c in range(size):
             here = (left + c) * width
-            for e in range(starts[left + c], starts[left + c + 1]):
-                if block_of_row[indices[e]] > b:
-                    value = data[e]
-                    there = indices[e] * width
+            for e in range(m.starts[left + c], m.starts[left + c + 1]):
+                if m.block_of_row[m.indices[e]] > b:
+                    value = m.data[e]
+                    there = m.indices[e] * width
                     for t in range(width):
                         right[there + t] -= value * solved[here + t]
 
 
 @entry
-def take_columns(
-    starts: Indices,
-    indices: Indices,
-    data: Floats,
-    chosen: Integers,
-    n: int,
-    block_of_row: Integers,
-    block_of_column: Integers,
-    n_blocks: int,
-    right: Floats,
-) -> None:
+def take_columns(m: Blocks, chosen: Integers, n: int, block_of_column: Integers, right: Floats) -> None:
     """Write ``n`` columns to ``right`` (n_rows, n), zero before: of those of a block what earlier blocks' rows hold."""
     for k in range(n):
         block = block_of_column[chosen[k]]
-        for e in range(starts[chosen[k]], starts[chosen[k] + 1]):
-            if block == n_blocks or block_of_row[indices[e]] < block:
-                right[indices[e] * n + k] = data[e]
+        for e in range(m.starts[chosen[k]], m.starts[chosen[k] + 1]):
+            if block == m.n_blocks or m.block_of_row[m.indices[e]] < block:
+                right[m.indices[e] * n + k] = m.data[e]
 
 
 @entry
 def solve_bordered(
-    starts: Indices,
-    indices: Indices,
-    data: Floats,
-    rows: Integers,
-    columns: Integers,
-    sizes: Integers,
-    n_blocks: int,
-    block_of_row: Integers,
+    m: Blocks,
     factors: Floats,
     pivots: Integers,
     wrapped: Integers,
@@ -226,11 +193,11 @@ def solve_bordered(
     """
     first = 0
     top = 0
-    for b in range(n_blocks):
-        size = sizes[b]
-        left = columns[b]
+    for b in range(m.n_blocks):
+        size = m.sizes[b]
+        left = m.columns[b]
         for i in range(size):
-            x[left + i] = right[rows[b] + i]
+            x[left + i] = right[m.rows[b] + i]
         for i in range(size):
             kept = x[left + pivots[top + i]]
             x[left + pivots[top + i]] = x[left + i]
@@ -246,9 +213,9 @@ def solve_bordered(
         first += size * size
         top += size
         for c in range(left, left + size):
-            for e in range(starts[c], starts[c + 1]):
-                if block_of_row[indices[e]] > b:
-                    right[indices[e]] -= data[e] * x[c]
+            for e in range(m.starts[c], m.starts[c + 1]):
+                if m.block_of_row[m.indices[e]] > b:
+                    right[m.indices[e]] -= m.data[e] * x[c]
     for k in range(n_wrapped):
         border[k] = x[wrapped[k]]
     for k in range(n_beside):
