@@ -18,7 +18,7 @@ PACKAGE = Path(pddecont.__file__).parent
 # What each folder may import besides what anyone may: the modules beside the folders that import nothing.
 ALLOWED = {
     "collocation": {"native"},
-    "continuation": {"native"},
+    "continuation": {"native", "native.assembly"},
     "model": {},
     "results": {},
     "data": {},
