@@ -30,10 +30,16 @@ EDGES = (
     "start",
     "length",
     "n_intervals",
+    "first_interval",
     "last_interval",
     "_every_interval",
     "breaking_interval",
 )
+
+
+def find_inner_side(sigma: Array) -> Array:
+    """Return on which side of points their interval, from 0 to 1, goes on: 1 at its start, -1 at its end, 0 inside."""
+    return np.where(sigma <= 0.0, 1.0, np.where(sigma >= 1.0, -1.0, 0.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,9 +64,7 @@ class MeshPoints:
     @cached_property
     def side(self) -> Array:
         """From which side each point reads (n_points,): 1 after it, -1 before, 0 inside an interval, where both do."""
-        if self.inward is not None:
-            return self.inward
-        return np.where(self.sigma <= 0.0, 1.0, np.where(self.sigma >= 1.0, -1.0, 0.0))
+        return find_inner_side(self.sigma) if self.inward is None else self.inward
 
     def clipped(self) -> MeshPoints:
         """Return the points with sigma moved into [0, 1], where rounding or a wide reach took it beyond."""
@@ -203,7 +207,7 @@ class Mesh:
     @cached_property
     def first_base(self) -> Ints:
         """First base point of each segment, shape (n_segments,)."""
-        result: Ints = self.base_index[np.searchsorted(self.segment, np.arange(self.n_segments)), 0]
+        result: Ints = self.base_index[self.first_interval, 0]
         return result
 
     @cached_property
@@ -211,6 +215,11 @@ class Mesh:
         """Last base point of each segment, shape (n_segments,)."""
         result: Ints = self.base_index[self.last_interval, -1]
         return result
+
+    @cached_property
+    def first_interval(self) -> Ints:
+        """First interval of each segment, shape (n_segments,)."""
+        return np.searchsorted(self.segment, np.arange(self.n_segments))
 
     @cached_property
     def last_interval(self) -> Ints:

@@ -47,7 +47,7 @@ class EquilibratedMatrix:
         ConvergenceError
             If it is singular or not finite.
         """
-        return ScaledFactors(_factor(self.matrix, order), self.rows, self.columns)
+        return ScaledFactors(factor(self.matrix, order), self.rows, self.columns)
 
     def solve_with_border(self, border: Array, rhs: Array, order: TimeOrder | None = None) -> tuple[Array, Array]:
         """Return what spans the null space of a matrix with k columns more than rows, and a solution for ``rhs``.
@@ -67,7 +67,7 @@ class EquilibratedMatrix:
         right = np.zeros((matrix.shape[0], k + 1))
         right[-k or len(right) :, :k] = np.eye(k)
         right[: len(self.rows), k] = self.rows * rhs
-        solved = _factor(matrix, order)(right)
+        solved = factor(matrix, order)(right)
         return solved[:, :k], solved[:, k]
 
 
@@ -102,14 +102,10 @@ def equilibrate(matrix: Matrix, columns: Array | None = None) -> EquilibratedMat
     return EquilibratedMatrix(scale_matrix(scaled, rows, np.ones(n_columns)), rows, sizes)
 
 
-def _factor(matrix: Matrix, order: TimeOrder | None) -> Callable[[Array], Array]:
-    """Return what solves with a matrix, in an ``order`` of time where there is one and that does."""
-    found = None if order is None or not sp.issparse(matrix) else factor_in_time(matrix, order)
-    return found or factor(matrix)
-
-
-def factor(matrix: Matrix) -> Callable[[Array], Array]:
+def factor(matrix: Matrix, order: TimeOrder | None = None) -> Callable[[Array], Array]:
     """Return what solves with a square matrix, for one right-hand side or several.
+
+    A sparse one is eliminated in an ``order`` of time where there is one and that does.
 
     Raises
     ------
@@ -117,6 +113,9 @@ def factor(matrix: Matrix) -> Callable[[Array], Array]:
         If the matrix is singular or not finite.
     """
     if sp.issparse(matrix):
+        in_time = None if order is None else factor_in_time(matrix, order)
+        if in_time is not None:
+            return in_time
         if not np.isfinite(matrix.data).all():
             raise ConvergenceError("the Jacobian holds values that are not finite")
         try:

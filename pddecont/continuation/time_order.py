@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from scipy.linalg import lapack
 
 from pddecont.native import compiled_assembly
-from pddecont.native.assembly import Blocks
+from pddecont.native.assembly import Blocks, Border
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
@@ -83,12 +83,74 @@ class TimeOrder:
         return result
 
 
+@dataclass(frozen=True, eq=False)
+class FactoredBlocks:
+    """The blocks of a matrix with their ``factors`` (n_entries,) and ``pivots`` (n_inside,), one after the other."""
+
+    blocks: Blocks
+    factors: Array
+    pivots: Ints
+
+    def solve(self, right: Array) -> Array:
+        """Return the blocks' solutions (n, k) for ``right`` (n, k), whose rows below end as what those leave there."""
+        solved = np.zeros(right.shape)
+        compiled_assembly.solve_in_time(self.blocks, self.factors, self.pivots, right.shape[1], right, solved)
+        return solved
+
+
+@dataclass(frozen=True, eq=False)
+class TimeFactors:
+    """A matrix factored in the order of time: its blocks, and the small system of what comes round and of the border.
+
+    ``above`` (n, size) are the blocks' solutions for the columns of the small system, ``small`` its factors (size,
+    size) with the ``exchanged`` rows (size,) of LAPACK, ``border`` the same for compiled code.
+    """
+
+    inside: FactoredBlocks
+    border: Border
+    above: Array
+    small: Array
+    exchanged: NDArray[np.intc]
+
+    def solve(self, b: Array) -> Array:
+        """Return the solutions for ``b``, shape (n,) or (n, k)."""
+        if b.ndim > 1:
+            return self._solve_many(b)
+        x, right, unknown = np.empty(len(b)), np.array(b, dtype=np.float64), np.empty(len(self.small))
+        inside = self.inside
+        compiled_assembly.solve_bordered(inside.blocks, inside.factors, inside.pivots, self.border, right, unknown, x)
+        return x
+
+    def _solve_many(self, b: Array) -> Array:
+        right, border = np.array(b, dtype=np.float64, order="C"), self.border
+        solved = self.inside.solve(right)
+        if not len(self.small):
+            return solved
+        given = np.concatenate([solved[border.wrapped], right[border.below]])
+        unknown, _ = lapack.dgetrs(self.small, self.exchanged, given)
+        x: Array = solved - self.above @ unknown
+        x[border.beside] = unknown[border.n_wrapped :]
+        return x
+
+
 def factor_in_time(matrix: Any, order: TimeOrder) -> Callable[[Array], Array] | None:
     """Return what solves with a square sparse matrix (CSC) whose rows have largest entries of modulus 1.
 
     It takes right-hand sides of shape (n,) or (n, k). None where that does not do: blocks or the whole are singular or
     nearly so, too much comes round, or rounding errors have grown.
     """
+    found = _factor(matrix, order)
+    if found is None:
+        return None
+    trial = _draw(order.n_columns)
+    with np.errstate(all="ignore"):
+        x = found.solve(trial)
+        left, largest = np.abs(matrix @ x - trial).max(), np.abs(x).max()
+    return found.solve if left <= LEFT * largest and largest <= LARGEST else None
+
+
+def _factor(matrix: Any, order: TimeOrder) -> TimeFactors | None:
+    """Return a matrix factored, well or not; None where a pivot is zero or too much comes round."""
     blocks = Blocks(
         starts=matrix.indptr,
         indices=matrix.indices,
@@ -99,72 +161,35 @@ def factor_in_time(matrix: Any, order: TimeOrder) -> Callable[[Array], Array] | 
         n_blocks=len(order.sizes),
         block_of_row=order.block_of_row,
     )
-    n = order.n_columns
-    found = np.empty(n, dtype=np.intp)
-    n_wrapped = compiled_assembly.find_wrapped(blocks, found)
-    wrapped, beside, below = found[:n_wrapped], order.columns_beside, order.rows_below
-    size = n_wrapped + len(beside)
+    n, beside, below = order.n_columns, order.columns_beside, order.rows_below
+    columns = np.empty(n, dtype=np.intp)
+    n_wrapped = compiled_assembly.find_wrapped(blocks, columns)
+    wrapped, size = columns[:n_wrapped], n_wrapped + len(beside)
     if size > WIDEST:
         return None
-    factors, pivots = np.empty(order.n_entries), np.empty(order.n_inside, dtype=np.intp)
-    if not compiled_assembly.factor_in_time(blocks, factors, pivots):
+    inside = FactoredBlocks(blocks, np.empty(order.n_entries), np.empty(order.n_inside, dtype=np.intp))
+    if not compiled_assembly.factor_in_time(blocks, inside.factors, inside.pivots):
         return None
-
-    def eliminate(right: Array) -> Array:
-        """Return the solutions of the blocks; what they leave stays in the rows of ``right`` below."""
-        solved = np.zeros(right.shape)
-        compiled_assembly.solve_in_time(blocks, factors, pivots, right.shape[1], right, solved)
-        return solved
-
-    right = np.zeros((n, size))
-    chosen = np.concatenate([wrapped, beside])
+    right, chosen = np.zeros((n, size)), np.concatenate([wrapped, beside])
     compiled_assembly.take_columns(blocks, chosen, size, order.block_of_column, right)
-    above = eliminate(right)
+    above = inside.solve(right)
     small = np.concatenate([above[wrapped], right[below]])
     small.reshape(-1)[: n_wrapped * size : size + 1] += 1.0
     lu, exchanged, singular = lapack.dgetrf(small) if size else (small, np.zeros(0, dtype=np.intc), 0)
     if singular:
         return None
-    above_by_column, lu_by_column = np.ascontiguousarray(above.T), np.ascontiguousarray(lu.T)
-
-    def solve(b: Array) -> Array:
-        if b.ndim > 1:
-            return solve_many(b)
-        x, right, border = np.empty(n), np.array(b, dtype=np.float64), np.empty(size)
-        compiled_assembly.solve_bordered(
-            blocks,
-            factors,
-            pivots,
-            wrapped,
-            n_wrapped,
-            beside,
-            below,
-            len(beside),
-            above_by_column,
-            lu_by_column,
-            exchanged,
-            n,
-            right,
-            border,
-            x,
-        )
-        return x
-
-    def solve_many(b: Array) -> Array:
-        right = np.array(b, dtype=np.float64, order="C")
-        solved = eliminate(right)
-        if not size:
-            return solved
-        unknown, _ = lapack.dgetrs(lu, exchanged, np.concatenate([solved[wrapped], right[below]]))
-        x: Array = solved - above @ unknown
-        x[beside] = unknown[n_wrapped:]
-        return x
-
-    trial = _draw(n)
-    with np.errstate(all="ignore"):
-        x = solve(trial)
-        left, largest = np.abs(matrix @ x - trial).max(), np.abs(x).max()
-    return solve if left <= LEFT * largest and largest <= LARGEST else None
+    border = Border(
+        n=n,
+        wrapped=wrapped,
+        n_wrapped=n_wrapped,
+        beside=beside,
+        below=below,
+        n_beside=len(beside),
+        above=np.ascontiguousarray(above.T),
+        small=np.ascontiguousarray(lu.T),
+        exchanged=exchanged,
+    )
+    return TimeFactors(inside, border, above, lu, exchanged)
 
 
 @cache

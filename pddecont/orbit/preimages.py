@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.collocation import MeshPoints
 from pddecont.orbit.orbit import Orbit
 
 Array = NDArray[np.float64]
@@ -26,10 +25,8 @@ class PreimageSearch:
         mesh = orbit.mesh
         places = np.linspace(0.0, 1.0, 2 * mesh.degree + 1 + MORE_SAMPLES)
         self.inside = np.tile(np.append(np.ones(len(places) - 1, dtype=bool), False), mesh.n_intervals)[:-1]
-        points = mesh.grid(places)
         # At an edge what is read is that of the interval's own side.
-        inward = np.where(points.sigma <= 0.0, 1.0, np.where(points.sigma >= 1.0, -1.0, 0.0))
-        points = MeshPoints(points.interval, points.sigma, points.weights, inward)
+        points = mesh.grid(places)
         self.times = mesh.evaluate_times(points, orbit.theta)
         # Without delays that vary there is nothing to read.
         lags = orbit.read(points, integrals=False).lags if orbit.numeric.model.varying else np.zeros((0, len(points)))

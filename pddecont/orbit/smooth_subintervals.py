@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.collocation import Mesh, MeshPoints
+from pddecont.collocation import Mesh, MeshPoints, find_inner_side
 from pddecont.orbit.orbit import Orbit
 from pddecont.orbit.preimages import PreimageSearch
 
@@ -39,9 +39,8 @@ class Subintervals:
         if np.all(self.share == 1.0):
             return mesh.grid(sigma, self.interval)
         at = self.low[:, None] + np.outer(self.share, sigma)
-        inward = np.where(sigma <= 0.0, 1.0, np.where(sigma >= 1.0, -1.0, 0.0))
         repeated = np.repeat(self.interval, len(sigma))
-        return MeshPoints(repeated, at.ravel(), inward=np.tile(inward, len(self.interval)))
+        return MeshPoints(repeated, at.ravel(), inward=np.tile(find_inner_side(sigma), len(self.interval)))
 
 
 def find_smooth_subintervals(orbit: Orbit, intervals: Ints, *, delays: bool) -> Subintervals:

@@ -1,9 +1,9 @@
 """Appending to a results file so that a process killed at any instant leaves a file that opens.
 
 Between changes of the file's structure every array has room for rows to come at a fixed place in the file, and a new
-point is written there directly, its count last: no metadata of HDF5 is touched while a computation runs. Arrays with
-one row a point lie side by side; their part of the file is kept in memory too, and written as a whole while it is
-small: what it held before is written once more, and dozens of writes are one.
+point is written there directly, its count last: no metadata of HDF5 is touched while a computation runs. Most arrays
+with one row a point lie side by side; those parts of the file are kept in memory too, and written as a whole while they
+are small: what they held before is written once more, and a few writes do for dozens.
 """
 
 from __future__ import annotations
@@ -211,12 +211,15 @@ class StepWriter:
         self._places = {
             name: self._describe(column, offsets.get(name, 0)) for name, column, _, _ in self._list_arrays()
         }
+        self._parts = self._keep_parts()
+
+    def _keep_parts(self) -> list[Part] | None:
+        """Return the parts of the file in which arrays with one row a point lie; None where those are large."""
         n_rows, ends = self.capacity[ONE_A_POINT], [f"orbits/{name}_end" for name in self.format.orbits]
-        beside = {*ends, *(f"points/{name}" for name in self.format.points)}
-        self._parts = None
-        if n_rows * sum(self._places[name].row_bytes for name in beside) <= LARGEST_PART:
-            parts = find_parts(self._places, n_rows, beside)
-            self._parts = [Part(self._descriptor, places, n_rows) for places in parts]
+        names = {*ends, *(f"points/{name}" for name in self.format.points)}
+        if n_rows * sum(self._places[name].row_bytes for name in names) > LARGEST_PART:
+            return None
+        return [Part(self._descriptor, places, n_rows) for places in find_parts(self._places, n_rows, names)]
 
     def _list_arrays(self) -> Iterator[tuple[str, Column, int, int]]:
         """Yield the arrays of the step, how many rows each has room for, and how many of them are used."""

@@ -76,7 +76,8 @@ class Context:
     ) -> RowWriter:
         """Return the writer of a step's rows, with what every step says of itself added to ``meta``.
 
-        The first ``kept`` rows of ``recorded`` stay. The first point comes ``at_once``, or the step is seen before.
+        The first ``kept`` rows of ``recorded`` stay. ``at_once``: the first point follows,
+        and the file need not say before that the step has begun.
         """
         common = {
             "parameters": list(self.plan.model.parameters),

@@ -1,4 +1,4 @@
-"""The order of time in which equations of orbits are solved: against sparse factorisations, for orbits and for maps."""
+"""The order of time in which equations of orbits are solved: against sparse factorisations."""
 
 import numpy as np
 import pytest
@@ -6,16 +6,8 @@ import pytest
 from pddecont.collocation import MeshRule
 from pddecont.continuation import add_row, equilibrate
 from pddecont.continuation.time_order import factor_in_time
-from pddecont.orbit import adapt_mesh, order_in_time, solve_on_mesh
-from pddecont.stability.monodromy import linearise_period
-from tests.known_orbits import (
-    chained_impact_oscillator,
-    hard_wall,
-    impact_oscillator,
-    mackey_glass,
-    neuron,
-    with_parameter,
-)
+from pddecont.orbit import OrbitEvaluation, adapt_mesh, order_in_time, solve_on_mesh
+from tests.known_orbits import hard_wall, impact_oscillator, mackey_glass, neuron, with_parameter
 
 
 def remember_two_periods():
@@ -43,6 +35,8 @@ def check(matrix, order, sizes):
     right = np.random.default_rng(0).normal(size=(order.n_columns, 5))
     expected = equilibrated.factor().solve_scaled(right / equilibrated.rows[:, None])
     assert np.max(np.abs(found(right) - expected)) < 1e-11 * np.max(np.abs(expected))
+    single = found(right[:, 0])
+    assert np.max(np.abs(single - expected[:, 0])) < 1e-11 * np.max(np.abs(expected[:, 0]))
     assert np.sum(order.sizes) + len(order.rows_below) == order.n_columns
     assert len(order.rows_below) == len(order.columns_beside)
     assert matrix.shape == (order.n_columns, order.n_columns)
@@ -55,25 +49,12 @@ def test_equations_of_an_orbit(name):
 
 
 def test_equations_of_a_branch():
-    """With a free parameter and a row that picks a point; only what the past reads of the end comes round."""
-    orbit = solve(impact_oscillator).orbit.with_free(("tau_d",))
-    at = type(solve(impact_oscillator))(solve(impact_oscillator).system, orbit)
+    """With a free parameter, and a row that picks a point."""
+    found = solve(impact_oscillator)
+    orbit = found.orbit.with_free(("tau_d",))
+    at = OrbitEvaluation(found.system, orbit)
     matrix = add_row(at.jacobian(), np.random.default_rng(1).normal(size=len(orbit.x)))
     check(matrix, at.time_order, np.ones(len(orbit.x)))
-
-
-@pytest.mark.parametrize("name", ORBITS)
-def test_equations_of_a_map(name):
-    monodromy = linearise_period(solve(ORBITS[name]).orbit)
-    check(monodromy.present.matrix, order_in_time(monodromy.problem, goes_on=True), np.ones(len(monodromy.sizes)))
-
-
-@pytest.mark.parametrize("make", [impact_oscillator, mackey_glass, chained_impact_oscillator])
-def test_the_whole_map_is_that_of_its_steps(make):
-    monodromy = linearise_period(solve(make).orbit)
-    sizes = monodromy.history_sizes
-    steps = np.stack([monodromy.step(column[:, None])[1][:, 0] for column in np.diag(sizes)], axis=1) / sizes[:, None]
-    assert monodromy.scaled_matrix == pytest.approx(steps, abs=1e-11 * np.max(np.abs(steps)))
 
 
 def test_large_blocks_stay_sparse():

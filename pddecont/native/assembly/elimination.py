@@ -28,6 +28,25 @@ class Blocks(NamedTuple):
     block_of_row: Integers
 
 
+class Border(NamedTuple):
+    """What stands above and beside the blocks of a matrix of ``n`` columns; the arrays have to outlive it.
+
+    The columns ``wrapped``, which earlier blocks hold, and those ``beside`` all blocks are the unknowns of a small full
+    system; the rows ``below`` are as many as the latter. ``small`` are its factors by LAPACK, column by column, with
+    ``exchanged`` rows; ``above`` (n_wrapped + n_beside, n) are the blocks' solutions for its columns.
+    """
+
+    n: int
+    wrapped: Integers
+    n_wrapped: int
+    beside: Integers
+    below: Integers
+    n_beside: int
+    above: Floats
+    small: Floats
+    exchanged: Indices
+
+
 def factor_block(factors: Floats, first: int, n: int, pivots: Integers, top: int) -> bool:
     """Put the factors of a full matrix (n, n) from ``first`` on in its place; False where a pivot is zero.
 
@@ -167,30 +186,8 @@ def take_columns(m: Blocks, chosen: Integers, n: int, block_of_column: Integers,
                 right[m.indices[e] * n + k] = m.data[e]
 
 
-@entry
-def solve_bordered(
-    m: Blocks,
-    factors: Floats,
-    pivots: Integers,
-    wrapped: Integers,
-    n_wrapped: int,
-    beside: Integers,
-    below: Integers,
-    n_beside: int,
-    above: Floats,
-    small: Floats,
-    exchanged: Indices,
-    n: int,
-    right: Floats,
-    border: Floats,
-    x: Floats,
-) -> None:
-    """Write the solution ``x`` (n,) for the right-hand side ``right`` (n,), which is lost.
-
-    The columns ``wrapped`` and ``beside`` of blocks and border are the unknowns of a small full system, whose factors
-    ``small`` LAPACK has made, column by column, with ``exchanged`` rows. ``above`` (n_wrapped + n_beside, n) are the
-    blocks' solutions for those columns. ``border`` has room for the small system's solution.
-    """
+def solve_blocks(m: Blocks, factors: Floats, pivots: Integers, right: Floats, x: Floats) -> None:
+    """Do what :func:`solve_in_time` does with a single right-hand side ``right`` (n_rows,), into ``x`` (n_columns,)."""
     first = 0
     top = 0
     for b in range(m.n_blocks):
@@ -216,27 +213,44 @@ def solve_bordered(
             for e in range(m.starts[c], m.starts[c + 1]):
                 if m.block_of_row[m.indices[e]] > b:
                     right[m.indices[e]] -= m.data[e] * x[c]
-    for k in range(n_wrapped):
-        border[k] = x[wrapped[k]]
-    for k in range(n_beside):
-        border[n_wrapped + k] = right[below[k]]
-        x[beside[k]] = 0.0
-    width = n_wrapped + n_beside
+
+
+def solve_small(border: Border, unknown: Floats) -> None:
+    """Put the solution of the small system in place of its right-hand side ``unknown`` (n_wrapped + n_beside,)."""
+    width = border.n_wrapped + border.n_beside
     for k in range(width):
-        kept = border[exchanged[k]]
-        border[exchanged[k]] = border[k]
-        border[k] = kept
+        kept = unknown[border.exchanged[k]]
+        unknown[border.exchanged[k]] = unknown[k]
+        unknown[k] = kept
     for k in range(width):
         for i in range(k + 1, width):
-            border[i] -= small[k * width + i] * border[k]
+            unknown[i] -= border.small[k * width + i] * unknown[k]
     for j in range(width):
         k = width - 1 - j
-        border[k] /= small[k * width + k]
+        unknown[k] /= border.small[k * width + k]
         for i in range(k):
-            border[i] -= small[k * width + i] * border[k]
-    for k in range(width):
-        value = border[k]
-        for i in range(n):
-            x[i] -= above[k * n + i] * value
-    for k in range(n_beside):
-        x[beside[k]] = border[n_wrapped + k]
+            unknown[i] -= border.small[k * width + i] * unknown[k]
+
+
+@entry
+def solve_bordered(
+    m: Blocks, factors: Floats, pivots: Integers, border: Border, right: Floats, unknown: Floats, x: Floats
+) -> None:
+    """Write the solution ``x`` (n,) for the right-hand side ``right`` (n,), which is lost.
+
+    ``unknown`` (n_wrapped + n_beside,) has room for the small system's solution.
+    """
+    solve_blocks(m, factors, pivots, right, x)
+    n_wrapped = border.n_wrapped
+    for k in range(n_wrapped):
+        unknown[k] = x[border.wrapped[k]]
+    for k in range(border.n_beside):
+        unknown[n_wrapped + k] = right[border.below[k]]
+        x[border.beside[k]] = 0.0
+    solve_small(border, unknown)
+    for k in range(n_wrapped + border.n_beside):
+        value = unknown[k]
+        for i in range(border.n):
+            x[i] -= border.above[k * border.n + i] * value
+    for k in range(border.n_beside):
+        x[border.beside[k]] = unknown[n_wrapped + k]
