@@ -45,6 +45,7 @@ def begin(context: Context) -> None:
     """Begin a new file."""
     plan = context.plan
     create_results(context.path, plan.model_text, plan.run_text, plan.source, "{}", overwrite=True)
+    context.file = read_results(context.path)
 
 
 def do_step(context: Context, step: PlannedStep) -> None:
