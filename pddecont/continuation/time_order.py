@@ -123,12 +123,12 @@ class TimeFactors:
 
     def _solve_many(self, b: Array) -> Array:
         right, border = np.array(b, dtype=np.float64, order="C"), self.border
-        solved = self.inside.solve(right)
+        x = self.inside.solve(right)
         if not len(self.small):
-            return solved
-        given = np.concatenate([solved[border.wrapped], right[border.below]])
+            return x
+        given = np.concatenate([x[border.wrapped], right[border.below]])
         unknown, _ = lapack.dgetrs(self.small, self.exchanged, given)
-        x: Array = solved - self.above @ unknown
+        x -= self.above @ unknown
         x[border.beside] = unknown[border.n_wrapped :]
         return x
 

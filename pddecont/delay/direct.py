@@ -58,22 +58,21 @@ class Direct:
         """
         if mesh.reference_theta is None:
             return True
-        points, still = mesh.equation_points, np.zeros(len(theta))
-        constant = [(reference_reads(mesh, lag), find_reads(mesh, theta, lag, points), 0.0) for lag in lags]
         moving = [] if mesh.reference_lags is None else list(enumerate(varying))
-        moved = [
-            (reference_varying_reads(mesh, k), find_reads(mesh, theta, still, points, own), own) for k, own in moving
-        ]
-        return all(self._reads_alike(mesh, theta, *pair) for pair in [*constant, *moved])
+        return all(self._reads_alike(mesh, theta, reference_reads(mesh, lag), 0.0) for lag in lags) and all(
+            self._reads_alike(mesh, theta, reference_varying_reads(mesh, k), own) for k, own in moving
+        )
 
-    def _reads_alike(self, mesh: Mesh, theta: Array, reads: Reads, now: Reads, lags: Array | float) -> bool:
-        """Return whether points that read ``reads`` lie where they do ``now``, or near it."""
-        # What is read at a breaking time is an edge: rounding says on which side.
-        held = slice(0 if self.track else mesh.n_collocation, mesh.n_collocation + mesh.n_segments)
+    def _reads_alike(self, mesh: Mesh, theta: Array, reads: Reads, lags: Array | float) -> bool:
+        """Return whether points that read ``reads``, ``lags`` earlier, lie where they do at ``theta``, or near it."""
         starts, lengths = mesh.evaluate_edges(theta)
-        sigma = (reads.evaluate(theta) - lags - starts[reads.interval]) / lengths[reads.interval]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            sigma = (reads.evaluate(theta) - lags - starts[reads.interval]) / lengths[reads.interval]
         if np.any(sigma < -BEYOND) or np.any(sigma > 1.0 + BEYOND):
             return False
+        # What is read at a breaking time is an edge: rounding says on which side.
+        held = slice(0 if self.track else mesh.n_collocation, mesh.n_collocation + mesh.n_segments)
+        now = find_reads(mesh, theta, reads.lag, reads.points, lags)
         same_piece = mesh.piece[now.interval[held]] == mesh.piece[reads.interval[held]]
         return bool(np.all(same_piece & (now.wraps[held] == reads.wraps[held])))
 

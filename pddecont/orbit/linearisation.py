@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -103,17 +102,20 @@ class Linearisation:
         self.tau_derivatives = delays.derivatives(orbit.parameters, free)[delays.function.structure(free).moving]
         self.tables = np.concatenate([columns.delayed_derivatives(orbit, reads), columns.equation_times[None]])
         self._factors: dict[FunctionEquations, Array] = {}
-        self._derivatives: dict[FunctionEquations, Derivatives] = {}
         self._moves: dict[FunctionEquations, Array] = {}
 
     def derivatives(self, e: FunctionEquations) -> Derivatives:
-        """Return the function of ``e`` with its derivatives at its points."""
-        if e not in self._derivatives:
-            r = self.reads
-            self._derivatives[e] = e.function.derivatives(
-                r.t[e.points], r.x[:, e.points], r.xd[:, e.points], self.orbit.parameters, self.free
+        """Return the function of ``e`` with its derivatives at its points.
+
+        Those in parameters are in the free ones of the orbit that is read: all matrices at it have them in common.
+        """
+        r = self.reads
+        if e not in r.found:
+            r.found[e] = e.function.derivatives(
+                r.t[e.points], r.x[:, e.points], r.xd[:, e.points], self.orbit.parameters, r.free
             )
-        return self._derivatives[e]
+        found: Derivatives = r.found[e]
+        return found
 
     def factor(self, e: FunctionEquations) -> Array:
         """Return what the function of ``e`` is multiplied by, shape (n_points,)."""
@@ -121,19 +123,22 @@ class Linearisation:
             self._factors[e] = np.full(len(e.points), e.sign) if e.sign else -self.h[e.points]
         return self._factors[e]
 
-    @cached_property
+    @property
     def read_weights(self) -> Array:
         """Weights of all that is read from single mesh intervals, shape (n_kinds, n_equation_points, degree + 1).
 
         The kinds are the model's (``read_kinds``); what is read from all base values has none.
         """
-        mesh, kinds = self.orbit.mesh, self.orbit.numeric.model.read_kinds
-        result = np.zeros((len(kinds), mesh.n_equation_points, mesh.degree + 1))
-        for i, (delay, order) in enumerate(kinds):
-            weights = self.reads.operators[delay].weights_of(order)
-            if isinstance(weights, LocalWeights):
-                result[i] = weights.weights
-        return result
+        kept = self.reads.found
+        if "weights" not in kept:
+            mesh, kinds = self.orbit.mesh, self.orbit.numeric.model.read_kinds
+            result = kept["weights"] = np.zeros((len(kinds), mesh.n_equation_points, mesh.degree + 1))
+            for i, (delay, order) in enumerate(kinds):
+                weights = self.reads.operators[delay].weights_of(order)
+                if isinstance(weights, LocalWeights):
+                    result[i] = weights.weights
+        found: Array = kept["weights"]
+        return found
 
     def moves(self, e: FunctionEquations) -> Array:
         """Return how equations move with durations and delays, shape (n_out, n_points, n_moving + n_taus)."""

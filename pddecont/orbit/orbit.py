@@ -27,7 +27,8 @@ class Reads:
 
     Shapes: h (n_intervals,) lengths of the intervals, t (n_points,) physical time, x (n_states, n_points), xd
     (n_reads, n_points), lags (n_varying, n_points) the values of delays that vary. ``operators`` are those of constant
-    delays, then of those that vary; ``integrals`` those of integrals over the past.
+    delays, then of those that vary; ``integrals`` those of integrals over the past. ``free`` numbers the orbit's free
+    parameters; what is worked out at the points for one matrix is kept for others (``found``).
     """
 
     points: MeshPoints
@@ -38,6 +39,8 @@ class Reads:
     operators: list[DelayOperator]
     lags: Array
     integrals: list[IntegralOperator]
+    free: tuple[int, ...]
+    found: dict[Hashable, Any] = field(default_factory=dict, init=False, repr=False)
 
     def list_local_weights(self) -> list[LocalWeights]:
         """Return what reads single mesh intervals, by delays and in integrals."""
@@ -162,7 +165,7 @@ class Orbit:
             operators.append(self.problem.make_varying_operator(theta, lags[number], points, number))
             self._read_delay(len(model.delays) + number, operators[-1], past)
         found = self._integrate(points, t, x, xd) if delays and integrals else []
-        return Reads(points, mesh.evaluate_edges(theta)[1], t, x, xd, operators, lags, found)
+        return Reads(points, mesh.evaluate_edges(theta)[1], t, x, xd, operators, lags, found, self.problem.free_index)
 
     def _integrate(self, points: MeshPoints, t: Array, x: Array, xd: Array) -> list[IntegralOperator]:
         """Return the integrals over the past, with their values written to their rows of ``xd``."""

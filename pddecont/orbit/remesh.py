@@ -142,7 +142,11 @@ def find_density(orbit: Orbit, tol: float) -> Density:
 
 def mesh_is_valid(orbit: Orbit) -> bool:
     """Return whether the mesh's breaking points are in their order at the orbit, and reads still in their intervals."""
-    return keeps_its_pieces(orbit) and _reads_in_place(orbit)
+    if orbit.numeric.model.varying:
+        # What a mesh reads is known where it has the breaking points that depend on it.
+        return keeps_its_pieces(orbit) and _reads_in_place(orbit)
+    # Reads leave their intervals more often than breaking points their order, and are looked at in less time.
+    return _reads_in_place(orbit) and keeps_its_pieces(orbit)
 
 
 def keeps_its_pieces(orbit: Orbit) -> bool:

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 import scipy.sparse as sp
@@ -85,11 +86,8 @@ class MonodromyOperator:
         """
         return self.present.factor()
 
-    def step(self, histories: Array, *, all_at_once: bool = False) -> tuple[Array, Array]:
-        """Return the next periods X (n_columns, k) and the histories one period later, for ``histories`` (size, k).
-
-        Where they are all that is asked for (``all_at_once``) A_0 is eliminated in the order of time where that does.
-        """
+    def step(self, histories: Array) -> tuple[Array, Array]:
+        """Return the next periods X (n_columns, k) and the histories one period later, for ``histories`` (size, k)."""
         parts, lines = self._split(histories)
         rhs = self.past[0] @ parts[0]
         for A, y in zip(self.past[1:], parts[1:], strict=True):
@@ -98,8 +96,7 @@ class MonodromyOperator:
             made = c.line.from_start(y)
             for q, into in enumerate(c.into):
                 rhs = rhs + into @ made[:, q]
-        factors = self.present.factor(order_in_time(self.problem, goes_on=True)) if all_at_once else self.factors
-        x = factors.solve(-rhs)
+        x = self.factors.solve(-rhs)
         unknowns, mesh = self.problem.unknowns, self.problem.mesh
         values = x[unknowns.values].reshape(mesh.n_base, unknowns.n_states, -1)
         after = []
@@ -132,7 +129,22 @@ class MonodromyOperator:
     @cached_property
     def scaled_matrix(self) -> Array:
         """The map as a matrix, shape (size, size), of histories in units of their sizes."""
-        return self.step(np.diag(self.history_sizes), all_at_once=True)[1] / self.history_sizes[:, None]
+        if self.couplings:
+            return self.step(np.diag(self.history_sizes))[1] / self.history_sizes[:, None]
+        # All that is asked for of A_0 are these solutions: it is eliminated in the order of time where that does.
+        factors = self.present.factor(order_in_time(self.problem, goes_on=True))
+        rhs = np.concatenate([A.toarray() for A in self.past], axis=1)
+        rhs *= self.history_sizes
+        rhs *= -factors.rows[:, None]
+        following = [factors.solve_raw(rhs)[self.kept[0]]]
+        first = 0
+        for before, places in pairwise(self.kept):
+            # What was a period back is now one more, and has the same size.
+            rows = np.zeros((len(places), self.size))
+            rows[np.arange(len(places)), first + np.searchsorted(before, places)] = 1.0
+            following.append(rows)
+            first += len(before)
+        return np.concatenate(following)
 
     @cached_property
     def characteristic(self) -> Characteristic:
@@ -167,10 +179,12 @@ def linearise_period(orbit: Orbit, assembly: Assembly | None = None) -> Monodrom
     lines = {
         k: make_period_line(orbit, k) for k, op in enumerate(reads.operators) if isinstance(op.weights, FullWeights)
     }
-    operators = [
-        replace(op, weights=FullWeights(lines[k].weights)) if k in lines else op for k, op in enumerate(reads.operators)
-    ]
-    reads = replace(reads, operators=operators)
+    if lines:
+        operators = [
+            replace(op, weights=FullWeights(lines[k].weights)) if k in lines else op
+            for k, op in enumerate(reads.operators)
+        ]
+        reads = replace(reads, operators=operators)
     assembly = None if lines else _move_assembly(assembly, orbit.problem, reads, still)
     if assembly is None:
         assembly = Assembly(orbit.problem, reads, LaggedColumns(orbit.problem, reads, lines, still))
