@@ -34,6 +34,20 @@ def test_it_is_linear_whole_or_step_by_step(name):
     assert monodromy.apply(history) == pytest.approx(matrix @ history, abs=1e-9 * np.max(np.abs(matrix)))
 
 
+@pytest.mark.parametrize("name", [*ORBITS, "long delay"])
+def test_the_matrix_in_units_of_sizes_is_the_same_map(name):
+    if name == "long delay":
+        orbit = mackey_glass()
+        orbit = with_parameter(orbit, "tau", 1.2 + 2 * orbit.period, MeshRule(6, intervals=12))
+    else:
+        orbit = ORBITS[name]()
+    monodromy = linearise_period(orbit)
+    assert name != "long delay" or len(monodromy.kept) > 2
+    sizes = monodromy.history_sizes
+    scaled = monodromy.to_matrix() * sizes / sizes[:, None]
+    assert monodromy.scaled_matrix == pytest.approx(scaled, abs=1e-9 * np.max(np.abs(scaled)))
+
+
 def test_the_flow_of_an_autonomous_orbit_comes_back_as_it_was():
     """A shift in time is a motion: the orbit's slope, read as a perturbation, is the same a period later."""
     orbit = mackey_glass()
