@@ -18,3 +18,8 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 def entry(function: Function) -> Function:
     """Mark a function that Python calls; compiled, it takes arrays as Python has them and lets other threads run."""
     return function
+
+
+def wide(function: Function) -> Function:
+    """Mark a function with long loops; compiled, it uses registers as wide as the processor has them."""
+    return function

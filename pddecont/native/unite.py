@@ -14,7 +14,8 @@ an IntEnum               the number
 ======================== =========================
 
 A function that is marked as an ``entry`` can be called by Python too: arrays become pointers, NamedTuples structs, and
-other threads run meanwhile. ``calls.pxi`` has what Python writes otherwise.
+other threads run meanwhile. One that is marked as ``wide`` is compiled once more for processors with wider registers,
+which do the same with more numbers at a time; the C library chooses. ``calls.pxi`` has what Python writes otherwise.
 """
 
 from __future__ import annotations
@@ -46,9 +47,17 @@ cdef extern from *:
     """
     #define infinity ((double) INFINITY)
     #define not_a_number ((double) NAN)
+    #if defined(__x86_64__) && defined(__GLIBC__) && defined(__GNUC__) && !defined(__clang__)
+    #define for_each_width __attribute__((target_clones("avx2", "default")))
+    #else
+    #define for_each_width
+    #endif
     """
     const double infinity
     const double not_a_number
+    ctypedef void wide_void "for_each_width void"
+    ctypedef bint wide_bint "for_each_width int"
+    ctypedef double wide_double "for_each_width double"
 
 # The array outlives the call.
 cdef void* find_address(object array) except? NULL:
@@ -226,12 +235,14 @@ def _write_function(
     result = _find_type(node.returns, structs)
     if result is None or any(kind is None for _, kind in kinds):
         return []
-    head = f"cdef {result} {names[node.name]}({', '.join(f'{kind} {name}' for name, kind in kinds)}) noexcept nogil:"
+    marks = {d.id for d in node.decorator_list if isinstance(d, ast.Name)}
+    made = f"wide_{result}" if "wide" in marks else result
+    head = f"cdef {made} {names[node.name]}({', '.join(f'{kind} {name}' for name, kind in kinds)}) noexcept nogil:"
     text = "\n".join(_drop_annotations(source, node)[node.body[0].lineno - 1 : node.end_lineno])
     given = {name for name, _ in kinds}
     local = [f"    cdef {kind} {name}" for name, kind in _infer_locals(node).items() if name not in given]
     parts = ["\n".join([head, *local, _rename(text, names), ""])]
-    if any(isinstance(d, ast.Name) and d.id == "entry" for d in node.decorator_list):
+    if "entry" in marks:
         parts.append(_write_entry(node.name, names[node.name], result, kinds, structs))
     return parts
 

@@ -46,7 +46,7 @@ SECOND = '''"""Another."""
 
 from __future__ import annotations
 
-from parts.calls import entry
+from parts.calls import entry, wide
 from parts.first import LARGE, Core, Way, _size
 
 
@@ -59,11 +59,18 @@ def decide(c: Core, level: float) -> tuple[int, float]:
     return way, c.y[0]
 
 
+@wide
+def shrink(c: Core, by: float) -> None:
+    """Make numbers smaller."""
+    for i in range(c.n):
+        c.y[i] *= by
+
+
 def left_to_python(text: str) -> str:
     """Return what it is given."""
     return text
 '''
-CALLS = "def entry(function):\n    return function\n"
+CALLS = "def entry(function):\n    return function\n\n\nwide = entry\n"
 
 
 @pytest.fixture
@@ -105,6 +112,11 @@ def test_annotated_variables_have_types_and_members_of_enumerations_are_numbers(
 def test_entries_are_called_by_python(text):
     assert "def decide(object c, double level):" in text
     assert "        result = second_decide(&c_, level)" in text
+
+
+def test_functions_with_long_loops_are_compiled_for_wider_registers_too(text):
+    assert "cdef wide_void second_shrink(Core* c, double by) noexcept nogil:" in text
+    assert 'ctypedef void wide_void "for_each_width void"' in text
 
 
 def test_what_has_no_type_of_c_is_left_out(text):

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from pddecont.native.arrays import Floats, Indices, Integers, entry
+from pddecont.native.arrays import Floats, Indices, Integers, entry, wide
 
 
 class Blocks(NamedTuple):
@@ -47,6 +47,7 @@ class Border(NamedTuple):
     exchanged: Indices
 
 
+@wide
 def factor_block(factors: Floats, first: int, n: int, pivots: Integers, top: int) -> bool:
     """Put the factors of a full matrix (n, n) from ``first`` on in its place; False where a pivot is zero.
 
@@ -74,6 +75,7 @@ def factor_block(factors: Floats, first: int, n: int, pivots: Integers, top: int
     return True
 
 
+@wide
 def solve_block(
     factors: Floats, first: int, n: int, pivots: Integers, top: int, right: Floats, at: int, width: int
 ) -> None:
@@ -150,6 +152,7 @@ def factor_in_time(m: Blocks, factors: Floats, pivots: Integers) -> bool:
 
 
 @entry
+@wide
 def solve_in_time(m: Blocks, factors: Floats, pivots: Integers, width: int, right: Floats, solved: Floats) -> None:
     """Solve a matrix whose blocks are factored, what stands above and beside them left out.
 
@@ -233,6 +236,7 @@ def solve_small(border: Border, unknown: Floats) -> None:
 
 
 @entry
+@wide
 def solve_bordered(
     m: Blocks, factors: Floats, pivots: Integers, border: Border, right: Floats, unknown: Floats, x: Floats
 ) -> None:
