@@ -10,17 +10,17 @@ from tests.runs import plan
 
 
 def test_the_share_is_what_was_covered_of_the_range_both_ways_and_never_shrinks():
-    covered = RangeCovered(["K"], np.array([[0.0, 2.0]]))
+    covered = RangeCovered(["K"], [(0.0, 2.0)])
     shares = [covered.describe(n, [K], "")[1] for n, K in enumerate((0.5, 1.0, 0.8, 2.0, 0.5, 0.25, 0.0))]
     assert shares == pytest.approx([0, 0.25, 0.25, 0.75, 0.75, 0.875, 1])
     assert covered.describe(7, [0.125], "LP")[0] == "7 points, K = 0.125 LP"
 
 
 def test_of_a_curve_the_parameter_counts_that_is_nearer_to_its_end():
-    covered = RangeCovered(["a", "b"], np.array([[0.0, 1.0], [0.0, 10.0]]))
+    covered = RangeCovered(["a", "b"], [(0.0, 1.0), (0.0, 10.0)])
     covered.describe(1, [0.2, 1.0], "")
     assert covered.describe(2, [0.3, 6.0], "")[1] == pytest.approx(0.5)
-    assert RangeCovered(["a"], np.array([[0.0, np.inf]])).describe(1, [3.0], "")[1] == 0
+    assert RangeCovered(["a"], [(0.0, np.inf)]).describe(1, [3.0], "")[1] == 0
 
 
 def test_a_run_hears_it(tmp_path):

@@ -90,7 +90,7 @@ class _Branch:
     @cached_property
     def covered(self) -> RangeCovered:
         """What it has covered of its range."""
-        return RangeCovered(self.settings.free, np.array(self.settings.ranges, dtype=float))
+        return RangeCovered(self.settings.free, self.settings.ranges)
 
     def record(self, point: BranchPoint[Any]) -> float:
         """Write a point to the file; return its estimated error."""

@@ -60,7 +60,7 @@ class _Branch:
     @cached_property
     def covered(self) -> RangeCovered:
         """What it has covered of its range."""
-        return RangeCovered(self.step.settings.free, np.array(self.step.settings.ranges, dtype=float))
+        return RangeCovered(self.step.settings.free, self.step.settings.ranges)
 
     def record(self, point: BranchPoint[Any]) -> None:
         """Write a point to the file."""
