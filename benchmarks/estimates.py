@@ -3,7 +3,8 @@
 Takes run files, by default those of the models and the paper's figures. The true error of a recorded orbit is its
 distance to the nearest exact one, which Newton's method finds from it with polynomials of four degrees more and a
 tolerance of a thousandth of the estimate; the free parameters may move. Estimates below 3e-13 are rounding, and left
-out.
+out. Where branches cross exact orbits are not isolated, and Newton's method may lead out of where the equations hold:
+such orbits are counted by themselves.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import numpy as np
 
 from benchmarks.continuation import ROOT
 from pddecont.collocation import MeshRule
+from pddecont.errors import ConvergenceError
 from pddecont.model import parse_document
 from pddecont.orbit import adapt_mesh, measure_orbit, orbit_from_rows
 from pddecont.orbit.estimate import solve_nearest
@@ -66,13 +68,16 @@ def measure(path, folder):
 
 
 def find_true_error(orbit, widths, estimate):
-    """Return the distance of an orbit to the nearest exact one, relative to its sizes."""
+    """Return the distance of an orbit to the nearest exact one, relative to its sizes; NaN where none is found."""
     rule = MeshRule(min(orbit.mesh.degree + MORE_DEGREES, MOST), None, max(FINER * estimate, LEAST))
     fine = adapt_mesh(orbit, rule)
     system, x = PeriodicOrbitSystem(fine.problem, measure_orbit(fine, widths)), fine.x
     for _ in range(STEPS):
         at = system.at(x)
-        step = solve_nearest(at.jacobian(), -at.residual, system.scaling)
+        try:
+            step = solve_nearest(at.jacobian(), -at.residual, system.scaling)
+        except ConvergenceError:
+            return np.nan
         x = x + step
         if np.max(np.abs(step) / system.scaling.scale) < FINER * estimate:
             break
@@ -93,9 +98,12 @@ def main(names):
 
 def describe(ratios):
     """Return in words how estimates compare with true errors."""
+    lost, ratios = int(np.sum(np.isnan(ratios))), ratios[~np.isnan(ratios)]
+    if not len(ratios):
+        return f"{lost:5} orbits, not found"
     low, high = int(np.sum(ratios <= 1.0 / WITHIN)), int(np.sum(ratios >= WITHIN))
     within = 1.0 - (low + high) / len(ratios)
-    off = f"too small {low}, too large {high}; median {np.median(ratios):.3f}"
+    off = f"too small {low}, too large {high}; median {np.median(ratios):.3f}{f'; {lost} not found' if lost else ''}"
     return f"{len(ratios):5} orbits, {within:.2%} within; {off}"
 
 

@@ -29,14 +29,31 @@ DELAYS = """run:
     - name: branch
       continue: {from: orbit, free: [K], range: {K: [0.3, 0.5]}, max_points: 8, stability: true, direction: up}
 """
+# The run of docs/howto/from_pwsdde_cont.md.
+BILINEAR = """model: impact_oscillator
+monitors: {free_peak: extremum(impact)}
+steps:
+  - {name: transient, simulate: {t_end: 200*2*pi/omega}}
+  - {name: orbit, orbit: {from: transient, stability: true}}
+  - {name: in_delay, continue: {from: orbit, free: [tau_d], range: {tau_d: [3.0, 5.0]}, stability: true}}
+"""
 CHAIN = """run:
   mesh: {degree: 6, tol: 1.0e-6}
   steps:
     - {name: transient, simulate: {t_end: 60*2*pi/omega}}
     - {name: orbit, orbit: {from: transient}}
     - name: branch
-      continue: {from: orbit, free: [K], range: {K: [0.0, 2.0]}, stability: MULTIPLIERS, max_points: 3, direction: up}
+      continue:
+        {from: orbit, free: [K], range: {K: [0.0, 2.0]}, stability: MULTIPLIERS, max_points: POINTS, direction: up}
 """
+# Oscillators, what is asked for, and so many points, where the whole branch would take the version before an hour.
+LARGE = (
+    (50, "", "false", "500"),
+    (50, ", 3 points", "false", "3"),
+    (50, ", 3 points, multipliers", "true", "3"),
+    (100, ", 3 points", "false", "3"),
+    (100, ", 3 points, multipliers", "true", "3"),
+)
 SHIPPED = {
     "mackey_glass": "in_delay",
     "wall_oscillator": "in_wall",
@@ -53,14 +70,16 @@ def list_cases(*, large):
         "impact oscillator": make_case(run, "plain", ROOT / "configs" / "bench.yaml"),
         "impact oscillator, multipliers": make_case(run, "stable", ROOT / "configs" / "bench.yaml"),
     }
+    cases["bilinear oscillator"] = make_case(BILINEAR, "in_delay", "bilinear.yaml")
     for name, step in SHIPPED.items():
         path = ROOT / "models" / f"{name}.yaml"
         cases[name] = make_case(path.read_text(encoding="utf-8"), step, path)
     cases["eight delays"] = make_case(delays(8) + DELAYS, "branch", "delays.yaml")
-    for n in (50, 100) if large else ():
-        for name, multipliers in (("", "false"), (", multipliers", "true")):
-            text = chain(n).split("\nrun:")[0] + "\n" + CHAIN.replace("MULTIPLIERS", multipliers)
-            cases[f"chain of {2 * n} states{name}"] = make_case(text, "branch", "chain.yaml")
+    for n, name, multipliers, points in LARGE if large else ():
+        run = CHAIN.replace("MULTIPLIERS", multipliers).replace("POINTS", points)
+        cases[f"chain of {2 * n} states{name}"] = make_case(
+            chain(n).split("\nrun:")[0] + "\n" + run, "branch", "chain.yaml"
+        )
     return cases
 
 

@@ -1,6 +1,6 @@
 """Draw docs/images/layers.svg, which folder imports which, from the import statements: ``make layers``.
 
-Boxes stand above all that they import. An arrow that follows from others is left out, and so are ``errors``,
+Boxes stand above all that they import. An arrow that follows from others is left out, and so are ``errors``, ``memo``,
 ``output``, ``reasons`` and ``version``, which import nothing above them, and imports for type checkers alone. Dashed:
 imported inside functions alone, when it is first used.
 """
@@ -25,7 +25,7 @@ ROOT = Path(__file__).parent.parent
 PACKAGE = ROOT / "pddecont"
 PICTURE = ROOT / "docs" / "images" / "layers.svg"
 # Single modules that nearly all import, which import at most one another, and those that only lead to others.
-FOUNDATION = ("errors", "output", "reasons", "version")
+FOUNDATION = ("errors", "memo", "output", "reasons", "version")
 ENTRIES = ("__init__", "__main__")
 # Boxes of their own inside other folders.
 OWN = ("steps.execution",)

@@ -74,7 +74,7 @@ ALLOWED = {
     "__init__": {"api"},
     "__main__": {"cli"},
 }
-BASE = {"errors", "output", "reasons", "version"}
+BASE = {"errors", "memo", "output", "reasons", "version"}
 # Where each library may be imported.
 ROOMS = {
     "h5py": {"results"},

@@ -11,17 +11,16 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.collocation.basis import Basis, make_basis, weigh
+from pddecont.memo import Found, Memo
 from pddecont.native import compiled_assembly
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
-Found = TypeVar("Found")
 # What a mesh works out of its pieces alone.
 EDGES = (
     "piece",
@@ -99,7 +98,7 @@ class BreakingTime:
 
 
 @dataclass(frozen=True, eq=False)
-class Mesh:
+class Mesh(Memo):
     """The mesh intervals of one orbit, in order of time; ``n_theta`` = S + K + J.
 
     Base points are numbered through the orbit: ``degree`` a mesh interval and one more at the end of each segment,
@@ -114,22 +113,11 @@ class Mesh:
     reference_theta: Array | None = None
     breaking: tuple[BreakingTime, ...] = ()
     reference_lags: Array | None = None
-    _found: dict[Hashable, Any] = field(default_factory=dict, init=False, repr=False)
-    _always: dict[Hashable, Any] = field(default_factory=dict, init=False, repr=False)
+    _always: Memo = field(default_factory=Memo, init=False, repr=False)
 
     def always(self, key: Hashable, find: Callable[[], Found]) -> Found:
         """Return what ``find`` finds, found once for all meshes of these pieces, wherever they read the past."""
-        if key not in self._always:
-            self._always[key] = find()
-        found: Found = self._always[key]
-        return found
-
-    def once(self, key: Hashable, find: Callable[[], Found]) -> Found:
-        """Return what ``find`` finds, found once for this mesh."""
-        if key not in self._found:
-            self._found[key] = find()
-        found: Found = self._found[key]
-        return found
+        return self._always.once(key, find)
 
     def anchor(self, theta: Array, lags: Array | None = None) -> Mesh:
         """Return the same mesh made for another ``theta``, where delays that vary have the values ``lags``.

@@ -109,13 +109,8 @@ class Linearisation:
 
         Those in parameters are in the free ones of the orbit that is read: all matrices at it have them in common.
         """
-        r = self.reads
-        if e not in r.found:
-            r.found[e] = e.function.derivatives(
-                r.t[e.points], r.x[:, e.points], r.xd[:, e.points], self.orbit.parameters, r.free
-            )
-        found: Derivatives = r.found[e]
-        return found
+        r, p = self.reads, self.orbit.parameters
+        return r.once(e, lambda: e.function.derivatives(r.t[e.points], r.x[:, e.points], r.xd[:, e.points], p, r.free))
 
     def factor(self, e: FunctionEquations) -> Array:
         """Return what the function of ``e`` is multiplied by, shape (n_points,)."""
@@ -129,16 +124,16 @@ class Linearisation:
 
         The kinds are the model's (``read_kinds``); what is read from all base values has none.
         """
-        kept = self.reads.found
-        if "weights" not in kept:
-            mesh, kinds = self.orbit.mesh, self.orbit.numeric.model.read_kinds
-            result = kept["weights"] = np.zeros((len(kinds), mesh.n_equation_points, mesh.degree + 1))
-            for i, (delay, order) in enumerate(kinds):
-                weights = self.reads.operators[delay].weights_of(order)
-                if isinstance(weights, LocalWeights):
-                    result[i] = weights.weights
-        found: Array = kept["weights"]
-        return found
+        return self.reads.once("weights", self._find_read_weights)
+
+    def _find_read_weights(self) -> Array:
+        mesh, kinds = self.orbit.mesh, self.orbit.numeric.model.read_kinds
+        result = np.zeros((len(kinds), mesh.n_equation_points, mesh.degree + 1))
+        for i, (delay, order) in enumerate(kinds):
+            weights = self.reads.operators[delay].weights_of(order)
+            if isinstance(weights, LocalWeights):
+                result[i] = weights.weights
+        return result
 
     def moves(self, e: FunctionEquations) -> Array:
         """Return how equations move with durations and delays, shape (n_out, n_points, n_moving + n_taus)."""

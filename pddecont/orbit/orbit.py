@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,22 +11,22 @@ from numpy.typing import NDArray
 from pddecont.codegen import NumericModel
 from pddecont.collocation import Mesh, MeshPoints
 from pddecont.delay import DelayOperator, LocalWeights
+from pddecont.memo import Memo
 from pddecont.orbit.integrals import IntegralOperator, make_integral_operator
 from pddecont.orbit.problem import OrbitProblem
 from pddecont.orbit.signature import Signature
 
 Array = NDArray[np.float64]
-Found = TypeVar("Found")
 
 
 @dataclass(frozen=True, eq=False)
-class Reads:
+class Reads(Memo):
     """States and what is read of the past, of an orbit at some points of its mesh.
 
     Shapes: h (n_intervals,) lengths of the intervals, t (n_points,) physical time, x (n_states, n_points), xd
     (n_reads, n_points), lags (n_varying, n_points) the values of delays that vary. ``operators`` are those of constant
     delays, then of those that vary; ``integrals`` those of integrals over the past. ``free`` numbers the orbit's free
-    parameters; what is worked out at the points for one matrix is kept for others (``found``).
+    parameters. What is worked out at the points for one matrix is kept for others (:meth:`once`).
     """
 
     points: MeshPoints
@@ -40,7 +38,6 @@ class Reads:
     lags: Array
     integrals: list[IntegralOperator]
     free: tuple[int, ...]
-    found: dict[Hashable, Any] = field(default_factory=dict, init=False, repr=False)
 
     def list_local_weights(self) -> list[LocalWeights]:
         """Return what reads single mesh intervals, by delays and in integrals."""
@@ -49,7 +46,7 @@ class Reads:
 
 
 @dataclass(frozen=True, eq=False)
-class Orbit:
+class Orbit(Memo):
     """The orbit with the unknowns ``x`` of a problem; a solution, or a guess of one.
 
     Whatever is worked out of it and asked for again is kept with it (:meth:`once`).
@@ -57,14 +54,6 @@ class Orbit:
 
     problem: OrbitProblem
     x: Array
-    _found: dict[Hashable, Any] = field(default_factory=dict, init=False, repr=False)
-
-    def once(self, key: Hashable, find: Callable[[], Found]) -> Found:
-        """Return what ``find`` finds, found once for this orbit."""
-        if key not in self._found:
-            self._found[key] = find()
-        found: Found = self._found[key]
-        return found
 
     @property
     def numeric(self) -> NumericModel:
