@@ -76,8 +76,7 @@ class Assembly:
         self.read_terms: list[ReadTerm] = []
         self.dense_terms: list[DenseTerm] = []
         self.functions: list[FunctionEquations] = []
-        self._rows: list[Ints] = []
-        self._columns: list[Ints] = []
+        self._places: list[tuple[slice, tuple[int, ...], Ints | int, Ints | int]] = []
         self._known: list[tuple[slice, Array | float]] = []
         self._size = 0
         for equation in list_equations(problem):
@@ -85,7 +84,11 @@ class Assembly:
         self.constant = np.zeros(self._size)
         for place, values in self._known:
             self.constant[place] = values
-        self.entry_rows, self.entry_columns = np.concatenate(self._rows), np.concatenate(self._columns)
+        self.entry_rows, self.entry_columns = (np.empty(self._size, dtype=np.intp) for _ in range(2))
+        for place, shape, rows, columns in self._places:
+            self.entry_rows[place].reshape(shape)[...] = rows
+            self.entry_columns[place].reshape(shape)[...] = columns
+        self._places = []
 
     @property
     def has_full_reads(self) -> bool:
@@ -178,13 +181,10 @@ class Assembly:
 
     def _add_places(self, rows: Ints | int, columns: Ints | int) -> tuple[slice, tuple[int, ...]]:
         """Add entries that are zero; return where they stand among all, and the shape of ``rows`` and ``columns``."""
-        shape = np.broadcast(rows, columns).shape
-        r, c = np.empty(shape, dtype=np.intp), np.empty(shape, dtype=np.intp)
-        r[...], c[...] = rows, columns
-        place, self._size = slice(self._size, self._size + r.size), self._size + r.size
-        self._rows.append(r.reshape(-1))
-        self._columns.append(c.reshape(-1))
-        return place, shape
+        entries = np.broadcast(rows, columns)
+        place, self._size = slice(self._size, self._size + entries.size), self._size + entries.size
+        self._places.append((place, entries.shape, rows, columns))
+        return place, entries.shape
 
     def _add_equation(self, equation: Equation) -> None:
         unknowns, mesh = self.problem.unknowns, self.problem.mesh

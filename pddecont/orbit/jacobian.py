@@ -65,7 +65,7 @@ class PeriodicColumns:
         for (k, order), rows in model.read_groups.items():
             states = [model.delayed[i].state for i in rows]
             moves = reads.operators[k].theta_derivative(orbit.values[:, states], self.theta_components, order)
-            slopes[rows] = np.moveaxis(moves, 1, 0)
+            slopes[rows] = moves.transpose(1, 0, 2)
         mesh, turns = orbit.mesh, np.zeros(len(self.theta_components))
         turns[: orbit.mesh.n_segments] = 1.0
         for i, integral in enumerate(reads.integrals):

@@ -26,10 +26,10 @@ class SparsityPattern:
     @cached_property
     def _order(self) -> tuple[NDArray[np.intc], NDArray[np.intc], Ints]:
         (n_rows, n_columns), n = self.shape, len(self.rows)
-        counts, by_row, places = (np.empty(size, dtype=np.intp) for size in (n_rows + n_columns + 1, n, n))
+        counts, by_column, places = (np.empty(size, dtype=np.intp) for size in (n_rows + n_columns + 1, n, n))
         starts, indices = np.empty(n_columns + 1, dtype=np.intc), np.empty(n, dtype=np.intc)
         found = compiled_assembly.sort_entries(
-            self.rows, self.columns, n, n_rows, n_columns, counts, by_row, starts, indices, places
+            self.rows, self.columns, n, n_rows, n_columns, counts, by_column, starts, indices, places
         )
         return indices[:found].copy(), starts, places
 

@@ -166,9 +166,9 @@ def make_entries(n, shape):
 @pytest.mark.parametrize(("n", "shape"), [(60, (9, 7)), (5, (30, 40)), (0, (3, 2)), (8, (1, 1))])
 def test_entries_are_sorted_and_added_up(native, n, shape):
     rows, columns, values = make_entries(n, shape)
-    counts, by_row, places = (np.empty(k, dtype=np.intp) for k in (sum(shape) + 1, n, n))
+    counts, by_column, places = (np.empty(k, dtype=np.intp) for k in (sum(shape) + 1, n, n))
     starts, indices = np.empty(shape[1] + 1, dtype=np.intc), np.empty(n, dtype=np.intc)
-    found = native.sort_entries(rows, columns, n, *shape, counts, by_row, starts, indices, places)
+    found = native.sort_entries(rows, columns, n, *shape, counts, by_column, starts, indices, places)
     data = np.zeros(found)
     native.add_up(values, places, n, data)
     exact = sp.coo_matrix((values, (rows, columns)), shape=shape).tocsc()

@@ -23,7 +23,7 @@ def sort_entries(
     n_rows: int,
     n_columns: int,
     counts: Integers,
-    by_row: Integers,
+    by_column: Integers,
     starts: Indices,
     indices: Indices,
     places: Integers,
@@ -31,35 +31,33 @@ def sort_entries(
     """Write the structure of a matrix with ``n`` entries; return at how many places it has any.
 
     ``starts`` (n_columns + 1,) and ``indices`` (n,) are those of its columns, rows in order; ``places`` (n,) says where
-    among them each entry stands. ``counts`` (n_rows + n_columns + 1,) and ``by_row`` (n,) are worked in.
+    among them each entry stands. ``counts`` (n_rows + n_columns + 1,) and ``by_column`` (n,) are worked in.
     """
     # Entries in the order of their rows, and those of a row as they come.
     count_before(rows, n, n_rows, counts)
     for e in range(n):
-        by_row[counts[rows[e]]] = e
+        places[counts[rows[e]]] = e
         counts[rows[e]] += 1
     # So they come to their columns; entries at one place follow each other.
     count_before(columns, n, n_columns, counts)
     for k in range(n):
-        e = by_row[k]
-        places[counts[columns[e]]] = e
+        e = places[k]
+        by_column[counts[columns[e]]] = e
         counts[columns[e]] += 1
     n_places = 0
     column = -1
     for k in range(n):
-        e = places[k]
+        e = by_column[k]
         while column < columns[e]:
             column += 1
             starts[column] = n_places
         if n_places == starts[column] or indices[n_places - 1] != rows[e]:
             indices[n_places] = rows[e]
             n_places += 1
-        by_row[e] = n_places - 1
+        places[e] = n_places - 1
     while column < n_columns:
         column += 1
         starts[column] = n_places
-    for e in range(n):
-        places[e] = by_row[e]
     return n_places
 
 
