@@ -56,8 +56,11 @@ def find_return(segment: BranchSegment[E], home: Home[E]) -> float | None:
         return float(segment.row @ find_way(point))
 
     length = measure(segment.chord)
-    ahead, behind = find_way(segment.known[0.0]), find_way(segment.known[1.0])
-    if not max(measure(ahead), measure(behind)) < NEAR * length:
+    behind = find_way(segment.known[1.0])
+    if not measure(behind) < NEAR * length:
+        return None
+    ahead = find_way(segment.known[0.0])
+    if not measure(ahead) < NEAR * length:
         return None
     f0, f1 = float(segment.row @ ahead), float(segment.row @ behind)
     if f0 * f1 >= 0.0:

@@ -85,9 +85,9 @@ class Assembly:
         for place, values in self._known:
             self.constant[place] = values
         self.entry_rows, self.entry_columns = (np.empty(self._size, dtype=np.intp) for _ in range(2))
-        for place, shape, rows, columns in self._places:
-            self.entry_rows[place].reshape(shape)[...] = rows
-            self.entry_columns[place].reshape(shape)[...] = columns
+        for place, shape, row, column in self._places:
+            self.entry_rows[place].reshape(shape)[...] = row
+            self.entry_columns[place].reshape(shape)[...] = column
         self._places = []
 
     @property
