@@ -46,8 +46,13 @@ def expected_slopes(exprs, symbols):
     return {place: slope for place, slope in slopes.items() if slope != 0}
 
 
+def is_made_of_numbers(expr):
+    """Return whether nothing infinite or undefined stands in an expression, which no model file can hold."""
+    return not expr.has(sympy.oo, -sympy.oo, sympy.zoo, sympy.nan)
+
+
 @settings(max_examples=150, deadline=None)
-@given(st.lists(expressions.filter(lambda e: e.is_finite is not False), min_size=1, max_size=3))
+@given(st.lists(expressions.filter(is_made_of_numbers), min_size=1, max_size=3))
 def test_derivatives_are_those_of_sympy(exprs):
     found = find_slopes(exprs, SYMBOLS, {})
     assert found == expected_slopes(exprs, SYMBOLS)
