@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import re
 import subprocess
 import sys
 import tempfile
@@ -29,14 +30,8 @@ DELAYS = """run:
     - name: branch
       continue: {from: orbit, free: [K], range: {K: [0.3, 0.5]}, max_points: 8, stability: true, direction: up}
 """
-# The run of docs/howto/from_pwsdde_cont.md.
-BILINEAR = """model: impact_oscillator
-monitors: {free_peak: extremum(impact)}
-steps:
-  - {name: transient, simulate: {t_end: 200*2*pi/omega}}
-  - {name: orbit, orbit: {from: transient, stability: true}}
-  - {name: in_delay, continue: {from: orbit, free: [tau_d], range: {tau_d: [3.0, 5.0]}, stability: true}}
-"""
+# Where the bilinear oscillator's run stands.
+PAGE, BILINEAR = ROOT / "docs" / "howto" / "from_pwsdde_cont.md", r'```yaml title="bilinear.yaml"\n(.*?)```'
 CHAIN = """run:
   mesh: {degree: 6, tol: 1.0e-6}
   steps:
@@ -46,7 +41,7 @@ CHAIN = """run:
       continue:
         {from: orbit, free: [K], range: {K: [0.0, 2.0]}, stability: MULTIPLIERS, max_points: POINTS, direction: up}
 """
-# Oscillators, what is asked for, and so many points, where the whole branch would take the version before an hour.
+# Numbers of oscillators, the case's name, whether multipliers are asked for, and the most points.
 LARGE = (
     (50, "", "false", "500"),
     (50, ", 3 points", "false", "3"),
@@ -70,17 +65,20 @@ def list_cases(*, large):
         "impact oscillator": make_case(run, "plain", ROOT / "configs" / "bench.yaml"),
         "impact oscillator, multipliers": make_case(run, "stable", ROOT / "configs" / "bench.yaml"),
     }
-    cases["bilinear oscillator"] = make_case(BILINEAR, "in_delay", "bilinear.yaml")
+    cases["bilinear oscillator"] = make_case(find_run(PAGE, BILINEAR), "in_delay", "bilinear.yaml")
     for name, step in SHIPPED.items():
         path = ROOT / "models" / f"{name}.yaml"
         cases[name] = make_case(path.read_text(encoding="utf-8"), step, path)
     cases["eight delays"] = make_case(delays(8) + DELAYS, "branch", "delays.yaml")
     for n, name, multipliers, points in LARGE if large else ():
-        run = CHAIN.replace("MULTIPLIERS", multipliers).replace("POINTS", points)
-        cases[f"chain of {2 * n} states{name}"] = make_case(
-            chain(n).split("\nrun:")[0] + "\n" + run, "branch", "chain.yaml"
-        )
+        text = chain(n).split("\nrun:")[0] + "\n" + CHAIN.replace("MULTIPLIERS", multipliers).replace("POINTS", points)
+        cases[f"chain of {2 * n} states{name}"] = make_case(text, "branch", "chain.yaml")
     return cases
+
+
+def find_run(page, pattern):
+    """Return the run file that stands in a page."""
+    return re.search(pattern, page.read_text(encoding="utf-8"), re.DOTALL)[1]
 
 
 def make_case(text, step, source):

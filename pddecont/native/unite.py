@@ -57,7 +57,6 @@ cdef extern from *:
     const double not_a_number
     ctypedef void wide_void "for_each_width void"
     ctypedef bint wide_bint "for_each_width int"
-    ctypedef double wide_double "for_each_width double"
 
 # The array outlives the call.
 cdef void* find_address(object array) except? NULL:

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.bifurcation import list_kinds, measure_grazing_gap
-from pddecont.codegen import ArrayFunction
 from pddecont.orbit import NOT_DONE, Monitor, Orbit, Verifier, estimate_error, find_violation, orbit_to_rows
 from pddecont.results import Step
 from pddecont.runfile import Plan, PlannedStep
@@ -143,33 +142,21 @@ def find_surfaces(orbit: Orbit, events: Sequence[str]) -> Array:
     It is NaN where the surface is not a plane.
     """
     model, n = orbit.numeric.model, orbit.numeric.n_states
-    result, p = np.full((len(events), n + 1), np.nan), orbit.parameters.tolist()
-    known = {*model.state_symbols, *model.parameter_symbols}
+    result = np.full((len(events), n + 1), np.nan)
+    p = orbit.parameters
     for i, event in enumerate(map(model.events.__getitem__, events)):
-        if event.function is None or not event.function.free_symbols <= known:
+        if event.function is None or not event.function.free_symbols <= {
+            *model.state_symbols,
+            *model.parameter_symbols,
+        }:
             continue
         function = orbit.numeric.event(event.name)
-        try:
-            (value, slopes), (beyond, others) = (
-                _find_slopes(function, [x] * n, len(model.read_symbols), p) for x in (0.0, 1.0)
-            )
-        except (ArithmeticError, ValueError):
+        d = function.derivatives(
+            np.zeros(2), np.outer(np.ones(n), [0.0, 1.0]), np.zeros((len(model.read_symbols), 2)), p
+        )
+        if not (np.all(np.isfinite(d.dx)) and np.all(np.isfinite(d.value))):
             continue
-        if not np.all(np.isfinite([value, beyond, *slopes, *others])):
-            continue
-        if max((abs(a - b) for a, b in zip(slopes, others, strict=True)), default=0.0) <= ROUNDING * (
-            1 + max(map(abs, [*slopes, *others]), default=0.0)
-        ):
+        if np.ptp(d.dx, axis=1).max(initial=0.0) <= ROUNDING * (1 + np.max(np.abs(d.dx), initial=0.0)):
             result[i] = 0.0
-            result[i, function.structure().dx[1]], result[i, n] = slopes, -value
+            result[i, function.structure().dx[1]], result[i, n] = d.dx[:, 0], -d.value[0, 0]
     return result
-
-
-def _find_slopes(
-    function: ArrayFunction, states: list[float], n_reads: int, p: list[float]
-) -> tuple[float, list[float]]:
-    """Return the value of a function with one output, and its derivatives in the states that are not zero."""
-    where, value = function.structure(), [0.0]
-    slopes, dxd, dt = ([0.0] * n for n in (len(where.dx[0]), len(where.dxd[0]), len(where.dt)))
-    function.find_scalar_derivatives(())(0.0, states, [0.0] * n_reads, p, value, slopes, dxd, [], dt)
-    return value[0], slopes

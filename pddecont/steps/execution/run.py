@@ -93,7 +93,7 @@ def _keep_freed_memory() -> None:
     """Let the process keep the memory of arrays that are gone for those to come, and not hand it back between them.
 
     The C library of Linux does so for all that is no larger than the largest block that was ever freed (mallopt(3), on
-    M_MMAP_THRESHOLD); every page that it asks for again costs 2 us, at some 100 pages a point of a branch.
+    M_MMAP_THRESHOLD); every page that it asks for again costs 2 us, at some 60 pages a point of a branch.
     """
     bytearray(LARGE_BLOCK)
 
