@@ -20,6 +20,7 @@ import yaml
 from sympy.core.cache import clear_cache
 
 from benchmarks.timing import growth, timed
+from models.diffusive_logistic import diffusive_logistic
 from models.oscillator_chain import chain
 from pddecont.codegen import ArrayFunction, NumericModel
 from pddecont.collocation import MeshRule
@@ -243,6 +244,34 @@ def large_systems(folder):
     print(f"  exponent {growth(list(costs), list(costs.values())):.2f}\n")
 
 
+def diffusion(folder):
+    """Print what whole runs of a delayed reaction with diffusion cost, each in a process of its own."""
+    print("Delayed logistic growth with diffusion: a transient, its orbit, three points with multipliers; whole runs")
+    costs = {}
+    steps = [
+        {"name": "t", "simulate": {"t_end": 120}},
+        {"name": "o", "orbit": {"from": "t", "stability": True}},
+        {"name": "b", "continue": {"from": "o", "free": ["r"], "range": {"r": [1.7, 2.2]}, "stability": True}},
+    ]
+    steps[-1]["continue"] |= {"max_points": 3, "direction": "up"}
+    for n in (50, 100, 200):
+        path = Path(folder) / f"diffusion{n}.yaml"
+        text = diffusive_logistic(n) + yaml.safe_dump({"run": {"mesh": {"tol": 1e-6}, "steps": steps}})
+        path.write_text(text, encoding="utf-8")
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        command = [sys.executable, "-m", "pddecont", "run", str(path), "-o", str(path.with_suffix(".h5"))]
+        subprocess.run(command, capture_output=True, check=True)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        costs[n] = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+        recorded = read_results(path.with_suffix(".h5")).step("b").points
+        # The largest of all children so far, of which this one is the largest.
+        print(
+            f"  {n:4} states, {int(recorded['n_unknowns'][0]):6} unknowns: {costs[n]:7.2f} s of CPU time, "
+            f"{after.ru_maxrss / 1024:.0f} MiB"
+        )
+    print(f"  exponent {growth(list(costs), list(costs.values())):.2f}\n")
+
+
 def model_code(repeats=3):
     """Print what the code of large models costs, from their text to compiled functions."""
     print("Code of a chain of oscillators, seconds of CPU time, the least of several turns")
@@ -342,6 +371,7 @@ def main():
         split()
         sizes()
         long_branches(folder)
+        diffusion(folder)
         large_systems(folder)
         workers(folder)
     model_code()

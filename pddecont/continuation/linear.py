@@ -15,6 +15,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg
 from numpy.typing import NDArray
 
+from pddecont.continuation.full_rows import factor_without_full_rows
 from pddecont.continuation.time_order import TimeOrder, factor_in_time
 from pddecont.errors import ConvergenceError
 from pddecont.native import compiled_assembly
@@ -119,10 +120,9 @@ def factor(matrix: Matrix, order: TimeOrder | None = None) -> Callable[[Array], 
         if not np.isfinite(matrix.data).all():
             raise ConvergenceError("the Jacobian holds values that are not finite")
         try:
-            solve: Callable[[Array], Array] = _factor_sparse(matrix).solve
+            return _factor_sparse(matrix)
         except RuntimeError as exc:
             raise ConvergenceError("the Jacobian is singular") from exc
-        return solve
     if not np.all(np.isfinite(matrix)):
         raise ConvergenceError("the Jacobian holds values that are not finite")
     with warnings.catch_warnings():
@@ -134,11 +134,16 @@ def factor(matrix: Matrix, order: TimeOrder | None = None) -> Callable[[Array], 
     return lambda b: np.asarray(scipy.linalg.lu_solve(dense, b, check_finite=False))
 
 
-def _factor_sparse(matrix: Matrix) -> Any:
-    """Return the factors of a sparse matrix; a large one is factored without the zeros among its entries."""
+def _factor_sparse(matrix: Matrix) -> Callable[[Array], Array]:
+    """Return what solves with a sparse matrix; a large one is factored without its zeros and full rows."""
     if matrix.shape[0] < MANY:
-        return scipy.sparse.linalg.splu(matrix, panel_size=1, relax=1)
-    return scipy.sparse.linalg.splu(leave_out_zeros(matrix))
+        solve: Callable[[Array], Array] = scipy.sparse.linalg.splu(matrix, panel_size=1, relax=1).solve
+        return solve
+    whole = leave_out_zeros(matrix)
+    found = factor_without_full_rows(whole, lambda part: scipy.sparse.linalg.splu(part).solve)
+    if found is None:
+        found = scipy.sparse.linalg.splu(whole).solve
+    return found
 
 
 def leave_out_zeros(matrix: Matrix) -> Matrix:

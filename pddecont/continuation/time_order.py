@@ -13,13 +13,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lapack
 
+from pddecont.continuation.trial import solves
 from pddecont.native import compiled_assembly
 from pddecont.native.assembly import Blocks, Border
 
@@ -27,8 +28,6 @@ Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
 # Unknowns of the small system beyond which a sparse factorisation is better.
 WIDEST = 128
-# What is left of the equations, relative to the solutions, where rounding has not grown.
-LEFT = 1e-13
 # How large solutions for a right-hand side of random numbers are at most. Beyond that equations are nearly singular, as
 # where many segments are about to vanish, and pivots sought in the whole matrix keep small unknowns apart.
 LARGEST = 1e6
@@ -142,11 +141,7 @@ def factor_in_time(matrix: Any, order: TimeOrder) -> Callable[[Array], Array] | 
     found = _factor(matrix, order)
     if found is None:
         return None
-    trial = _draw(order.n_columns)
-    with np.errstate(all="ignore"):
-        x = found.solve(trial)
-        left, largest = np.abs(matrix @ x - trial).max(), np.abs(x).max()
-    return found.solve if left <= LEFT * largest and largest <= LARGEST else None
+    return found.solve if solves(matrix, found.solve, largest=LARGEST) else None
 
 
 def _factor(matrix: Any, order: TimeOrder) -> TimeFactors | None:
@@ -190,9 +185,3 @@ def _factor(matrix: Any, order: TimeOrder) -> TimeFactors | None:
         exchanged=exchanged,
     )
     return TimeFactors(inside, border, above, lu, exchanged)
-
-
-@cache
-def _draw(n: int) -> Array:
-    """Return random numbers, shape (n,), the same each time."""
-    return np.random.default_rng(3).standard_normal(n)
