@@ -17,9 +17,7 @@ Array = NDArray[np.float64]
 LEFT = 1e-13
 
 
-def solves(
-    matrix: Any, solve: Callable[[Array], Array], *, largest: float = np.inf, sums: Array | float = 1.0
-) -> bool:
+def solves(matrix: Any, solve: Callable[[Array], Array], *, largest: float = np.inf, sums: Array | float = 1.0) -> bool:
     """Return whether ``solve`` leaves no more than rounding of a square system with largest entries of modulus 1.
 
     Nor is its solution for random numbers larger than ``largest``. ``sums`` (n,) are those of the moduli in each row,
