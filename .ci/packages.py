@@ -2,8 +2,8 @@
 
 A source archive is made of the working tree; a wheel is made of that archive for the oldest and the newest Python that
 the metadata names, as far as they are here, and installed into an empty environment: with the oldest libraries that the
-metadata allows, and with the newest there are. The program runs there without a home folder, and may change nothing of
-its installation. Last the archive's own tests are run on the wheel.
+metadata allows, and with the newest there are. The program does what ``make demo`` does there, without a home folder,
+and may change nothing of its installation. Last the archive's own tests are run on the wheel.
 
 PYTHONS="3.12" in the environment names other versions of Python to try.
 """
@@ -25,11 +25,12 @@ ROOT = Path(__file__).parent.parent
 NO_PRIVILEGES = ["setpriv", "--bounding-set=-all", "--inh-caps=-all"]
 RUN = """\
 pddecont --version
-pddecont run wall_oscillator -o wall.h5
-pddecont plot wall.h5 -o wall.png
-pddecont plot wall.h5 -o wall.svg
-pddecont report wall.h5 -o wall.html"""
-WRITTEN = {"wall.h5", "wall.png", "wall.svg", "wall.html"}
+pddecont run fig4_6 -o fig4_6.h5
+pddecont export fig4_6.h5 --table special
+pddecont plot fig4_6.h5 -o fig4_6.png
+pddecont plot fig4_6.h5 -o fig4_6.svg
+pddecont report fig4_6.h5 -o fig4_6.html"""
+WRITTEN = {"fig4_6.h5", "fig4_6.png", "fig4_6.svg", "fig4_6.html"}
 # Of the archive itself, of the interface in Python and of the command line.
 TESTS = ("tests/test_packages.py", "tests/api", "tests/cli/test_new.py", "tests/cli/test_check.py")
 LIBRARIES = ("pytest", "hypothesis", "xarray")
@@ -130,7 +131,7 @@ def oldest_libraries(dependencies: list[str], file: Path) -> list[str]:
 
 
 def install_and_try(version: str, python: str, wheel: Path, options: list[str], folder: Path) -> None:
-    """Install a wheel into its empty environment, and run a shipped model, a picture and a report with nothing else."""
+    """Install a wheel into its empty environment, and run the demo, a picture and a report with nothing else."""
     program = folder / "env/bin/python"
     call(program, "-m", "pip", "install", "--quiet", *options, wheel)
     call(program, "-m", "pip", "check")

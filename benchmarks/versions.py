@@ -3,8 +3,7 @@
 Takes the Python of the earlier version (``make bench`` installs one), how often each takes its turn, and with
 ``--large`` adds chains of 100 and 200 states. Prints the least CPU milliseconds a point, and how far special points
 that both find are apart. A turn of the earlier version that takes longer than ``--limit`` seconds is ended: this
-version's whole turn is set against the limit then. For scale, figures of others as they were taken with Octave on two
-cores, a point with multipliers: PWSDDE-cont, DDE-BIFTOOL and COCO, 400 to 6500 ms.
+version's whole turn is set against the limit then.
 """
 
 from __future__ import annotations
@@ -21,6 +20,8 @@ from pathlib import Path
 from benchmarks.continuation import BRANCH, ROOT, delays
 from models.oscillator_chain import chain
 
+# For scale: figures of others as they were taken with Octave on two cores.
+OTHERS = "PWSDDE-cont, DDE-BIFTOOL and COCO took 400 to 6500 ms a point with multipliers (Octave, two cores)"
 TIMES = Path(__file__).with_name("branch_times.py")
 DELAYS = """run:
   mesh: {degree: 6, intervals: 160}
@@ -126,6 +127,7 @@ def main():
     parser.add_argument("--limit", type=float, default=600.0)
     options = parser.parse_args()
     print("CPU milliseconds a point, before and now, the least of the turns; how far special points are apart at most")
+    print(f"  {OTHERS}")
     with tempfile.TemporaryDirectory() as folder:
         for name, case in list_cases(large=options.large).items():
             line = compare(case, str(Path(options.before).absolute()), folder, options.turns, options.limit)

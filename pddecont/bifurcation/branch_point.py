@@ -8,15 +8,13 @@ Reference: Allgower, Georg, Introduction to Numerical Continuation Methods (2003
 from __future__ import annotations
 
 import numpy as np
-import scipy.linalg
-import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from pddecont.bifurcation.branch_start import BranchStart, StartError
 from pddecont.bifurcation.fold import remove_fold_multiplier
 from pddecont.bifurcation.kinds import SpecialPointKind
 from pddecont.bifurcation.settings import BranchSettings
-from pddecont.continuation import CurvePoint
+from pddecont.continuation import CurvePoint, equilibrate, find_null_vectors
 from pddecont.orbit import Orbit, OrbitEvaluation
 from pddecont.stability import Multipliers
 
@@ -43,14 +41,12 @@ def find_other_branch(at: OrbitEvaluation, tangent: Array) -> Array:
     Problems (1987), ch. 5.
     """
     scaling = at.system.scaling
-    matrix = at.jacobian()
-    dense = (matrix.toarray() if sp.issparse(matrix) else matrix) * scaling.size
-    rows = 1.0 / np.max(np.abs(dense), axis=1)
-    left, _, right = scipy.linalg.svd(rows[:, None] * dense)
-    null = right[-2:] * scaling.size
+    scaled = equilibrate(at.jacobian(), scaling.size)
+    left, right = find_null_vectors(scaled.matrix)
+    null = right * scaling.size
     along = np.array([scaling.dot(v, tangent) for v in null])
     rest = scaling.normalise(null.T @ np.array([-along[1], along[0]]))
-    w = left[:, -1] * rows
+    w = left * scaled.rows
 
     def second_derivative(direction: Array) -> float:
         ends = sum(at.system.at(at.x + sign * DIFFERENCE * direction).residual for sign in (-1.0, 1.0))

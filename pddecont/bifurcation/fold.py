@@ -18,21 +18,27 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from pddecont.bifurcation.extended_system import DefiningFunction, ExtendedEvaluation
 from pddecont.bifurcation.kinds import SpecialPointKind
 from pddecont.bifurcation.settings import BranchSettings
-from pddecont.continuation import CurvePoint, Matrix, TestFunction, add_row, equilibrate, factor, scale_matrix
+from pddecont.continuation import (
+    CurvePoint,
+    Matrix,
+    TestFunction,
+    add_border,
+    equilibrate,
+    factor,
+    find_null_vectors,
+    scale_matrix,
+)
 from pddecont.orbit import OrbitEvaluation
 from pddecont.reasons import Reason
 from pddecont.stability import Multipliers, remove_known
 
 Array = NDArray[np.float64]
 FOLD_LABEL = LABEL = "LP"
-# Inverse iterations for the null vectors; each gains the ratio of the two smallest singular values.
-N_ITERATIONS = 3
 
 
 def parameter_tangent(point: CurvePoint[OrbitEvaluation]) -> float:
@@ -43,11 +49,6 @@ def parameter_tangent(point: CurvePoint[OrbitEvaluation]) -> float:
 def _fixed_jacobian(at: OrbitEvaluation) -> Matrix:
     """Return the Jacobian in the orbit's own unknowns, without the free parameters."""
     return at.jacobian()[:, : at.orbit.problem.unknowns.free.start]
-
-
-def _border(matrix: Matrix, b: Array, c: Array) -> Matrix:
-    wide = sp.csc_matrix(sp.hstack([matrix, b[:, None]])) if sp.issparse(matrix) else np.hstack([matrix, b[:, None]])
-    return add_row(wide, np.append(c, 0.0))
 
 
 def _last_unit(n: int) -> Array:
@@ -73,7 +74,7 @@ class FoldFunction:
         """Return the vector v (in scaled unknowns) and g."""
         n = at.orbit.problem.unknowns.free.start
         matrix = scale_matrix(_fixed_jacobian(at), self.rows, at.system.scaling.scale[:n])
-        solved = factor(_border(matrix, self.b, self.c))(_last_unit(n + 1))
+        solved = factor(add_border(matrix, self.b, self.c[None]))(_last_unit(n + 1))
         return solved[:-1], float(solved[-1])
 
     def update_at(self, at: OrbitEvaluation) -> FoldFunction:
@@ -85,18 +86,11 @@ class FoldFunction:
 
 
 def define_fold(at: OrbitEvaluation) -> FoldFunction:
-    """Return the function with b and c the left and right null vectors at an orbit, found by inverse iteration."""
+    """Return the function with b and c the left and right null vectors at an orbit."""
     n = at.orbit.problem.unknowns.free.start
     scaled = equilibrate(_fixed_jacobian(at), at.system.scaling.scale[:n])
-    rng = np.random.default_rng(1)
-    b, c, last = rng.standard_normal(n), rng.standard_normal(n), _last_unit(n + 1)
-    for _ in range(N_ITERATIONS):
-        b, c = b / np.linalg.norm(b), c / np.linalg.norm(c)
-        whole = _border(scaled.matrix, b, c)
-        right = factor(whole)(last)[:-1]
-        left = factor(sp.csc_matrix(whole.T) if sp.issparse(whole) else whole.T)(last)[:-1]
-        b, c = left, right
-    return FoldFunction(b / np.linalg.norm(b), c / np.linalg.norm(c), scaled.rows)
+    left, right = find_null_vectors(scaled.matrix)
+    return FoldFunction(left, right[0], scaled.rows)
 
 
 def cusp_function(point: CurvePoint[ExtendedEvaluation]) -> float:

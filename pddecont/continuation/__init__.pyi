@@ -31,6 +31,8 @@ from .linear import with_values as with_values
 from .newton import NewtonSettings as NewtonSettings
 from .newton import Solution as Solution
 from .newton import solve_newton as solve_newton
+from .null_vectors import add_border as add_border
+from .null_vectors import find_null_vectors as find_null_vectors
 from .scaling import Scaling as Scaling
 from .system import AdaptiveSystem as AdaptiveSystem
 from .system import Evaluation as Evaluation

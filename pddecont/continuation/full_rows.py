@@ -26,12 +26,15 @@ FULL, FEW = 0.1, 8
 
 
 def factor_without_full_rows(matrix: Any, factor: Callable[[Any], Solve]) -> Solve | None:
-    """Return what solves with a square sparse matrix (CSC) whose rows have largest entries of modulus 1.
+    """Return what solves with a square sparse matrix (CSC) of real numbers, whose rows are scaled.
 
     It takes right-hand sides of shape (n,) or (n, k); ``factor`` factors a sparse matrix, and raises RuntimeError where
-    that is singular. None where no row is full, or this does not do.
+    that is singular. None where no row is full, or too many are; where the matrix is singular without what rows hold
+    beside their largest entries, or nearly singular with it; or where rounding has grown.
     """
     n = matrix.shape[0]
+    if matrix.data.dtype != np.float64:
+        return None
     full = np.flatnonzero(np.bincount(matrix.indices, minlength=n) > FULL * n)
     if not 0 < len(full) <= FEW:
         return None
@@ -44,8 +47,9 @@ def factor_without_full_rows(matrix: Any, factor: Callable[[Any], Solve]) -> Sol
         solve = factor(_leave_one_entry(matrix, full, kept))
     except RuntimeError:
         return None
-    answers = solve(units)
-    lu, exchanged, singular = lapack.dgetrf(np.eye(len(full)) + rest @ answers)
+    with np.errstate(all="ignore"):
+        answers = solve(units)
+        lu, exchanged, singular = lapack.dgetrf(np.eye(len(full)) + rest @ answers)
 
     def solve_once(b: Array) -> Array:
         x = solve(b)

@@ -28,9 +28,6 @@ Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
 # Unknowns of the small system beyond which a sparse factorisation is better.
 WIDEST = 128
-# How large solutions for a right-hand side of random numbers are at most. Beyond that equations are nearly singular, as
-# where many segments are about to vanish, and pivots sought in the whole matrix keep small unknowns apart.
-LARGEST = 1e6
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,7 +138,7 @@ def factor_in_time(matrix: Any, order: TimeOrder) -> Callable[[Array], Array] | 
     found = _factor(matrix, order)
     if found is None:
         return None
-    return found.solve if solves(matrix, found.solve, largest=LARGEST) else None
+    return found.solve if solves(matrix, found.solve) else None
 
 
 def _factor(matrix: Any, order: TimeOrder) -> TimeFactors | None:

@@ -5,7 +5,9 @@ import pytest
 import scipy.sparse as sp
 import scipy.sparse.linalg
 
+from pddecont.continuation import linear
 from pddecont.continuation.full_rows import FEW, factor_without_full_rows
+from pddecont.continuation.trial import LARGEST
 
 N = 60
 
@@ -68,3 +70,50 @@ def test_rounding_that_has_grown_is_seen(rng):
         return lambda b: solve(b) * (1.0 + 1e-5 * np.cos(np.arange(N)).reshape(N, *[1] * (np.ndim(b) - 1)))
 
     assert factor_without_full_rows(sp.csc_matrix(make_matrix(rng, 2)), inexact) is None
+
+
+def test_rows_that_are_nearly_parallel_keep_their_difference(rng):
+    """As a phase condition and a step along a branch may be: what differs is a part of 1e-4 of them."""
+    full = make_matrix(rng, 2)
+    full[-2, -1] = 0.999
+    full[-1] = full[-2] + 1e-4 * rng.uniform(-1.0, 1.0, size=N)
+    full /= np.max(np.abs(full), axis=1)[:, None]
+    solve = factor_without_full_rows(sp.csc_matrix(full), factor)
+    exact = rng.normal(size=N)
+    assert solve(full @ exact) == pytest.approx(exact, abs=4.0 * np.finfo(float).eps * np.linalg.cond(full))
+
+
+@pytest.mark.parametrize("small", [1e-3, 1e-8])
+def test_what_is_nearly_singular_is_left_too(rng, small):
+    full = make_matrix(rng, 1)
+    full[0] = full[1] + small * rng.normal(size=N) * (full[1] != 0.0)
+    found = factor_without_full_rows(sp.csc_matrix(full), factor)
+    assert (found is None) == (small < 1.0 / LARGEST)
+
+
+def test_complex_numbers_are_left_too(rng):
+    assert factor_without_full_rows(sp.csc_matrix(make_matrix(rng, 1) * (1.0 + 0.0j)), factor) is None
+
+
+@pytest.mark.parametrize("many", [N, N + 1])
+def test_large_systems_alone_are_factored_so(rng, monkeypatch, many):
+    seen, splu = [], scipy.sparse.linalg.splu
+    monkeypatch.setattr(linear, "MANY", many)
+    monkeypatch.setattr(scipy.sparse.linalg, "splu", lambda m, **options: seen.append(m.nnz) or splu(m, **options))
+    full, b = make_matrix(rng, 2), rng.normal(size=N)
+    exact = np.linalg.solve(full, b)
+    assert linear.factor(sp.csc_matrix(full))(b) == pytest.approx(exact, abs=1e-11 * np.max(np.abs(exact)))
+    assert (seen == [np.count_nonzero(full)]) == (many > N)
+    assert len(seen) == 1
+
+
+def test_where_that_does_not_do_the_whole_is_factored(rng, monkeypatch):
+    seen, splu = [], scipy.sparse.linalg.splu
+    monkeypatch.setattr(linear, "MANY", N)
+    monkeypatch.setattr(scipy.sparse.linalg, "splu", lambda m, **options: seen.append(m.nnz) or splu(m, **options))
+    full = np.diag(np.ones(N - 1), 1)
+    full[-1] = rng.uniform(-0.5, 0.5, size=N)
+    full[-1, 0], full[-1, 5] = 0.5, 1.0
+    b = rng.normal(size=N)
+    assert linear.factor(sp.csc_matrix(full))(b) == pytest.approx(np.linalg.solve(full, b), abs=1e-11)
+    assert seen == [N, 2 * N - 1]

@@ -5,7 +5,8 @@ import pytest
 import scipy.sparse as sp
 
 from pddecont.continuation import TimeOrder, equilibrate
-from pddecont.continuation.time_order import LARGEST, WIDEST, factor_in_time
+from pddecont.continuation.time_order import WIDEST, factor_in_time
+from pddecont.continuation.trial import LARGEST
 
 
 def make_order(sizes, n_border=1):
