@@ -11,6 +11,7 @@ from .mesh import MeshPoints as MeshPoints
 from .mesh import Piece as Piece
 from .mesh import find_inner_side as find_inner_side
 from .mesh_selection import MAX_INTERVALS as MAX_INTERVALS
+from .mesh_selection import SAFETY as SAFETY
 from .mesh_selection import Density as Density
 from .mesh_selection import MeshRule as MeshRule
 from .mesh_selection import cut_pieces as cut_pieces

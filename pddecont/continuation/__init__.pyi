@@ -11,6 +11,7 @@ from .boundary import Boundary as Boundary
 from .branch import END_POINT as END_POINT
 from .branch import BranchPoint as BranchPoint
 from .branch import BranchState as BranchState
+from .branch import ErrorControl as ErrorControl
 from .branch import StepSettings as StepSettings
 from .branch import follow_branch as follow_branch
 from .closure import Home as Home

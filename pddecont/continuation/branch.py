@@ -52,6 +52,9 @@ END_POINT = "EP"
 TURN = 0.2
 FEW_ITERATIONS, SOME_ITERATIONS = 3, 5
 GROW, SHRINK = 2.0, 0.5
+# Finer meshes that a point's estimated error may ask for, and by what the error that each aims at is less than it need
+# be where the one before did not do.
+FINER_MESHES, FINER = 3, 4.0
 
 
 @dataclass(frozen=True)
@@ -67,6 +70,14 @@ class StepSettings:
     max_points: int = 500
     max_turn: float = 0.3
     newton: NewtonSettings = field(default_factory=lambda: NewtonSettings(max_iterations=8))
+
+
+@dataclass(frozen=True, eq=False)
+class ErrorControl(Generic[E]):
+    """What keeps errors small: ``measure`` estimates that of a corrected point, which is to be ``tol`` at most."""
+
+    measure: Callable[[CurvePoint[E]], float]
+    tol: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +110,8 @@ class BranchState(Generic[E]):
 class BranchPoint(Generic[E]):
     """A point of a branch as it is handed out; ``kind`` is empty for an ordinary one, else ``reason`` says more.
 
-    ``error`` is the error of a point that equations of its own have found, which know it better.
+    ``error`` is the point's estimated error where it is known already: of one that equations of its own have found,
+    which know it better, and of one whose error was to be small.
     ``n_unexplained`` counts the changes of whole numbers on the step that ends here which no special point accounts
     for.
     """
@@ -127,11 +139,15 @@ class _Start:
 
 @dataclass(frozen=True, eq=False)
 class _Reached(Generic[E]):
-    """The end of a ``step``, and the boundary it was taken back onto; ``seen`` is its start, where that is known."""
+    """The end of a ``step``, and the boundary it was taken back onto.
+
+    ``seen`` is its start, ``error`` its estimated error, where they are known.
+    """
 
     point: CurvePoint[E]
     step: float
     seen: _Start | None = None
+    error: float | None = None
     passed: tuple[Boundary[E], int, float] | None = None
 
 
@@ -144,6 +160,7 @@ def follow_branch(
     sign: int,
     home: Home[E] | None = None,
     horizon: Horizon[E] | None = None,
+    control: ErrorControl[E] | None = None,
 ) -> Termination:
     """Follow a branch from ``state`` along its tangent; return how it ended.
 
@@ -164,6 +181,8 @@ def follow_branch(
         Where the branch began; it ends where it comes back. None: it is not looked for.
     horizon
         What may grow without bound; it ends along an asymptote. None: none is looked for.
+    control
+        What points are to be found on finer meshes by. None: the errors of their intervals alone.
     """
     before: TestValues | None = None
     n_unexplained = 0
@@ -173,7 +192,7 @@ def follow_branch(
         start = _begin_step(state)
         before = find_values_at_start(start, functions, before)
         try:
-            found = _find_next(start, state.step, settings, boundaries)
+            found = _find_next(start, state.step, settings, boundaries, control)
         except OutOfReachError as exc:
             return Termination(exc.end, exc.reason, n_unexplained)
         except ConvergenceError as exc:
@@ -197,7 +216,8 @@ def follow_branch(
         if horizon is not None and not (limit or after.violation):
             grows = find_asymptote(horizon, start, reached, after, functions, boundaries, settings.newton)
             limit = (End.ASYMPTOTE, grows) if grows else None
-        error = emit(BranchPoint(state, END_POINT if limit else "", reached.n_iterations, n_unexplained=more))
+        kind = END_POINT if limit else ""
+        error = emit(BranchPoint(state, kind, reached.n_iterations, error=found.error, n_unexplained=more))
         state = replace(state, error=error)
         if after.violation and not before.violation:
             return Termination(End.INVALID, after.violation, n_unexplained)
@@ -269,11 +289,15 @@ def _emit_on_step(
 
 
 def _find_next(
-    start: CurvePoint[E], step: float, settings: StepSettings, boundaries: Sequence[Boundary[E]]
+    start: CurvePoint[E],
+    step: float,
+    settings: StepSettings,
+    boundaries: Sequence[Boundary[E]],
+    control: ErrorControl[E] | None,
 ) -> _Reached[E]:
     """Return the next point, taken back onto a boundary that it passed."""
     while True:
-        found = _advance(start, step, settings, boundaries)
+        found = _advance(start, step, settings, boundaries, control)
         reached = found.point
         passed = find_passed(boundaries, Approach.BEYOND, start, reached)
         if passed is None:
@@ -308,12 +332,16 @@ def _make_special(special: SpecialPoint[E], before: BranchState[E], length: floa
 
 
 def _advance(
-    start: CurvePoint[E], step: float, settings: StepSettings, boundaries: Sequence[Boundary[E]]
+    start: CurvePoint[E],
+    step: float,
+    settings: StepSettings,
+    boundaries: Sequence[Boundary[E]],
+    control: ErrorControl[E] | None,
 ) -> _Reached[E]:
     """Return the next point, one step on; halve the step until the corrector converges."""
     while True:
         try:
-            return _take_step(start, step, settings, boundaries)
+            return _take_step(start, step, settings, boundaries, control)
         except ConvergenceError as exc:
             near = max(settings.min, NEAR * settings.initial)
             least = near if isinstance(exc, OutOfReachError) else settings.min
@@ -323,7 +351,11 @@ def _advance(
 
 
 def _take_step(
-    start: CurvePoint[E], step: float, settings: StepSettings, boundaries: Sequence[Boundary[E]]
+    start: CurvePoint[E],
+    step: float,
+    settings: StepSettings,
+    boundaries: Sequence[Boundary[E]],
+    control: ErrorControl[E] | None,
 ) -> _Reached[E]:
     """Return the point one step on: predict, make the mesh valid, correct, until the mesh is adequate."""
     predicted = start.system.at(start.x + step * start.tangent)
@@ -351,8 +383,32 @@ def _take_step(
             raise ConvergenceError("the step leads past the end of the branch", solution.history)
         return solution
 
-    system, solution = solve_adaptively(start.system, predicted.x, solve, [predicted.x, start.x])
-    return _Reached(CurvePoint(system, solution.at, solution), step, seen[0])
+    def reach(system: AdaptiveSystem[E], guess: Array, carried: list[Array]) -> _Reached[E]:
+        system, solution = solve_adaptively(system, guess, solve, carried)
+        point = CurvePoint(system, solution.at, solution)
+        return _Reached(point, step, seen[0], None if control is None else control.measure(point))
+
+    found = reach(start.system, predicted.x, [predicted.x, start.x])
+    return found if control is None else _refine(found, reach, control.tol)
+
+
+def _refine(
+    found: _Reached[E], reach: Callable[[AdaptiveSystem[E], Array, list[Array]], _Reached[E]], tol: float
+) -> _Reached[E]:
+    """Return the end of a step, on a finer mesh where its estimated error is beyond ``tol``; the best, if none does."""
+    for k in range(FINER_MESHES):
+        point, seen, error = found.point, found.seen, found.error
+        assert seen is not None and error is not None
+        if error <= tol or not np.isfinite(error):
+            break
+        coarse = point.system.update_reference(point.at, FINER**k * error)
+        try:
+            finer = reach(*coarse.remesh(point.at, [seen.x + seen.ahead, seen.x], solved=True))
+        except ConvergenceError:
+            break
+        if finer.error is not None and finer.error < error:
+            found = finer
+    return found
 
 
 def _look_back(found: _Reached[E], start: CurvePoint[E]) -> _Start:

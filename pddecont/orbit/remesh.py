@@ -239,11 +239,11 @@ def _breaking_times_are_known(orbit: Orbit) -> bool:
     return not any(search.crosses_anew(k, early, edges) for k in sources.varying)
 
 
-def mesh_meets_tolerance(orbit: Orbit, rule: MeshRule) -> bool:
-    """Return whether the mesh keeps the rule's tolerance (always, if the rule fixes the number of intervals)."""
-    if rule.tol is None or orbit.mesh.n_intervals >= MAX_INTERVALS:
+def mesh_meets_tolerance(orbit: Orbit, tol: float | None) -> bool:
+    """Return whether the mesh's intervals keep a tolerance (always, where there is none)."""
+    if tol is None or orbit.mesh.n_intervals >= MAX_INTERVALS:
         return True
-    return float(np.max(estimate_interval_errors(orbit))) <= rule.tol
+    return float(np.max(estimate_interval_errors(orbit))) <= tol
 
 
 def transfer_orbit(orbit: Orbit, mesh: Mesh) -> Orbit:

@@ -10,10 +10,10 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from pddecont.collocation import Density, MeshRule, equal_cuts, has_wanted_intervals, share_intervals
+from pddecont.collocation import SAFETY, Density, MeshRule, equal_cuts, has_wanted_intervals, share_intervals
 from pddecont.continuation import Matrix, Scaling, TimeOrder
 from pddecont.errors import ConvergenceError
-from pddecont.orbit.error import measure_states
+from pddecont.orbit.error import estimate_interval_errors, measure_states
 from pddecont.orbit.jacobian import JacobianAssembler
 from pddecont.orbit.nonfinite import explain_not_finite
 from pddecont.orbit.orbit import Orbit
@@ -36,6 +36,11 @@ Ints = NDArray[np.intp]
 USUAL_MESHES, STRICTER = 3, 0.4
 # The part of the tolerance beyond which the estimated error of a solution asks for another mesh for the next one.
 NEAR_TOLERANCE = 0.5
+# Errors of solutions larger than those of their intervals by more than this are told of equations that hardly say where
+# a solution is, as near a branch point. Intervals are not asked for less than the second: rounding leaves that.
+MOST_GROWTH, LEAST_TOLERANCE = 1e3, 1e-12
+# Meshes in a row that a solution's growth of errors may ask for.
+FINER_MESHES = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,6 +109,7 @@ class PeriodicOrbitSystem:
     ``rule`` says how its meshes are made (None: the mesh stays), ``density`` where the last solution wanted its
     intervals; ``assembler`` makes Jacobians, and is shared by systems on one mesh. ``n_coarse`` counts the meshes in a
     row that were too coarse for the solutions found on them. ``outlived`` says that the next orbit gets another mesh.
+    ``growth`` is by how much the last solution's error was larger than those of its intervals: orbits pass errors on.
     ``known`` is an orbit of the same problem of which much is worked out already.
     """
 
@@ -114,6 +120,7 @@ class PeriodicOrbitSystem:
     assembler: JacobianAssembler = field(default_factory=JacobianAssembler, repr=False)
     n_coarse: int = 0
     outlived: bool = False
+    growth: float = 1.0
     known: Orbit | None = field(default=None, repr=False)
 
     def at(self, x: Array) -> OrbitEvaluation:
@@ -152,7 +159,7 @@ class PeriodicOrbitSystem:
 
     def mesh_is_adequate(self, at: OrbitEvaluation) -> bool:
         """Return whether the mesh is valid at an orbit and keeps its tolerance."""
-        return self.rule is None or (mesh_is_valid(at.orbit) and mesh_meets_tolerance(at.orbit, self.rule))
+        return self.rule is None or (mesh_is_valid(at.orbit) and self._meets_tolerance(at.orbit))
 
     def remesh(
         self, at: OrbitEvaluation, others: Sequence[Array], *, solved: bool
@@ -171,10 +178,14 @@ class PeriodicOrbitSystem:
             problem = anchored.problem
             return replace(self, problem=problem, n_coarse=n_coarse, known=None), anchored.x, list(others)
         if self.rule.tol is not None and (density is None or (solved and mesh_is_valid(orbit))):
-            density = find_density(orbit, self.rule.tol * STRICTER ** max(0, n_coarse - USUAL_MESHES))
+            density = find_density(
+                orbit, _aim_at(self.rule.tol, self.growth) * STRICTER ** max(0, n_coarse - USUAL_MESHES)
+            )
         mesh = make_mesh(self.problem, orbit.theta, self.rule, density, orbit)
         moved = transfer_orbit(orbit, mesh)
-        system = PeriodicOrbitSystem(moved.problem, self.sizes, self.rule, density, n_coarse=n_coarse)
+        system = PeriodicOrbitSystem(
+            moved.problem, self.sizes, self.rule, density, n_coarse=n_coarse, growth=self.growth
+        )
         carried = [moved.x if other is at.x else transfer_orbit(Orbit(self.problem, other), mesh).x for other in others]
         return system, moved.x, carried
 
@@ -186,17 +197,25 @@ class PeriodicOrbitSystem:
 
     def update_reference(self, at: OrbitEvaluation, error: float | None = None) -> PeriodicOrbitSystem:
         """Return the system with an orbit as the reference of its phase and of where its mesh is fine."""
-        orbit, density, outlived = at.orbit, self.density, False
+        orbit, density, outlived, growth = at.orbit, self.density, False, 1.0
         if self.rule is not None and self.rule.tol is not None:
-            density = find_density(orbit, self.rule.tol)
+            if error is not None and np.isfinite(error):
+                growth = _measure_growth(orbit, error, self.rule.tol)
+            density = find_density(orbit, _aim_at(self.rule.tol, growth))
             near = error is not None and error > NEAR_TOLERANCE * self.rule.tol
             outlived = near or not has_wanted_intervals(orbit.mesh, orbit.theta, density)
         problem, known = self.problem, orbit if orbit.problem is self.problem else None
         if problem.reference is not None:
             problem, known = replace(problem, reference=orbit.values), None
         return PeriodicOrbitSystem(
-            problem, self.sizes, self.rule, density, self.assembler, outlived=outlived, known=known
+            problem, self.sizes, self.rule, density, self.assembler, outlived=outlived, growth=growth, known=known
         )
+
+    def _meets_tolerance(self, orbit: Orbit) -> bool:
+        """Return whether a mesh keeps the tolerance for a solution, whose error is taken to grow as the last one's."""
+        assert self.rule is not None
+        growth = self.growth if self.n_coarse < FINER_MESHES else 1.0
+        return mesh_meets_tolerance(orbit, None if self.rule.tol is None else self.rule.tol / growth)
 
     def _keeps_mesh(self, orbit: Orbit, solved: bool) -> bool:
         """Return whether an orbit needs no other mesh than the one that it is on."""
@@ -206,7 +225,7 @@ class PeriodicOrbitSystem:
         if not same or not keeps_its_pieces(orbit):
             return False
         if self.rule.intervals is None:
-            return not solved or mesh_meets_tolerance(orbit, self.rule)
+            return not solved or self._meets_tolerance(orbit)
         lengths = orbit.mesh.piece_lengths @ orbit.theta
         shares = share_intervals(lengths, max(self.rule.intervals, len(lengths)))
         cuts = equal_cuts(shares)
@@ -218,3 +237,17 @@ class PeriodicOrbitSystem:
             "the mesh does not settle: a delayed value is read across a jump of the state here, or 'mesh: {tol}' is "
             "too small"
         )
+
+
+def _measure_growth(orbit: Orbit, error: float, tol: float) -> float:
+    """Return by how much the ``error`` of an orbit is larger than those of its intervals, as far as meshes tell."""
+    most, largest = min(MOST_GROWTH, tol / LEAST_TOLERANCE), float(np.max(estimate_interval_errors(orbit)))
+    return max(1.0, min(most, error / largest if largest > 0.0 else 1.0))
+
+
+def _aim_at(tol: float, growth: float) -> float:
+    """Return the errors that intervals are to leave at most, so that the solution's own stays below ``tol``.
+
+    A mesh is made for a part of what is asked for; growth that this part makes up for asks for nothing more.
+    """
+    return tol * min(1.0, NEAR_TOLERANCE / (SAFETY * growth))

@@ -28,6 +28,7 @@ from pddecont.continuation import (
     BranchState,
     CurvePoint,
     End,
+    ErrorControl,
     Home,
     StepSettings,
     Termination,
@@ -153,7 +154,9 @@ class _Branch:
         for _ in range(MAX_SIGNATURES):
             self.last, self.ordinary = BranchPoint(state, "", 0), state
             functions = make_tests(state.point.at, self.settings)
-            end = follow_branch(state, boundaries, functions, step_settings, self.record, way, home, horizon)
+            end = follow_branch(
+                state, boundaries, functions, step_settings, self.record, way, home, horizon, self._error_control
+            )
             n_unexplained += end.n_unexplained
             if self._is_halved(end) and not steps.follows_halving:
                 end = replace(end, end=End.HALVED, detail=NO_REASON)
@@ -171,6 +174,18 @@ class _Branch:
         if end.end == End.SHRINKS and self.ordinary is not None:
             end = end_at_equilibrium(end, self.ordinary, self.settings, self.record, way)
         return make_branch_ending(replace(end, n_unexplained=n_unexplained), way, next_signature)
+
+    @property
+    def _error_control(self) -> ErrorControl[Any] | None:
+        """What keeps the estimated errors of its points within the tolerance; None where meshes have none."""
+        tol = self.step.rule.tol
+        return None if tol is None else ErrorControl(self._measure_error, tol)
+
+    def _measure_error(self, point: CurvePoint[Any]) -> float:
+        """Return the estimated error of a corrected point."""
+        if isinstance(point.at, ExtendedEvaluation):
+            return estimate_error(point.at.orbit, self.settings.widths)
+        return estimate_error(point.at.orbit, self.settings.widths, point.solve_nearly, point.tangent)
 
     def _is_halved(self, end: Termination) -> bool:
         """Return whether a branch ended where both halves of its orbits become equal."""
