@@ -1,4 +1,5 @@
 from .adaptive import MeshNotSettledError as MeshNotSettledError
+from .adaptive import keep_within as keep_within
 from .adaptive import solve_adaptively as solve_adaptively
 from .arclength import correct as correct
 from .arclength import correct_component as correct_component

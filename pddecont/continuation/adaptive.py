@@ -13,9 +13,13 @@ from pddecont.continuation.system import AdaptiveSystem, E
 from pddecont.errors import ConvergenceError
 
 Array = NDArray[np.float64]
+T = TypeVar("T")
 S = TypeVar("S", bound=AdaptiveSystem[Any])
 # Meshes that are tried for one solution; two are usual, three happen.
 MAX_MESHES = 8
+# Finer meshes that a solution's estimated error may ask for, and by what the error that each aims at is less than it
+# need be where the one before did not do.
+FINER_MESHES, FINER = 3, 4.0
 
 
 class MeshNotSettledError(ConvergenceError):
@@ -51,3 +55,24 @@ def solve_adaptively(
         last = system
         system, guess, others = system.remesh(solution.at, others, solved=True)
     raise MeshNotSettledError(last, solution.x)
+
+
+def keep_within(tol: float, found: T, error_of: Callable[[T], float | None], solve_finer: Callable[[T, float], T]) -> T:
+    """Return what was ``found`` on a finer mesh if its estimated error is beyond ``tol``; the best, if no mesh does.
+
+    The errors of a mesh's intervals may keep the tolerance, and what they add up to may not. ``error_of`` returns the
+    estimated error, None where there is none, and ``solve_finer(found, error)`` what is found on a mesh made for as
+    small a part of ``error`` as the tolerance is.
+    """
+    for k in range(FINER_MESHES):
+        error = error_of(found)
+        if error is None or error <= tol or not np.isfinite(error):
+            break
+        try:
+            finer = solve_finer(found, FINER**k * error)
+        except ConvergenceError:
+            break
+        now = error_of(finer)
+        if now is not None and now < error:
+            found = finer
+    return found

@@ -9,7 +9,7 @@ from typing import Generic
 import numpy as np
 from numpy.typing import NDArray
 
-from pddecont.continuation.adaptive import solve_adaptively
+from pddecont.continuation.adaptive import keep_within, solve_adaptively
 from pddecont.continuation.arclength import correct, tangent_at
 from pddecont.continuation.asymptote import Horizon, find_asymptote
 from pddecont.continuation.boundary import (
@@ -52,9 +52,6 @@ END_POINT = "EP"
 TURN = 0.2
 FEW_ITERATIONS, SOME_ITERATIONS = 3, 5
 GROW, SHRINK = 2.0, 0.5
-# Finer meshes that a point's estimated error may ask for, and by what the error that each aims at is less than it need
-# be where the one before did not do.
-FINER_MESHES, FINER = 3, 4.0
 
 
 @dataclass(frozen=True)
@@ -388,27 +385,14 @@ def _take_step(
         point = CurvePoint(system, solution.at, solution)
         return _Reached(point, step, seen[0], None if control is None else control.measure(point))
 
+    def reach_finer(coarse: _Reached[E], error: float) -> _Reached[E]:
+        point, seen = coarse.point, coarse.seen
+        assert seen is not None
+        system = point.system.update_reference(point.at, error)
+        return reach(*system.remesh(point.at, [seen.x + seen.ahead, seen.x], solved=True))
+
     found = reach(start.system, predicted.x, [predicted.x, start.x])
-    return found if control is None else _refine(found, reach, control.tol)
-
-
-def _refine(
-    found: _Reached[E], reach: Callable[[AdaptiveSystem[E], Array, list[Array]], _Reached[E]], tol: float
-) -> _Reached[E]:
-    """Return the end of a step, on a finer mesh where its estimated error is beyond ``tol``; the best, if none does."""
-    for k in range(FINER_MESHES):
-        point, seen, error = found.point, found.seen, found.error
-        assert seen is not None and error is not None
-        if error <= tol or not np.isfinite(error):
-            break
-        coarse = point.system.update_reference(point.at, FINER**k * error)
-        try:
-            finer = reach(*coarse.remesh(point.at, [seen.x + seen.ahead, seen.x], solved=True))
-        except ConvergenceError:
-            break
-        if finer.error is not None and finer.error < error:
-            found = finer
-    return found
+    return found if control is None else keep_within(control.tol, found, lambda f: f.error, reach_finer)
 
 
 def _look_back(found: _Reached[E], start: CurvePoint[E]) -> _Start:

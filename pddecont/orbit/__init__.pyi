@@ -78,6 +78,7 @@ from .sliding import name_guard as name_guard
 from .sliding import name_vanishing as name_vanishing
 from .solve import solve_on_mesh as solve_on_mesh
 from .solve import solve_orbit as solve_orbit
+from .solve import solve_within_tolerance as solve_within_tolerance
 from .system import OrbitEvaluation as OrbitEvaluation
 from .system import PeriodicOrbitSystem as PeriodicOrbitSystem
 from .system import Sizes as Sizes

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from pddecont.continuation import MeshNotSettledError, NewtonSettings, correct_component, solve_adaptively
-from pddecont.continuation.adaptive import MAX_MESHES
+from pddecont.continuation import MeshNotSettledError, NewtonSettings, correct_component, keep_within, solve_adaptively
+from pddecont.continuation.adaptive import FINER, FINER_MESHES, MAX_MESHES
 from pddecont.errors import ConvergenceError
 from tests.continuation.systems import Growth, circle, grow, start_at
 
@@ -78,3 +78,32 @@ def test_a_system_without_a_mesh_is_solved_once():
     found, solution = solve_adaptively(state.point.system, np.array([0.9, 0.5]), solve, [np.ones(2)])
     assert found is state.point.system and len(log) == 1
     assert solution.x == pytest.approx([0.8, 0.6], abs=1e-14)
+
+
+@pytest.mark.parametrize("errors", [[0.5], [3.0, 0.9], [3.0, 5.0, 2.0, 1.0], [None, 0.1], [np.inf, 0.1]])
+def test_finer_meshes_are_tried_until_an_error_is_small(errors):
+    """What is found is named by its error; each mesh asks for more than the one before that did not do."""
+    asked = []
+
+    def solve_finer(found, error):
+        asked.append((found, error))
+        return errors[len(asked)]
+
+    found = keep_within(1.0, errors[0], lambda error: error, solve_finer)
+    tried = errors[:1] if errors[0] in (None, np.inf) else errors
+    best = [min(tried[: k + 1]) for k in range(len(tried) - 1)]
+    assert found == (errors[0] if errors[0] is None else min(tried))
+    assert asked == [(error, FINER**k * error) for k, error in enumerate(best)]
+
+
+def test_of_meshes_that_do_not_help_the_best_is_kept():
+    asked = []
+    assert keep_within(1.0, 2.0, lambda error: error, lambda found, error: asked.append(error) or 3.0) == 2.0
+    assert len(asked) == FINER_MESHES
+
+
+def test_where_a_finer_mesh_has_no_solution_the_coarse_one_stays():
+    def fail(found, error):
+        raise ConvergenceError("nothing there")
+
+    assert keep_within(1.0, 2.0, lambda error: error, fail) == 2.0

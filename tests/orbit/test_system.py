@@ -1,11 +1,16 @@
 """Orbits as a system of equations: sizes, meshes renewed, and orbits carried between systems."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import scipy.sparse as sp
 
 from pddecont.collocation import MeshRule
 from pddecont.orbit import Orbit, PeriodicOrbitSystem, adapt_mesh, measure_orbit, solve_orbit
+from pddecont.orbit.error import estimate_interval_errors
+from pddecont.orbit.remesh import find_density
+from pddecont.orbit.system import FINER_MESHES
 from tests.known_orbits import impact_oscillator, mackey_glass
 from tests.orbit.exact import TURN, circle
 
@@ -132,3 +137,37 @@ def test_a_mesh_that_a_solution_outlives_is_made_anew():
     assert outlived.outlived
     assert outlived.remesh(at, [], solved=False)[0].problem.mesh.pieces is not orbit.mesh.pieces
     assert system_of(orbit, MeshRule(6, tol=1e-9)).update_reference(at).outlived
+
+
+def test_where_errors_grow_intervals_are_asked_for_less():
+    """An error five times those of the intervals asks for intervals of a third of the tolerance: 0.5 / (0.3 * 5)."""
+    rule = MeshRule(6, tol=1e-7)
+    orbit = solve_orbit(adapt_mesh(impact_oscillator(), rule), rule).at.orbit
+    system, worst = system_of(orbit, rule), float(np.max(estimate_interval_errors(orbit)))
+    at = system.at(orbit.x)
+    plain, grown = system.update_reference(at, worst), system.update_reference(at, 5.0 * worst)
+    assert plain.growth == 1.0 and grown.growth == pytest.approx(5.0)
+    assert plain.density.heights == pytest.approx(find_density(orbit, rule.tol).heights)
+    assert grown.density.heights == pytest.approx(find_density(orbit, rule.tol / 3.0).heights)
+    assert system.update_reference(at, 1e3 * worst).growth == pytest.approx(1e3)
+    # Beyond that orbits are not isolated, and no mesh helps.
+    assert system.update_reference(at, 1e6 * worst).growth == 1e3
+    assert system.update_reference(at, np.inf).growth == 1.0
+    # Intervals are not asked for less than rounding leaves.
+    exact = system_of(orbit, MeshRule(6, tol=1e-12)).update_reference(at, 1e3 * worst)
+    assert exact.growth == 1.0
+
+
+def test_a_mesh_is_adequate_where_the_error_that_grows_from_it_is():
+    rule = MeshRule(6, tol=1e-7)
+    orbit = solve_orbit(adapt_mesh(impact_oscillator(), rule), rule).at.orbit
+    worst = float(np.max(estimate_interval_errors(orbit)))
+    system = system_of(orbit, rule)
+    assert system.mesh_is_adequate(system.at(orbit.x))
+    grown = replace(system, growth=1.1 * rule.tol / worst)
+    assert not grown.mesh_is_adequate(grown.at(orbit.x))
+    # What finer meshes do not mend is left as it is.
+    assert replace(grown, n_coarse=FINER_MESHES).mesh_is_adequate(grown.at(orbit.x))
+    finer, x, _ = grown.remesh(grown.at(orbit.x), [], solved=True)
+    assert finer.problem.mesh.n_intervals > orbit.mesh.n_intervals and finer.growth == grown.growth
+    assert float(np.max(estimate_interval_errors(Orbit(finer.problem, x)))) < worst

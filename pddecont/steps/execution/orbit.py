@@ -16,7 +16,7 @@ from pddecont.orbit import (
     guess_from_cycle,
     is_at_rest,
     is_rotation,
-    solve_orbit,
+    solve_within_tolerance,
 )
 from pddecont.reasons import Reason, Scalar
 from pddecont.results import ORBIT, Step
@@ -79,7 +79,7 @@ def run_orbit(context: Context, step: PlannedStep[OrbitSettings], recorded: Step
             f"'{step.name}' asks for"
         )
     try:
-        solution = solve_orbit(guess, step.rule)
+        solution, error = solve_within_tolerance(guess, step.rule)
     except ConvergenceError as exc:
         raise ConvergenceError(_explain_failure(step, guess, exc), exc.history) from exc
     orbit = solution.at.orbit
@@ -98,6 +98,7 @@ def run_orbit(context: Context, step: PlannedStep[OrbitSettings], recorded: Step
         multipliers=multipliers,
         n_shown=step.settings.multipliers.number,
         referee=referee,
+        error=error,
     )
     with context.open_step(step, ORBIT, meta, capacity=1) as writer:
         writer.append(points, rows)
