@@ -64,7 +64,12 @@ def tangent_at(solution: Solution[E], scaling: Scaling, towards: Array) -> Array
     Whatever row bordered the Jacobian, the solution for the last unit vector is the direction that the other rows leave
     free. It makes an acute angle with ``towards``.
     """
-    direction = scaling.normalise(solution.solve(_last_unit(len(solution.x))))
+    return orient(solution.solve(_last_unit(len(solution.x))), scaling, towards)
+
+
+def orient(tangent: Array, scaling: Scaling, towards: Array) -> Array:
+    """Return a ``tangent`` of any length as a unit vector that makes an acute angle with ``towards``."""
+    direction = scaling.normalise(tangent)
     return direction if scaling.dot(direction, towards) > 0.0 else -direction
 
 

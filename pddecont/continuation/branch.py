@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.continuation.adaptive import keep_within, solve_adaptively
-from pddecont.continuation.arclength import correct, tangent_at
+from pddecont.continuation.arclength import correct, orient
 from pddecont.continuation.asymptote import Horizon, find_asymptote
 from pddecont.continuation.boundary import (
     Approach,
@@ -250,9 +250,8 @@ def _turn_forward(start: CurvePoint[E], found: _Reached[E]) -> tuple[CurvePoint[
     """
     reached, seen = found.point, found.seen or _look_back(found, start)
     scaling, chord = reached.system.scaling, reached.x - seen.x
-    assert reached.solution is not None
     along = np.where(seen.comparable, chord, 0.0)
-    direction = tangent_at(reached.solution, scaling, along)
+    direction = orient(reached.tangent, scaling, along)
     turn = max(scaling.find_angle(np.where(seen.comparable, v, 0.0), along) for v in (seen.ahead, direction))
     return replace(reached, direction=direction), scaling.length(chord), turn
 
