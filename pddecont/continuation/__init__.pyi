@@ -12,8 +12,6 @@ from .boundary import Boundary as Boundary
 from .branch import END_POINT as END_POINT
 from .branch import BranchPoint as BranchPoint
 from .branch import BranchState as BranchState
-from .branch import ErrorControl as ErrorControl
-from .branch import StepSettings as StepSettings
 from .branch import follow_branch as follow_branch
 from .closure import Home as Home
 from .curve_point import CurvePoint as CurvePoint
@@ -35,6 +33,8 @@ from .newton import Solution as Solution
 from .newton import solve_newton as solve_newton
 from .null_vectors import add_border as add_border
 from .null_vectors import find_null_vectors as find_null_vectors
+from .predictor_corrector import ErrorControl as ErrorControl
+from .predictor_corrector import StepSettings as StepSettings
 from .scaling import Scaling as Scaling
 from .system import AdaptiveSystem as AdaptiveSystem
 from .system import Evaluation as Evaluation

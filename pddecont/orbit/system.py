@@ -39,8 +39,8 @@ NEAR_TOLERANCE = 0.5
 # Errors of solutions larger than those of their intervals by more than this are told of equations that hardly say where
 # a solution is, as near a branch point. Intervals are not asked for less than the second: rounding leaves that.
 MOST_GROWTH, LEAST_TOLERANCE = 1e3, 1e-12
-# Meshes in a row that a solution's growth of errors may ask for.
-FINER_MESHES = 2
+# After so many meshes in a row that were too coarse, growth asks for no other.
+GROWTH_MESHES = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,9 +178,8 @@ class PeriodicOrbitSystem:
             problem = anchored.problem
             return replace(self, problem=problem, n_coarse=n_coarse, known=None), anchored.x, list(others)
         if self.rule.tol is not None and (density is None or (solved and mesh_is_valid(orbit))):
-            density = find_density(
-                orbit, _aim_at(self.rule.tol, self.growth) * STRICTER ** max(0, n_coarse - USUAL_MESHES)
-            )
+            aim = _aim_at(self.rule.tol, self.growth)
+            density = find_density(orbit, aim * STRICTER ** max(0, n_coarse - USUAL_MESHES))
         mesh = make_mesh(self.problem, orbit.theta, self.rule, density, orbit)
         moved = transfer_orbit(orbit, mesh)
         system = PeriodicOrbitSystem(
@@ -214,7 +213,7 @@ class PeriodicOrbitSystem:
     def _meets_tolerance(self, orbit: Orbit) -> bool:
         """Return whether a mesh keeps the tolerance for a solution, whose error is taken to grow as the last one's."""
         assert self.rule is not None
-        growth = self.growth if self.n_coarse < FINER_MESHES else 1.0
+        growth = self.growth if self.n_coarse < GROWTH_MESHES else 1.0
         return mesh_meets_tolerance(orbit, None if self.rule.tol is None else self.rule.tol / growth)
 
     def _keeps_mesh(self, orbit: Orbit, solved: bool) -> bool:

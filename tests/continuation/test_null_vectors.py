@@ -8,11 +8,11 @@ from pddecont.continuation import find_null_vectors
 from pddecont.errors import ConvergenceError
 
 
-def draw(n, k, sigma, n_small=1):
-    """Return a matrix (n, n + k) with ``n_small`` singular values sigma and others of 1 to 2."""
+def draw(n, k, sigma):
+    """Return a matrix (n, n + k) with one singular value sigma and others of 1 to 2."""
     rng = np.random.default_rng(n + k)
     left, right = (np.linalg.qr(rng.standard_normal((size, size)))[0] for size in (n, n + k))
-    sizes = np.concatenate([np.linspace(2.0, 1.0, n - n_small), np.full(n_small, sigma)])
+    sizes = np.append(np.linspace(2.0, 1.0, n - 1), sigma)
     return left @ np.hstack([np.diag(sizes), np.zeros((n, k))]) @ right
 
 

@@ -10,7 +10,7 @@ from pddecont.collocation import MeshRule
 from pddecont.orbit import Orbit, PeriodicOrbitSystem, adapt_mesh, measure_orbit, solve_orbit
 from pddecont.orbit.error import estimate_interval_errors
 from pddecont.orbit.remesh import find_density
-from pddecont.orbit.system import FINER_MESHES
+from pddecont.orbit.system import GROWTH_MESHES
 from tests.known_orbits import impact_oscillator, mackey_glass
 from tests.orbit.exact import TURN, circle
 
@@ -167,7 +167,7 @@ def test_a_mesh_is_adequate_where_the_error_that_grows_from_it_is():
     grown = replace(system, growth=1.1 * rule.tol / worst)
     assert not grown.mesh_is_adequate(grown.at(orbit.x))
     # What finer meshes do not mend is left as it is.
-    assert replace(grown, n_coarse=FINER_MESHES).mesh_is_adequate(grown.at(orbit.x))
+    assert replace(grown, n_coarse=GROWTH_MESHES).mesh_is_adequate(grown.at(orbit.x))
     finer, x, _ = grown.remesh(grown.at(orbit.x), [], solved=True)
     assert finer.problem.mesh.n_intervals > orbit.mesh.n_intervals and finer.growth == grown.growth
     assert float(np.max(estimate_interval_errors(Orbit(finer.problem, x)))) < worst

@@ -83,7 +83,7 @@ def find_old_step(step, n_iterations, turn, settings):
 @pytest.fixture(scope="module", autouse=True)
 def _steps_of_then():
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(branch, "_next_step", find_old_step)
+        patch.setattr(branch, "find_next_step", find_old_step)
         yield
 
 

@@ -105,6 +105,7 @@ class _Branch:
             multipliers = self.settings.multipliers.find(at.orbit)
             if kind is not None:
                 multipliers = replace(multipliers, nontrivial=kind.remove_critical(multipliers))
+        error = self._measure_error(state.point) if point.error is None else point.error
         points, rows = orbit_to_row(
             at.orbit,
             list(self.context.plan.monitors.values()),
@@ -116,10 +117,8 @@ class _Branch:
             tangent=state.tangent,
             side=side,
             referee=self.settings.referee,
-            ranges=self.settings.widths,
             multipliers=multipliers,
-            error=point.error,
-            solve=None if isinstance(at, ExtendedEvaluation) else state.point.solve_nearly,
+            error=error,
             n_shown=self.step.settings.multipliers.number,
         )
         self.writer.append({**points, "unexplained": point.n_unexplained}, rows, point.reason)
@@ -129,7 +128,7 @@ class _Branch:
         self.context.reporter.progress(*self.covered.describe(self.writer.n, at.orbit.free, point.kind))
         if not point.kind:
             self.context.budget.check()
-        return float(points["error_estimate"])
+        return error
 
     def follow(self, state: BranchState[Any], way: int, n_unexplained: int) -> Reason:
         """Follow one direction through all its signatures; return how it ended.
@@ -137,7 +136,6 @@ class _Branch:
         ``n_unexplained`` counts the changes so far that no special point accounts for.
         """
         steps, next_signature = self.step.settings, ""
-        step_settings = StepSettings(steps.step_initial, steps.step_min, steps.step_max, steps.max_points)
         amplitude = bound_amplitude(self.first.point.at.orbit)
         first = self.first.point.at.orbit
         delays = DelayBoundary(first.numeric, first.parameters, first.problem.free_index)
@@ -154,9 +152,7 @@ class _Branch:
         for _ in range(MAX_SIGNATURES):
             self.last, self.ordinary = BranchPoint(state, "", 0), state
             functions = make_tests(state.point.at, self.settings)
-            end = follow_branch(
-                state, boundaries, functions, step_settings, self.record, way, home, horizon, self._error_control
-            )
+            end = follow_branch(state, boundaries, functions, self.step_settings, self.record, way, home, horizon)
             n_unexplained += end.n_unexplained
             if self._is_halved(end) and not steps.follows_halving:
                 end = replace(end, end=End.HALVED, detail=NO_REASON)
@@ -175,11 +171,12 @@ class _Branch:
             end = end_at_equilibrium(end, self.ordinary, self.settings, self.record, way)
         return make_branch_ending(replace(end, n_unexplained=n_unexplained), way, next_signature)
 
-    @property
-    def _error_control(self) -> ErrorControl[Any] | None:
-        """What keeps the estimated errors of its points within the tolerance; None where meshes have none."""
-        tol = self.step.rule.tol
-        return None if tol is None else ErrorControl(self._measure_error, tol)
+    @cached_property
+    def step_settings(self) -> StepSettings:
+        """How long its steps are, and within what the estimated errors of its points stay."""
+        asked, tol = self.step.settings, self.step.rule.tol
+        control = None if tol is None else ErrorControl(self._measure_error, tol)
+        return StepSettings(asked.step_initial, asked.step_min, asked.step_max, asked.max_points, control=control)
 
     def _measure_error(self, point: CurvePoint[Any]) -> float:
         """Return the estimated error of a corrected point."""

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.bifurcation import list_kinds, measure_grazing_gap
-from pddecont.orbit import NOT_DONE, Monitor, Orbit, Verifier, estimate_error, find_violation, orbit_to_rows
+from pddecont.orbit import NOT_DONE, Monitor, Orbit, Verifier, find_violation, orbit_to_rows
 from pddecont.results import Step
 from pddecont.runfile import Plan, PlannedStep
 from pddecont.stability import MultiplierCache, Multipliers
@@ -73,6 +73,7 @@ def orbit_to_row(
     monitors: Sequence[Monitor],
     events: Sequence[str],
     *,
+    error: float,
     kind: str = "",
     arclength: float = 0.0,
     n_iterations: int = 0,
@@ -82,15 +83,11 @@ def orbit_to_row(
     n_shown: int | None = None,
     side: Array | None = None,
     referee: Verifier | None = None,
-    ranges: tuple[float, ...] = (),
-    error: float | None = None,
-    solve: Callable[[Array], Array] | None = None,
 ) -> tuple[dict[str, Any], dict[str, Array]]:
     """Return the row of points and the rows of arrays that record an orbit.
 
     ``events`` are those whose surfaces the step keeps, ``n_shown`` is the number of multipliers that were asked for,
-    ``ranges`` are the widths of the free parameters' ranges; ``error`` is that of the orbit, where it is known already,
-    ``solve`` solves with its bordered Jacobian to a few per cent, where factors are at hand.
+    ``error`` is the orbit's estimated error.
     An orbit that is no motion of the model is not stable.
     """
     unknown = multipliers is None or not multipliers.says_stability
@@ -108,7 +105,7 @@ def orbit_to_row(
         "admissible": is_motion,
         "verified": verification.verified,
         "deviation": verification.deviation,
-        "error_estimate": estimate_error(orbit, ranges, solve, tangent) if error is None else error,
+        "error_estimate": error,
         "monitors": np.array([monitor.evaluate(orbit) for monitor in monitors]),
         "clearance": measure_grazing_gap(orbit),
         "n_iterations": n_iterations,
