@@ -15,8 +15,8 @@ from pddecont.continuation import (
     StepSettings,
     TestFunction,
     TestFunctions,
-    branch,
     follow_branch,
+    predictor_corrector,
 )
 from pddecont.errors import ConvergenceError
 from pddecont.reasons import NO_REASON, make_reason
@@ -189,7 +189,7 @@ def test_where_the_equations_fail_it_comes_near_and_says_what_fails():
 @pytest.mark.parametrize(("failures", "ends"), [(3, End.RANGE), (100, End.STEP_TOO_SMALL)])
 def test_the_end_of_a_range_that_is_not_landed_on_is_come_closer_to(monkeypatch, failures, ends):
     """Each failure, as beside a fold, halves the step before it."""
-    whole, asked = branch.land, []
+    whole, asked = predictor_corrector.land, []
 
     def failing(boundary, k, system, guess, options):
         asked.append(guess[0])
@@ -197,7 +197,7 @@ def test_the_end_of_a_range_that_is_not_landed_on_is_come_closer_to(monkeypatch,
             raise ConvergenceError("not found")
         return whole(boundary, k, system, guess, options)
 
-    monkeypatch.setattr(branch, "land", failing)
+    monkeypatch.setattr(predictor_corrector, "land", failing)
     points, end = follow(line(0.0), (0.0, 0.0), (1.0, 0.0), [Range(0, -1.0, 0.46)], initial=0.1, max=0.1)
     assert end.end is ends
     if ends is End.RANGE:
