@@ -82,6 +82,7 @@ def raise_degree(mesh: Mesh, reference_theta: Array) -> Mesh:
     def raise_whole() -> Mesh:
         raised = replace(mesh, degree=mesh.degree + 1, reference_theta=None, reference_lags=None)
         raised.take_edges(mesh)
+        raised.take_layout(mesh.alike("raised", lambda: raised))
         # Found here, these are found for all orbits on such meshes.
         _ = raised.equation_points, raised.first_base, raised.last_base
         return raised
@@ -91,7 +92,7 @@ def raise_degree(mesh: Mesh, reference_theta: Array) -> Mesh:
 
 def resample(mesh: Mesh, values: Array, other: Mesh) -> Array:
     """Return base ``values`` (n_base, n) at the base points of a mesh with the same intervals and another degree."""
-    points = mesh.always(("resampled", other.degree), lambda: mesh.grid(other.basis.base))
+    points = mesh.alike(("resampled", other.degree), lambda: mesh.grid(other.basis.base))
     result = np.empty((other.n_base, values.shape[1]))
     result[other.base_index.ravel()] = mesh.interpolate(values, points)
     return result

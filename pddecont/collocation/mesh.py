@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +34,18 @@ EDGES = (
     "last_interval",
     "_every_interval",
     "breaking_interval",
+)
+# What it works out of its layout: where its pieces begin and end, and into how many intervals they are cut.
+LAYOUT = (
+    *(name for name in EDGES if name not in ("start", "length")),
+    "basis",
+    "n_base",
+    "n_collocation",
+    "base_index",
+    "first_base",
+    "last_base",
+    "equation_points",
+    "n_equation_points",
 )
 
 
@@ -83,6 +96,11 @@ class Piece:
     end: Array
     cuts: Array
 
+    def begins_and_ends_as(self, other: Piece) -> bool:
+        """Return whether another piece begins and ends at the same times of its segment, wherever it is cut."""
+        same = self.segment == other.segment
+        return same and np.array_equal(self.start, other.start) and np.array_equal(self.end, other.end)
+
 
 @dataclass(frozen=True, eq=False)
 class BreakingTime:
@@ -95,6 +113,11 @@ class BreakingTime:
     delay: int
     source: Array
     level: int
+
+    def is_read_as(self, other: BreakingTime) -> bool:
+        """Return whether the same jump is read there by the same delay."""
+        same = (self.delay, self.level) == (other.delay, other.level)
+        return same and np.array_equal(self.source, other.source)
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,10 +137,15 @@ class Mesh(Memo):
     breaking: tuple[BreakingTime, ...] = ()
     reference_lags: Array | None = None
     _always: Memo = field(default_factory=Memo, init=False, repr=False)
+    _layout: Memo = field(default_factory=Memo, init=False, repr=False)
 
     def always(self, key: Hashable, find: Callable[[], Found]) -> Found:
         """Return what ``find`` finds, found once for all meshes of these pieces, wherever they read the past."""
         return self._always.once(key, find)
+
+    def alike(self, key: Hashable, find: Callable[[], Found]) -> Found:
+        """Return what ``find`` finds, found once for all meshes of this layout, wherever their pieces are cut."""
+        return self._layout.once(key, find)
 
     def anchor(self, theta: Array, lags: Array | None = None) -> Mesh:
         """Return the same mesh made for another ``theta``, where delays that vary have the values ``lags``.
@@ -127,7 +155,8 @@ class Mesh(Memo):
         anchored = replace(self, reference_theta=theta.copy(), reference_lags=lags)
         # Nothing that is worked out of the pieces alone has to be found again.
         own = anchored.__dict__
-        own.update({name: value for name, value in self.__dict__.items() if name not in own}, _always=self._always)
+        kept = {"_always": self._always, "_layout": self._layout}
+        own.update({name: value for name, value in self.__dict__.items() if name not in own}, **kept)
         return anchored
 
     def take_edges(self, other: Mesh) -> None:
@@ -135,9 +164,30 @@ class Mesh(Memo):
         known = other.__dict__
         self.__dict__.update({name: known[name] for name in EDGES if name in known})
 
+    def take_layout(self, other: Mesh) -> None:
+        """Take over what has been worked out of the layout of another mesh, where this one is laid out as that is."""
+        if self._is_laid_out_as(other):
+            known = other.__dict__
+            self.__dict__.update({name: known[name] for name in LAYOUT if name in known}, _layout=other._layout)
+
+    def _is_laid_out_as(self, other: Mesh) -> bool:
+        own, theirs = (
+            (m.degree, m.n_segments, [len(p.cuts) for p in m.pieces], len(m.breaking)) for m in (self, other)
+        )
+        return own == theirs and all(
+            (
+                *(a.begins_and_ends_as(b) for a, b in zip(self.pieces, other.pieces, strict=True)),
+                *(a.is_read_as(b) for a, b in zip(self.breaking, other.breaking, strict=True)),
+            )
+        )
+
     def has_base_points_of(self, other: Mesh) -> bool:
         """Return whether base values mean the same on another mesh, wherever delayed values are read."""
         return self.pieces is other.pieces and self.degree == other.degree
+
+    def has_layout_of(self, other: Mesh) -> bool:
+        """Return whether base points are numbered as on another mesh from which the layout was taken over."""
+        return self._layout is other._layout
 
     @cached_property
     def basis(self) -> Basis:
@@ -267,17 +317,23 @@ class Mesh(Memo):
     @property
     def base_points(self) -> MeshPoints:
         """The base points interval by interval; neighbours inside a segment each have the one between them."""
-        return self.always("base points", lambda: self.grid(self.basis.base))
+        return self.alike("base points", lambda: self.grid(self.basis.base))
 
     def grid(self, sigma: Array, intervals: Ints | None = None) -> MeshPoints:
         """Return the points at the same ``sigma`` (k,) of every interval, or of some ``intervals``."""
-        chosen = np.arange(self.n_intervals) if intervals is None else intervals
-        n = len(chosen)
-        weights, columns = (
-            np.tile(self.basis.lagrange(sigma), (n, 1)),
-            np.repeat(self.base_index[chosen], len(sigma), axis=0),
+        chosen = self._every_interval if intervals is None else intervals
+        columns = self.base_index if intervals is None else self.base_index[chosen]
+
+        def spread(values: NDArray[Any], *shape: int) -> NDArray[Any]:
+            """Return values for each point, point by point, of arrays (n, 1, ...) or (1, k, ...)."""
+            result = np.empty((len(chosen), len(sigma), *shape), values.dtype)
+            result[...] = values
+            return result.reshape(-1, *shape)
+
+        weights, m = self.basis.lagrange(sigma), columns.shape[1]
+        return MeshPoints(
+            spread(chosen[:, None]), spread(sigma), spread(weights, m), columns=spread(columns[:, None], m)
         )
-        return MeshPoints(np.repeat(chosen, len(sigma)), np.tile(sigma, n), weights, columns=columns)
 
     def times(self, points: MeshPoints) -> Array:
         """Return the coefficients of the times of ``points``, shape (n_points, n_theta)."""

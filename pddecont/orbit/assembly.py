@@ -107,6 +107,18 @@ class Assembly:
         same = own.mesh.has_base_points_of(problem.mesh) and own.signature is problem.signature
         return same and (own.free, own.links) == (problem.free, problem.links)
 
+    def is_laid_out_for(self, problem: OrbitProblem) -> bool:
+        """Return whether another problem has these equations of as many unknowns, on a mesh of the same layout."""
+        own = self.problem
+        same = own.mesh.has_layout_of(problem.mesh) and own.signature is problem.signature
+        return same and (own.free, own.links) == (problem.free, problem.links)
+
+    def move_to(self, problem: OrbitProblem, reads: Reads, columns: ColumnMap) -> Assembly | None:
+        """Return the places for a problem that it is laid out for, in ``columns`` of as many unknowns."""
+        moved = copy(self)
+        moved.problem, moved.columns = problem, columns
+        return moved.move_reads(reads)
+
     def move_reads(self, reads: Reads) -> Assembly | None:
         """Return the places of the same equations' entries where the past is read from elsewhere.
 

@@ -96,7 +96,7 @@ Equation: TypeAlias = (
 
 def list_equations(problem: OrbitProblem) -> tuple[Equation, ...]:
     """Return the equations of an orbit, kind by kind; they do not depend on what is read of the past."""
-    return problem.mesh.always(("equations", problem.signature, problem.links), lambda: tuple(_list(problem)))
+    return problem.mesh.alike(("equations", problem.signature, problem.links), lambda: tuple(_list(problem)))
 
 
 def _list(problem: OrbitProblem) -> Iterator[Equation]:

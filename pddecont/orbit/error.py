@@ -34,11 +34,11 @@ def estimate_interval_errors(orbit: Orbit) -> Array:
 
 def _interval_errors(orbit: Orbit) -> Array:
     mesh, (sigma, weights, slopes) = orbit.mesh, _defect_points(orbit.mesh.degree)
-    points = mesh.always("defect points", lambda: mesh.grid(sigma))
+    points = mesh.alike("defect points", lambda: mesh.grid(sigma))
     reads = orbit.read(points)
     slope = np.einsum("cb,jbn->jcn", slopes, orbit.values[mesh.base_index])
     defect = np.empty_like(slope)
-    for mode, intervals, inside in mesh.always(("defects", orbit.signature), lambda: _group_intervals(orbit, points)):
+    for mode, intervals, inside in mesh.alike(("defects", orbit.signature), lambda: _group_intervals(orbit, points)):
         f = orbit.numeric.mode(mode).value(reads.t[inside], reads.x[:, inside], reads.xd[:, inside], orbit.parameters)
         f = f.T.reshape(-1, len(sigma), f.shape[0])
         defect[intervals] = slope[intervals] - reads.h[intervals, None, None] * f

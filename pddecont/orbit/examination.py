@@ -94,8 +94,9 @@ class Examination:
         orbit, n = self.orbit, len(self.orbit.signature)
         ends = orbit.event_times[1:]
         begins = orbit.event_times[:-1] + place * orbit.durations
+        following = np.arange(1, n + 1) % n
         states = orbit.mesh.interpolate(orbit.values, orbit.mesh.locate(orbit.theta, begins)[0])
-        beyond = ends + place * np.roll(orbit.durations, -1)
+        beyond = ends + place * orbit.durations[following]
         return [
             Window(s, float(begins[s]), float(ends[s]), float(beyond[s]), states[s], states[(s + 1) % n])
             for s in range(n)

@@ -133,13 +133,13 @@ def make_profile(
     mesh, delays = orbit.mesh, function.uses_delayed
     degree = mesh.degree if function.linear[row] else 2 * mesh.degree
     wanted = tuple(range(mesh.n_segments) if segments is None else segments)
-    chosen = mesh.always(("intervals of", wanted), lambda: np.flatnonzero(np.isin(mesh.segment, wanted)))
+    chosen = mesh.alike(("intervals of", wanted), lambda: np.flatnonzero(np.isin(mesh.segment, wanted)))
     parts = find_smooth_subintervals(orbit, chosen, delays=delays)
     if delays:
         points = parts.grid(mesh, make_basis(degree).base)
     else:
         key = ("base points of", wanted, degree)
-        points = mesh.always(key, lambda: parts.grid(mesh, make_basis(degree).base))
+        points = mesh.alike(key, lambda: parts.grid(mesh, make_basis(degree).base))
     reads = orbit.read(points, delays=delays)
     values = function.value(reads.t, reads.x, reads.xd, orbit.parameters)[row].reshape(len(parts.interval), -1)
     h = reads.h[parts.interval]

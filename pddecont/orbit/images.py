@@ -35,16 +35,11 @@ def list_images(orbit: Orbit, like: Orbit) -> list[Array]:
     for s in range(len(names)):
         if [*names[s:], *names[:s]] != like.signature.names:
             continue
-        begin = orbit.start + orbit.event_times[s]
+        begin, following = orbit.start + orbit.event_times[s], [*range(s, len(names)), *range(s)]
         begin += unit * np.round((like.start - begin) / unit)
         images.append(
             np.concatenate(
-                [
-                    np.roll(starts, -s, axis=0).ravel(),
-                    np.roll(orbit.durations, -s),
-                    [begin] if forced else [],
-                    orbit.free,
-                ]
+                [starts[following].ravel(), orbit.durations[following], [begin] if forced else [], orbit.free]
             )
         )
     return images

@@ -127,19 +127,28 @@ class PeriodicColumns:
 
 
 class JacobianAssembler:
-    """Jacobians of orbits on one mesh; keeps the places of entries while the delayed reads stay in their intervals."""
+    """Jacobians of orbits on one mesh; keeps the places of entries while the delayed reads stay in their intervals.
 
-    def __init__(self) -> None:
-        self.assembly: Assembly | None = None
+    ``assembly`` are those of an earlier mesh, which may be laid out alike.
+    """
+
+    def __init__(self, assembly: Assembly | None = None) -> None:
+        self.assembly = assembly
 
     def make_jacobian(self, orbit: Orbit) -> Matrix:
         """Return d residual / d x, shape (n_equations, n_unknowns)."""
-        reads = orbit.equation_reads
-        if self.assembly is None or not self.assembly.has_equations_of(orbit.problem):
-            self.assembly = assemble_periodic(orbit.problem, reads)
-        elif not self.assembly.reads_as(reads):
-            self.assembly = self.assembly.move_reads(reads) or assemble_periodic(orbit.problem, reads)
+        problem, reads, last = orbit.problem, orbit.equation_reads, self.assembly
+        if last is None or not (last.has_equations_of(problem) and last.reads_as(reads)):
+            self.assembly = (last and _move(last, problem, reads)) or assemble_periodic(problem, reads)
+        assert self.assembly is not None
         return self.assembly.make_matrix(orbit, reads)
+
+
+def _move(last: Assembly, problem: OrbitProblem, reads: Reads) -> Assembly | None:
+    """Return the places of entries that ``last`` has elsewhere, None where these equations are others."""
+    if last.has_equations_of(problem):
+        return last.move_reads(reads)
+    return last.move_to(problem, reads, PeriodicColumns(problem)) if last.is_laid_out_for(problem) else None
 
 
 def assemble_periodic(problem: OrbitProblem, reads: Reads) -> Assembly:

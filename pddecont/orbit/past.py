@@ -38,18 +38,17 @@ def make_past(orbit: Orbit, begin: float, end: float, *, delayed: bool = False) 
     length = np.repeat(h[lasting] / k, k)
     arc = np.repeat(mesh.segment[lasting], k) if orbit.signature.has_events else np.zeros(len(time), np.int64)
     coefficients = extension.reshape(len(lasting) * k, *extension.shape[2:])
-    times = (orbit.start + time + period * turns[:, None]).ravel()
+    times = orbit.start + time + period * turns[:, None]
     numbers = arc + (n_segments * (turns - first))[:, None] * orbit.signature.has_events
-    lengths = np.tile(length, len(turns))
+    every, lengths = np.broadcast_to(np.arange(len(time)), times.shape), np.broadcast_to(length, times.shape)
     kept = times + lengths > orbit.start + begin
-    every = np.tile(np.arange(len(time)), len(turns))[kept]
     return Past(
         times[kept],
         lengths[kept],
         (times + lengths)[kept],
-        numbers.ravel()[kept].astype(np.int64),
-        coefficients[every, 0],
-        coefficients[every, 1:],
+        numbers[kept].astype(np.int64),
+        coefficients[every[kept], 0],
+        coefficients[every[kept], 1:],
     ).until(orbit.start + end)
 
 

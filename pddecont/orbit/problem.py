@@ -53,7 +53,8 @@ class OrbitProblem:
     @cached_property
     def unknowns(self) -> Unknowns:
         """Places of the unknowns."""
-        return Unknowns(self.mesh, self.numeric.n_states, self.numeric.model.forced, len(self.free))
+        counts = self.numeric.n_states, self.numeric.model.forced, len(self.free)
+        return self.mesh.once(("unknowns", counts), lambda: Unknowns(self.mesh, *counts))
 
     @cached_property
     def free_index(self) -> tuple[int, ...]:

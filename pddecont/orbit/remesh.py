@@ -129,6 +129,7 @@ def make_mesh(
     found = find_pieces(problem, theta, rule.degree, orbit)
     pieces = cut_pieces(found.pieces, found.theta, rule, density)
     mesh = Mesh(rule.degree, len(problem.signature), tuple(pieces), found.theta.copy(), found.breaking)
+    mesh.take_layout(problem.mesh)
     if problem.delay.tracks_breaking_points:
         # Of another mesh this is found where it is asked for: its pieces are those of another way.
         mesh.once(DISTINCT, lambda: found.distinct)
@@ -189,10 +190,7 @@ def anchor_mesh(orbit: Orbit) -> Orbit:
 
 def _are_same(pieces: Sequence[Piece], others: Sequence[Piece]) -> bool:
     """Return whether two lists of pieces begin and end at the same times, their cuts left aside."""
-    return len(pieces) == len(others) and all(
-        a.segment == b.segment and np.array_equal(a.start, b.start) and np.array_equal(a.end, b.end)
-        for a, b in zip(pieces, others, strict=True)
-    )
+    return len(pieces) == len(others) and all(a.begins_and_ends_as(b) for a, b in zip(pieces, others, strict=True))
 
 
 def keeps_its_order(orbit: Orbit) -> bool:

@@ -74,13 +74,13 @@ def group_by_mode(problem: OrbitProblem) -> list[tuple[str, Ints]]:
         inside = np.arange(mesh.degree)
         return [(mode, (mesh.degree * which[:, None] + inside).ravel()) for mode, which in intervals]
 
-    return mesh.always(("modes", problem.signature), find)
+    return mesh.alike(("modes", problem.signature), find)
 
 
 def group_by_reset(problem: OrbitProblem) -> list[tuple[str, Ints]]:
     """Return each reset of the orbit with the segments at whose ends it happens."""
     resets = [segment.reset for segment in problem.segments]
-    return problem.mesh.always(("resets", problem.signature), lambda: _group(resets))
+    return problem.mesh.alike(("resets", problem.signature), lambda: _group(resets))
 
 
 def group_by_event(problem: OrbitProblem) -> list[tuple[str, Ints]]:
@@ -139,12 +139,12 @@ def _list_functions(problem: OrbitProblem) -> Equations:
             n_reads=len(model.read_symbols),
             base_index=mesh.base_index,
             slopes=mesh.basis.slopes,
-            next_base=np.roll(mesh.first_base, -1),
+            next_base=np.append(mesh.first_base[1:], mesh.first_base[:1]),
             address=address,
             which=which,
         )
 
-    return mesh.always(("functions", problem.signature), find)
+    return mesh.alike(("functions", problem.signature), find)
 
 
 def _fill_other_ends(orbit: Orbit, result: Array) -> None:

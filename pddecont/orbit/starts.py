@@ -14,7 +14,7 @@ def read_starts(orbit: Orbit) -> Reads:
     def find() -> Reads:
         mesh, times = orbit.mesh, orbit.event_times
         if np.all(mesh.evaluate_edges(orbit.theta)[1][mesh.first_interval] > 0.0):
-            return orbit.read(mesh.always("starts", lambda: mesh.grid(np.zeros(1), mesh.first_interval)))
+            return orbit.read(mesh.alike("starts", lambda: mesh.grid(np.zeros(1), mesh.first_interval)))
         found = [mesh.locate(orbit.theta, times[[s]], segment=s)[0] for s in range(len(orbit.signature))]
         interval = np.concatenate([points.interval for points in found])
         return orbit.read(MeshPoints(interval, np.concatenate([points.sigma for points in found])))

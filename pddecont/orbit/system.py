@@ -182,8 +182,9 @@ class PeriodicOrbitSystem:
             density = find_density(orbit, aim * STRICTER ** max(0, n_coarse - USUAL_MESHES))
         mesh = make_mesh(self.problem, orbit.theta, self.rule, density, orbit)
         moved = transfer_orbit(orbit, mesh)
+        assembler = JacobianAssembler(self.assembler.assembly)
         system = PeriodicOrbitSystem(
-            moved.problem, self.sizes, self.rule, density, n_coarse=n_coarse, growth=self.growth
+            moved.problem, self.sizes, self.rule, density, assembler, n_coarse=n_coarse, growth=self.growth
         )
         carried = [moved.x if other is at.x else transfer_orbit(Orbit(self.problem, other), mesh).x for other in others]
         return system, moved.x, carried

@@ -27,7 +27,7 @@ def order_in_time(problem: OrbitProblem, *, goes_on: bool = False) -> TimeOrder 
     def find() -> TimeOrder:
         resets, starts = rows.resets + n * np.arange(mesh.n_segments), unknowns.value_index[mesh.first_base, 0]
         # The reset at a segment's end makes the start of the next one, the last one's what the period begins with.
-        made, makes = np.roll(starts, -1), np.append(mesh.last_interval[:-1], -1)
+        made, makes = np.append(starts[1:], starts[:1]), np.append(mesh.last_interval[:-1], -1)
         if goes_on:
             resets, made = np.append(resets, rows.size), np.concatenate([starts[1:], [unknowns.size], starts[:1]])
             makes = np.append(mesh.last_interval, -1)
@@ -37,4 +37,4 @@ def order_in_time(problem: OrbitProblem, *, goes_on: bool = False) -> TimeOrder 
         sizes = np.repeat([inside, n], [mesh.n_intervals, len(resets)])
         return TimeOrder(first[when], columns[when], sizes[when], unknowns.size + n * goes_on)
 
-    return mesh.always(("order in time", unknowns.forced, unknowns.n_free, goes_on), find)
+    return mesh.alike(("order in time", unknowns.forced, unknowns.n_free, goes_on), find)

@@ -227,21 +227,23 @@ def _move_assembly(
     assembly: Assembly | None, problem: OrbitProblem, reads: Reads, still: frozenset[Edge]
 ) -> Assembly | None:
     """Return the assembly of an earlier map where its entries stand for these equations and ``reads``, or None."""
-    if assembly is None or not assembly.has_equations_of(problem) or not isinstance(assembly.columns, LaggedColumns):
+    if assembly is None or not isinstance(assembly.columns, LaggedColumns) or assembly.columns.lags.still != still:
         return None
-    if assembly.columns.lags.still != still:
-        return None
-    if assembly.reads_as(reads):
+    same, alike = assembly.has_equations_of(problem), assembly.columns.n_lags == count_lags(problem, reads, still)
+    if same and assembly.reads_as(reads):
         return assembly
-    alike = assembly.columns.n_lags == count_lags(problem, reads, still)
-    return assembly.move_reads(reads) if alike else None
+    if same and alike:
+        return assembly.move_reads(reads)
+    if alike and assembly.is_laid_out_for(problem):
+        return assembly.move_to(problem, reads, LaggedColumns(problem, reads, {}, still))
+    return None
 
 
 def _measure_columns(orbit: Orbit) -> Array:
     """Return the typical size of each unknown of a period, so that units do not matter."""
     unknowns, size = orbit.problem.unknowns, measure_orbit(orbit)
     result = np.full(unknowns.size + unknowns.n_states, size.period)
-    result[unknowns.values] = np.tile(size.states, orbit.mesh.n_base)
+    result[unknowns.value_index] = size.states
     result[unknowns.size :] = size.states
     return result
 
