@@ -40,6 +40,13 @@ PAYS = 0.8
 NOTHING = float(np.finfo(float).eps) / 8.0
 # Of a map so large that this would hide more, nothing is left out.
 HIDDEN = 1e-3
+# Directions into which a map of more than this many is looked at first, and how often it leads there. No more than half
+# of them are to belong to multipliers; those come with others down to a part of the least that is asked for, beside
+# which what is left of the map shrinks fast.
+FEW, MANY, TURNS, SPARE = 16, 50, 3, 8.0
+# What a vector may leave of a map relative to its size: rounding. A larger map is looked at as a whole, whose small
+# multipliers keep more digits.
+EXACT, LARGE = 1e-14, 1e2
 
 
 def find_all_outside(monodromy: MonodromyOperator, n: int, radius: float, least: float = 0.0) -> list[Refined] | None:
@@ -57,7 +64,7 @@ def find_all_outside(monodromy: MonodromyOperator, n: int, radius: float, least:
         sizes = monodromy.history_sizes[:, None]
         return monodromy.step(histories * sizes)[1] / sizes
 
-    values, vectors = _find_leading(monodromy, n)
+    values, vectors, complete = _find_leading(monodromy, n, least)
     if not (len(values) and np.all(np.isfinite(values))):
         return None
     kept = max(1, int(np.sum(np.abs(values) >= least)))
@@ -65,22 +72,61 @@ def find_all_outside(monodromy: MonodromyOperator, n: int, radius: float, least:
     residuals = _measure_residuals(values, vectors, advance)
     outside = np.abs(values) > radius
     if np.any(residuals > RESIDUAL) or not (
-        _are_apart(vectors[:, outside]) and _nothing_is_left(vectors[:, values.imag >= 0.0], advance, radius)
+        _are_apart(vectors[:, outside])
+        and ((complete and least <= radius) or _nothing_is_left(vectors[:, values.imag >= 0.0], advance, radius))
     ):
         return None
     return [Refined(complex(v), float(r), y, True) for v, r, y in zip(values, residuals, vectors.T, strict=True)]
 
 
-def _find_leading(monodromy: MonodromyOperator, n: int) -> tuple[Complex, Complex]:
-    """Return leading eigenvalues by falling modulus, and their vectors as columns."""
+def find_few(matrix: Array, least: float) -> tuple[Complex, Complex] | None:
+    """Return all eigenvalues of modulus ``least`` or more by falling modulus, and their vectors as columns.
+
+    The map is looked at where it leads some random histories again and again. None where that does not tell them to
+    rounding, where there are none or too many, or where others may be missing.
+
+    Reference: Golub, Van Loan, Matrix Computations (2013), section 7.3.2, for such iterations.
+    """
+    size = float(np.linalg.norm(matrix))
+    if not size <= LARGE:
+        return None
+    images = matrix @ _draw_histories(len(matrix), FEW)
+    for _ in range(TURNS):
+        factors, scales, _, _ = lapack.dgeqrf(images)
+        basis, _, _ = lapack.dorgqr(factors, scales)
+        images = matrix @ basis
+    values, inside = np.linalg.eig(basis.T @ images)
+    leading = np.argsort(-np.abs(values), kind="stable")
+    leading = leading[np.abs(values[leading]) >= least / SPARE]
+    values, inside = values[leading].astype(complex), inside[:, leading].astype(complex)
+    wanted = np.abs(values) >= least
+    if not np.any(wanted) or len(values) > FEW // 2:
+        return None
+    vectors = basis @ inside
+    left = np.linalg.norm(images @ inside - values * vectors, axis=0)
+    if not np.all(left <= EXACT * size):
+        return None
+    if not _nothing_is_left(vectors[:, values.imag >= 0.0], lambda histories: matrix @ histories, least):
+        return None
+    return values[wanted], vectors[:, wanted]
+
+
+def _find_leading(monodromy: MonodromyOperator, n: int, least: float) -> tuple[Complex, Complex, bool]:
+    """Return leading eigenvalues by falling modulus, their vectors as columns, and whether no other reaches ``least``.
+
+    They are about ``n``, or all that reach ``least``.
+    """
     if monodromy.size > SHORT:
-        return find_eigenpairs(monodromy, n)
+        return *find_eigenpairs(monodromy, n), False
     # Near grazing the map has large and small entries; with rows and columns of one size none of them is lost.
     balanced, _, _, sizes, _ = lapack.dgebal(monodromy.scaled_matrix, scale=1)
+    few = find_few(balanced, least) if least > 0.0 and len(balanced) > MANY else None
+    if few is not None:
+        return few[0], sizes[:, None] * few[1], True
     basis, inside = find_inside(balanced)
     values, vectors = np.linalg.eig(inside)
     leading = np.argsort(-np.abs(values), kind="stable")[:n]
-    return values[leading].astype(complex), sizes[:, None] * (basis @ vectors[:, leading].astype(complex))
+    return values[leading].astype(complex), sizes[:, None] * (basis @ vectors[:, leading].astype(complex)), False
 
 
 def find_inside(matrix: Array) -> tuple[Array, Array]:
@@ -127,7 +173,7 @@ def _nothing_is_left(vectors: Complex, advance: Callable[[Array], Array], radius
     def take_out(histories: Array) -> Array:
         return np.asarray(histories - spanned @ (spanned.T @ histories))
 
-    histories = take_out(_draw_histories(len(vectors)))
+    histories = take_out(_draw_histories(len(vectors), HISTORIES))
     for _ in range(PERIODS):
         histories = take_out(advance(histories)) / radius
         largest = np.max(np.linalg.norm(histories, axis=0))
@@ -139,6 +185,6 @@ def _nothing_is_left(vectors: Complex, advance: Callable[[Array], Array], radius
 
 
 @cache
-def _draw_histories(size: int) -> Array:
-    """Return random histories, shape (size, HISTORIES), the same each time."""
-    return np.random.default_rng(2).standard_normal((size, HISTORIES))
+def _draw_histories(size: int, n: int) -> Array:
+    """Return random histories, shape (size, n), the same each time."""
+    return np.random.default_rng(2).standard_normal((size, n))

@@ -49,29 +49,33 @@ class Border(NamedTuple):
 
 @wide
 def factor_block(factors: Floats, first: int, n: int, pivots: Integers, top: int) -> bool:
-    """Put the factors of a full matrix (n, n) from ``first`` on in its place; False where a pivot is zero.
+    """Put the factors of a full matrix (n, n), column by column from ``first`` on, in its place.
 
-    By Gaussian elimination with partial pivoting: row p was exchanged with row ``pivots[top + p]``.
+    By Gaussian elimination with partial pivoting: row p was exchanged with row ``pivots[top + p]``. False where a pivot
+    is zero.
     """
     for p in range(n):
+        column = first + p * n
         best = p
         for r in range(p + 1, n):
-            if abs(factors[first + r * n + p]) > abs(factors[first + best * n + p]):
+            if abs(factors[column + r]) > abs(factors[column + best]):
                 best = r
         pivots[top + p] = best
-        if factors[first + best * n + p] == 0.0:
+        if factors[column + best] == 0.0:
             return False
         if best != p:
             for c in range(n):
-                kept = factors[first + p * n + c]
-                factors[first + p * n + c] = factors[first + best * n + c]
-                factors[first + best * n + c] = kept
+                kept = factors[first + c * n + p]
+                factors[first + c * n + p] = factors[first + c * n + best]
+                factors[first + c * n + best] = kept
         for r in range(p + 1, n):
-            factors[first + r * n + p] /= factors[first + p * n + p]
-            factor = factors[first + r * n + p]
+            factors[column + r] /= factors[column + p]
+        for c in range(p + 1, n):
+            factor = factors[first + c * n + p]
             if factor != 0.0:
-                for c in range(p + 1, n):
-                    factors[first + r * n + c] -= factor * factors[first + p * n + c]
+                there = first + c * n
+                for r in range(p + 1, n):
+                    factors[there + r] -= factor * factors[column + r]
     return True
 
 
@@ -92,7 +96,7 @@ def solve_block(
     for p in range(n):
         here = at + p * width
         for r in range(p + 1, n):
-            factor = factors[first + r * n + p]
+            factor = factors[first + p * n + r]
             if factor != 0.0:
                 there = at + r * width
                 for t in range(width):
@@ -101,7 +105,7 @@ def solve_block(
         p = n - 1 - i
         here = at + p * width
         for c in range(p + 1, n):
-            factor = factors[first + p * n + c]
+            factor = factors[first + c * n + p]
             if factor != 0.0:
                 there = at + c * width
                 for t in range(width):
@@ -143,7 +147,7 @@ def factor_in_time(m: Blocks, factors: Floats, pivots: Integers) -> bool:
         for c in range(size):
             for e in range(m.starts[m.columns[b] + c], m.starts[m.columns[b] + c + 1]):
                 if m.block_of_row[m.indices[e]] == b:
-                    factors[first + (m.indices[e] - m.rows[b]) * size + c] += m.data[e]
+                    factors[first + c * size + m.indices[e] - m.rows[b]] += m.data[e]
         if not factor_block(factors, first, size, pivots, top):
             return False
         first += size * size
@@ -189,6 +193,7 @@ def take_columns(m: Blocks, chosen: Integers, n: int, block_of_column: Integers,
                 right[m.indices[e] * n + k] = m.data[e]
 
 
+@wide
 def solve_blocks(m: Blocks, factors: Floats, pivots: Integers, right: Floats, x: Floats) -> None:
     """Do what :func:`solve_in_time` does with a single right-hand side ``right`` (n_rows,), into ``x`` (n_columns,)."""
     first = 0
@@ -201,15 +206,17 @@ def solve_blocks(m: Blocks, factors: Floats, pivots: Integers, right: Floats, x:
         for i in range(size):
             kept = x[left + pivots[top + i]]
             x[left + pivots[top + i]] = x[left + i]
-            for p in range(i):
-                kept -= factors[first + i * size + p] * x[left + p]
             x[left + i] = kept
+        for p in range(size):
+            value = x[left + p]
+            for i in range(p + 1, size):
+                x[left + i] -= factors[first + p * size + i] * value
         for k in range(size):
-            i = size - 1 - k
-            total = x[left + i]
-            for p in range(i + 1, size):
-                total -= factors[first + i * size + p] * x[left + p]
-            x[left + i] = total / factors[first + i * size + i]
+            p = size - 1 - k
+            x[left + p] /= factors[first + p * size + p]
+            value = x[left + p]
+            for i in range(p):
+                x[left + i] -= factors[first + p * size + i] * value
         first += size * size
         top += size
         for c in range(left, left + size):
@@ -218,6 +225,7 @@ def solve_blocks(m: Blocks, factors: Floats, pivots: Integers, right: Floats, x:
                     right[m.indices[e]] -= m.data[e] * x[c]
 
 
+@wide
 def solve_small(border: Border, unknown: Floats) -> None:
     """Put the solution of the small system in place of its right-hand side ``unknown`` (n_wrapped + n_beside,)."""
     width = border.n_wrapped + border.n_beside
