@@ -4,9 +4,29 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 Found = TypeVar("Found")
+
+
+if TYPE_CHECKING:
+    from functools import cached_property as cached_property
+else:
+
+    class cached_property:
+        """A property that is worked out once for each object, as :func:`functools.cached_property` of Python 3.12 is.
+
+        That of Python 3.11 locks other threads out meanwhile, which takes longer than what many properties work out.
+        """
+
+        def __init__(self, find):
+            self.find, self.name, self.__doc__ = find, find.__name__, find.__doc__
+
+        def __get__(self, owner, kind=None):
+            if owner is None:
+                return self
+            found = owner.__dict__[self.name] = self.find(owner)
+            return found
 
 
 @dataclass(frozen=True, eq=False)

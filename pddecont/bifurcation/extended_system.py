@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Protocol, Self
 
 import numpy as np
@@ -29,6 +28,7 @@ from pddecont.continuation import (
     solve_newton,
 )
 from pddecont.errors import ConvergenceError
+from pddecont.memo import cached_property
 from pddecont.orbit import Orbit, OrbitEvaluation, OrbitProblem, PeriodicOrbitSystem
 
 Array = NDArray[np.float64]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cache, cached_property
+from functools import cache
 from typing import Protocol, TypeAlias
 from weakref import WeakValueDictionary
 
@@ -15,6 +15,7 @@ from sympy.logic.boolalg import Boolean
 from pddecont.codegen.llvm_backend import compile_source
 from pddecont.codegen.printer import Names, ScalarPrinter, name_symbols, print_values
 from pddecont.codegen.runs import write_outputs
+from pddecont.memo import cached_property
 from pddecont.model import TIME, Model, find_slopes
 
 HEADER = """from math import acos, asin, atan, atan2, cos, cosh, e, exp, log, pi, sin, sinh, sqrt, tan, tanh

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,6 +11,7 @@ import sympy
 from numpy.typing import NDArray
 
 from pddecont.codegen.numpy_backend import ArrayFunction
+from pddecont.memo import cached_property
 from pddecont.model import Model
 
 if TYPE_CHECKING:

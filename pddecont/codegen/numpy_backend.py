@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from itertools import accumulate
 from typing import Any, TypeAlias
 
@@ -20,6 +19,7 @@ import sympy
 from numpy.typing import NDArray
 
 from pddecont.codegen.printer import ArrayPrinter, Names, name_symbols, print_assignments
+from pddecont.memo import cached_property
 from pddecont.model import TIME, ChainRule, find_slopes
 
 Array = NDArray[np.float64]

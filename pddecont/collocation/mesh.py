@@ -10,14 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.collocation.basis import Basis, make_basis, weigh
-from pddecont.memo import Found, Memo
+from pddecont.memo import Found, Memo, cached_property
 from pddecont.native import compiled_assembly
 
 Array = NDArray[np.float64]

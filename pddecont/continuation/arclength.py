@@ -7,7 +7,6 @@ Lengths are measured in scaled unknowns. Reference: Allgower, Georg, Introductio
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Generic
 
 import numpy as np
@@ -18,6 +17,7 @@ from pddecont.continuation.newton import NewtonSettings, Solution, solve_newton
 from pddecont.continuation.scaling import Scaling
 from pddecont.continuation.system import E, Evaluation, System
 from pddecont.continuation.time_order import TimeOrder
+from pddecont.memo import cached_property
 
 Array = NDArray[np.float64]
 

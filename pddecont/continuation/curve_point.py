@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any, Generic
 
 import numpy as np
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 
 from pddecont.continuation.newton import Solution
 from pddecont.continuation.system import AdaptiveSystem, E
+from pddecont.memo import cached_property
 
 Array = NDArray[np.float64]
 

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -21,6 +20,7 @@ from numpy.typing import NDArray
 from scipy.linalg import lapack
 
 from pddecont.continuation.trial import solves
+from pddecont.memo import cached_property
 from pddecont.native import compiled_assembly
 from pddecont.native.assembly import Blocks, Border
 

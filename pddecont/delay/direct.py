@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +17,7 @@ from numpy.typing import NDArray
 from pddecont.collocation import Mesh, MeshPoints
 from pddecont.delay.interface import DelayOperator, LineStages, LocalWeights
 from pddecont.errors import ConvergenceError
+from pddecont.memo import cached_property
 from pddecont.native import compiled_assembly
 
 Array = NDArray[np.float64]

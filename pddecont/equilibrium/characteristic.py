@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -15,6 +14,7 @@ from pddecont.continuation import factor, find_log_determinant
 from pddecont.delay import DelayMethod, find_transfer_factor
 from pddecont.equilibrium.distributed import DistributedTerm
 from pddecont.equilibrium.neutral import find_neutral_bound, find_neutral_radius
+from pddecont.memo import cached_property
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -13,7 +13,6 @@ determine a pseudo-equilibrium.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -28,6 +27,7 @@ from pddecont.equilibrium.distributed import DistributedTerm
 from pddecont.equilibrium.partials import ExpressionPartials
 from pddecont.equilibrium.quadrature import Kernel, find_panels
 from pddecont.equilibrium.rest_reads import RestReads
+from pddecont.memo import cached_property
 from pddecont.model import keep_reads, list_held
 
 Array = NDArray[np.float64]

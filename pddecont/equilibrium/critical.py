@@ -15,7 +15,6 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -26,6 +25,7 @@ from pddecont.equilibrium.critical_roots import find_zero, leave_out
 from pddecont.equilibrium.equations import Equilibrium, EquilibriumEvaluation, EquilibriumProblem, EquilibriumSystem
 from pddecont.equilibrium.roots import Roots
 from pddecont.equilibrium.stability import find_own_roots
+from pddecont.memo import cached_property
 
 Array = NDArray[np.float64]
 # Length of the steps over which what is special is differentiated, in sizes of the unknowns: the error is of the order

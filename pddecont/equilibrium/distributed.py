@@ -8,12 +8,12 @@ for each entry of a matrix that is not zero: what x(t) = q exp(lambda t) gives i
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.equilibrium.quadrature import Kernel, make_points
+from pddecont.memo import cached_property
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

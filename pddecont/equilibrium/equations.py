@@ -6,7 +6,6 @@ Unknowns: the states x, one mu_j for each surface that the mode slides along (``
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
@@ -17,6 +16,7 @@ from pddecont.equilibrium.constant_motion import ConstantMotion
 from pddecont.equilibrium.roots import Roots
 from pddecont.equilibrium.stability import find_own_roots
 from pddecont.errors import ConvergenceError
+from pddecont.memo import cached_property
 
 Array = NDArray[np.float64]
 # Where all states are zero, to rounding, they count as this size.

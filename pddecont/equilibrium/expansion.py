@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -26,6 +25,7 @@ from pddecont.equilibrium.equations import Equilibrium
 from pddecont.equilibrium.jets import list_partitions, make_decay, multiply
 from pddecont.equilibrium.partials import ExpressionPartials
 from pddecont.equilibrium.quadrature import find_panels, make_points
+from pddecont.memo import cached_property
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -11,7 +11,6 @@ is a derivative of the profile.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -23,6 +22,7 @@ from numpy.typing import NDArray
 from pddecont.continuation import factor
 from pddecont.equilibrium.characteristic import CharacteristicMatrix
 from pddecont.equilibrium.history import HistorySystem
+from pddecont.memo import cached_property
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

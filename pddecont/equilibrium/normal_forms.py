@@ -20,7 +20,6 @@ Janssens, Kuznetsov, SIAM J. Appl. Dyn. Syst. 19 (2020).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -30,6 +29,7 @@ from numpy.typing import NDArray
 from pddecont.continuation import factor
 from pddecont.equilibrium.equations import Equilibrium
 from pddecont.equilibrium.expansion import Expansion, Exponential, Rest
+from pddecont.memo import cached_property
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

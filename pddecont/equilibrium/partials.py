@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import cache, cached_property
+from functools import cache
 from itertools import combinations_with_replacement, permutations
 from math import factorial
 from typing import Any
@@ -19,6 +19,7 @@ import sympy
 from numpy.typing import NDArray
 
 from pddecont.codegen import ArrayFunction, NumericModel
+from pddecont.memo import cached_property
 from pddecont.model import TIME
 
 Array = NDArray[np.float64]

@@ -7,13 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.codegen import ArrayFunction, NumericModel
 from pddecont.equilibrium.quadrature import find_panels, make_points
+from pddecont.memo import cached_property
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.intp]

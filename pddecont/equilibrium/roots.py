@@ -11,7 +11,6 @@ References: Breda, Maset, Vermiglio, SIAM J. Sci. Comput. 27 (2005); Engelborghs
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
@@ -23,6 +22,7 @@ from pddecont.equilibrium.characteristic import CharacteristicMatrix, find_norm
 from pddecont.equilibrium.counting import count_missing
 from pddecont.equilibrium.generator import Generator
 from pddecont.equilibrium.history import make_history
+from pddecont.memo import cached_property
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

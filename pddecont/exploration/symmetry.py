@@ -12,12 +12,12 @@ import itertools
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.codegen import ArrayFunction, NumericModel
+from pddecont.memo import cached_property
 from pddecont.model import IDENTITY, Segment
 from pddecont.simulate import read_start_modes
 

@@ -10,13 +10,13 @@ import math
 import threading
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import cached_property
 from itertools import product
 from typing import Any
 
 import sympy
 
 from pddecont.errors import PddecontError
+from pddecont.memo import cached_property
 from pddecont.model.built_parts import BuiltParts
 from pddecont.model.contacts import add_contacts
 from pddecont.model.ending_names import list_event_digits, list_written_digits

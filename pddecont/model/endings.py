@@ -9,11 +9,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from itertools import product
 
 import sympy
 
+from pddecont.memo import cached_property
 from pddecont.model.contacts import is_held
 from pddecont.model.expression import TIME
 from pddecont.model.parts import IDENTITY, Event, Form, Segment

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Any
 
 import sympy
 
 from pddecont.errors import SignatureError, suggest
+from pddecont.memo import cached_property
 from pddecont.model.derived_modes import DerivedModes
 from pddecont.model.evaluation import evaluate
 from pddecont.model.expression import TIME, Scope

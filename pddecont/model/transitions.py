@@ -11,11 +11,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from functools import cached_property
 
 import sympy
 from sympy.logic.boolalg import Boolean
 
+from pddecont.memo import cached_property
 from pddecont.model.endings import Ending
 from pddecont.model.mode_surfaces import list_surfaces
 from pddecont.model.parts import IDENTITY, Form, Segment

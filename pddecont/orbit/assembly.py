@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.continuation import Matrix
 from pddecont.delay import FullWeights, LocalWeights
+from pddecont.memo import cached_property
 from pddecont.model import DelayedValue
 from pddecont.native import compiled_assembly
 from pddecont.orbit.equations import (

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pddecont.memo import cached_property
 from pddecont.orbit.clocks import list_started_events
 from pddecont.orbit.error import estimate_interval_errors, measure_states
 from pddecont.orbit.orbit import Orbit

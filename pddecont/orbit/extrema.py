@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from pddecont.codegen import ArrayFunction
 from pddecont.collocation import make_basis
+from pddecont.memo import cached_property
 from pddecont.native import compiled_assembly
 from pddecont.native.assembly import MAX_HALVINGS, TOGETHER, Curve
 from pddecont.orbit.orbit import Orbit

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +10,7 @@ from numpy.typing import NDArray
 from pddecont.codegen import NumericModel
 from pddecont.collocation import Mesh, MeshPoints
 from pddecont.delay import DelayOperator, LocalWeights
-from pddecont.memo import Memo
+from pddecont.memo import Memo, cached_property
 from pddecont.orbit.integrals import IntegralOperator, make_integral_operator
 from pddecont.orbit.problem import OrbitProblem
 from pddecont.orbit.signature import Signature

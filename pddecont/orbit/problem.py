@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 from pddecont.codegen import NumericModel
 from pddecont.collocation import Mesh, MeshPoints
 from pddecont.delay import DelayMethod, DelayOperator
+from pddecont.memo import cached_property
 from pddecont.model import Segment
 from pddecont.orbit.signature import DelayedEventLink, Signature
 from pddecont.orbit.unknowns import Unknowns

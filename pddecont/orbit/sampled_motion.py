@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import Akima1DInterpolator, make_interp_spline
+
+from pddecont.memo import cached_property
 
 Array = NDArray[np.float64]
 # A time so near an edge, in periods, is at it.

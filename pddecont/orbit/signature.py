@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 from pddecont.codegen import NumericModel, ParameterFunction
 from pddecont.delay import DiscontinuitySources, find_discontinuity_sources
 from pddecont.errors import SignatureError
+from pddecont.memo import cached_property
 from pddecont.model import Model, Segment, find_return, list_carriers, list_transitions
 
 Array = NDArray[np.float64]

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.continuation import Matrix, make_sparse, with_values
+from pddecont.memo import cached_property
 from pddecont.native import compiled_assembly
 
 Array = NDArray[np.float64]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 from pddecont.collocation import SAFETY, Density, MeshRule, equal_cuts, has_wanted_intervals, share_intervals
 from pddecont.continuation import Matrix, Scaling, TimeOrder
 from pddecont.errors import ConvergenceError
+from pddecont.memo import cached_property
 from pddecont.orbit.error import estimate_interval_errors, measure_states
 from pddecont.orbit.jacobian import JacobianAssembler
 from pddecont.orbit.nonfinite import explain_not_finite

@@ -9,12 +9,12 @@ comparison.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
 from pddecont.codegen import NumericModel
 from pddecont.delay import DelayMethod, Direct
+from pddecont.memo import cached_property
 from pddecont.model import reads_generally
 from pddecont.orbit.durations import find_instants
 from pddecont.orbit.estimate import estimate_error

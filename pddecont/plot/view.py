@@ -5,8 +5,9 @@ from __future__ import annotations
 import pkgutil
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import TYPE_CHECKING
+
+from pddecont.memo import cached_property
 
 if TYPE_CHECKING:
     from matplotlib.animation import Animation

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.errors import ResultsError, suggest
+from pddecont.memo import cached_property
 from pddecont.reasons import NO_REASON, Reason, reason_from_json
 from pddecont.results.checks import NAME, check_columns, check_contents, check_endings, check_meta
 from pddecont.results.format import FORMAT_VERSION, N_TERMINATIONS, OLDEST_VERSION, StepFormat

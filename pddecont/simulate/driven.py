@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pddecont.memo import cached_property
 from pddecont.simulate.integrator import ParameterValues, System
 from pddecont.simulate.simulator import Simulator
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import dataclass
 from enum import IntEnum
-from functools import cached_property
 
 import numpy as np
 import sympy
 from numpy.typing import NDArray
 
 from pddecont.codegen import NumericModel
+from pddecont.memo import cached_property
 from pddecont.model import TIME, Integral, Model
 from pddecont.native.integrator import LEVELS
 

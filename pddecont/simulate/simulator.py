@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 
 import numpy as np
 import sympy
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 from pddecont.codegen import ModelFunctions, NumericModel
 from pddecont.delay import DelayMethod
 from pddecont.errors import ConvergenceError
+from pddecont.memo import cached_property
 from pddecont.model import TIME, Model, add_rests, explain_direct_only, list_rates, reads_generally
 from pddecont.native.integrator import CONSTANT, LEVELS, MODE, USED, Status, T
 from pddecont.simulate.diagnosis import diagnose_halt

@@ -16,7 +16,6 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, Protocol, TypeAlias
 
 import numpy as np
@@ -27,6 +26,7 @@ from numpy.typing import NDArray
 
 from pddecont.continuation import Matrix, is_odd, row_maxima, scale_matrix
 from pddecont.errors import ConvergenceError
+from pddecont.memo import cached_property
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -14,13 +14,13 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.collocation import Mesh, MeshPoints
 from pddecont.delay import LocalWeights
+from pddecont.memo import cached_property
 from pddecont.native import compiled_assembly
 from pddecont.stability.moving_edges import Edge
 

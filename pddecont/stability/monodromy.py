@@ -13,7 +13,6 @@ Reference: Szalai, Stepan, Hogan, SIAM J. Sci. Comput. 28 (2006), for the map by
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -23,6 +22,7 @@ from numpy.typing import NDArray
 from pddecont.continuation import EquilibratedMatrix, Matrix, ScaledFactors, equilibrate, leave_out_zeros, make_sparse
 from pddecont.delay import FullWeights
 from pddecont.errors import ConvergenceError
+from pddecont.memo import cached_property
 from pddecont.orbit import Assembly, Linearisation, Orbit, OrbitProblem, Reads, measure_orbit, order_in_time
 from pddecont.stability.characteristic import Characteristic, MapCharacteristic, PeriodCharacteristic
 from pddecont.stability.lagged_columns import LaggedColumns, count_lags

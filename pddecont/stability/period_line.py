@@ -12,12 +12,12 @@ E, F are the same for all stages; K_i and L_i hold how the orbit's own stage i c
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pddecont.delay import LineOnMesh, MatrixPowers
+from pddecont.memo import cached_property
 from pddecont.orbit import Orbit
 
 Array = NDArray[np.float64]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -35,6 +34,7 @@ from pddecont.continuation import (
     follow_branch,
 )
 from pddecont.errors import ConvergenceError, RunError
+from pddecont.memo import cached_property
 from pddecont.orbit import (
     DelayBoundary,
     DurationBoundary,

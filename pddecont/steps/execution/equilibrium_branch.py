@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -27,6 +26,7 @@ from pddecont.equilibrium import (
     make_tests,
     remove_critical,
 )
+from pddecont.memo import cached_property
 from pddecont.orbit import DelayBoundary, RangeBoundary
 from pddecont.reasons import Reason
 from pddecont.results import EQUILIBRIA, RowWriter, Step
