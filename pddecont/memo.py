@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeVar
 
 Found = TypeVar("Found")
+# Stands for what has not been found.
+_NOT_YET: Any = object()
 
 
 if TYPE_CHECKING:
@@ -37,7 +39,7 @@ class Memo:
 
     def once(self, key: Hashable, find: Callable[[], Found]) -> Found:
         """Return what ``find`` finds, found once for this object."""
-        if key not in self._found:
-            self._found[key] = find()
-        found: Found = self._found[key]
+        found: Found = self._found.get(key, _NOT_YET)
+        if found is _NOT_YET:
+            found = self._found[key] = find()
         return found

@@ -112,7 +112,8 @@ class Orbit(Memo):
     def parameters(self) -> Array:
         """All parameter values, shape (n_parameters,)."""
         p = self.problem.parameters.copy()
-        p[list(self.problem.free_index)] = self.free
+        for i, value in zip(self.problem.free_index, self.free.tolist(), strict=True):
+            p[i] = value
         return p
 
     @cached_property

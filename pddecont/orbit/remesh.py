@@ -251,7 +251,7 @@ def transfer_orbit(orbit: Orbit, mesh: Mesh) -> Orbit:
 
 def transfer_to(orbit: Orbit, problem: OrbitProblem, mesh: Mesh) -> Orbit:
     """Return an orbit on another mesh as a guess of the same problem's at other parameters."""
-    theta = _find_theta(Orbit(problem, orbit.x), mesh)
+    theta = _find_theta(orbit if problem is orbit.problem else Orbit(problem, orbit.x), mesh)
     moved = transfer(orbit.mesh, orbit.theta, orbit.values, mesh, theta)
     new = replace(problem, mesh=mesh, reference=None if problem.reference is None else moved)
     return settle_reads(Orbit(new, new.unknowns.join(moved, orbit.durations, orbit.start, orbit.free)))

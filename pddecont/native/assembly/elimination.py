@@ -80,6 +80,71 @@ def factor_block(factors: Floats, first: int, n: int, pivots: Integers, top: int
 
 
 @wide
+def subtract_row(
+    factors: Floats, here: int, step: int, right: Floats, first: int, n: int, width: int, there: int
+) -> None:
+    """Subtract from a row of ``right`` at ``there`` the ``n`` rows from ``first`` on, each times its factor.
+
+    Factors stand at ``here`` and every ``step`` places from there. Four rows at a time: so each number of the row that
+    changes is read and written once for four.
+    """
+    k = 0
+    while k + 4 <= n:
+        a = factors[here + k * step]
+        b = factors[here + (k + 1) * step]
+        c = factors[here + (k + 2) * step]
+        d = factors[here + (k + 3) * step]
+        at = first + k * width
+        for t in range(width):
+            right[there + t] = (
+                right[there + t]
+                - a * right[at + t]
+                - b * right[at + width + t]
+                - c * right[at + 2 * width + t]
+                - d * right[at + 3 * width + t]
+            )
+        k += 4
+    while k < n:
+        a = factors[here + k * step]
+        at = first + k * width
+        for t in range(width):
+            right[there + t] -= a * right[at + t]
+        k += 1
+
+
+@wide
+def subtract_columns(
+    factors: Floats, first: int, n: int, width: int, values: Floats, at: int, x: Floats, there: int
+) -> None:
+    """Subtract from ``x`` (n,) at ``there`` columns (n,), ``width`` of them from ``first`` on, times ``values``.
+
+    Columns stand ``n`` apart; four of them at a time, as :func:`subtract_row` takes rows.
+    """
+    k = 0
+    while k + 4 <= width:
+        a = values[at + k]
+        b = values[at + k + 1]
+        c = values[at + k + 2]
+        d = values[at + k + 3]
+        column = first + k * n
+        for i in range(n):
+            x[there + i] = (
+                x[there + i]
+                - a * factors[column + i]
+                - b * factors[column + n + i]
+                - c * factors[column + 2 * n + i]
+                - d * factors[column + 3 * n + i]
+            )
+        k += 4
+    while k < width:
+        a = values[at + k]
+        column = first + k * n
+        for i in range(n):
+            x[there + i] -= a * factors[column + i]
+        k += 1
+
+
+@wide
 def solve_block(
     factors: Floats, first: int, n: int, pivots: Integers, top: int, right: Floats, at: int, width: int
 ) -> None:
@@ -93,23 +158,12 @@ def solve_block(
                 kept = right[here + t]
                 right[here + t] = right[other + t]
                 right[other + t] = kept
-    for p in range(n):
-        here = at + p * width
-        for r in range(p + 1, n):
-            factor = factors[first + p * n + r]
-            if factor != 0.0:
-                there = at + r * width
-                for t in range(width):
-                    right[there + t] -= factor * right[here + t]
+    for r in range(n):
+        subtract_row(factors, first + r, n, right, at, r, width, at + r * width)
     for i in range(n):
         p = n - 1 - i
         here = at + p * width
-        for c in range(p + 1, n):
-            factor = factors[first + c * n + p]
-            if factor != 0.0:
-                there = at + c * width
-                for t in range(width):
-                    right[here + t] -= factor * right[there + t]
+        subtract_row(factors, first + (p + 1) * n + p, n, right, here + width, i, width, here)
         inverse = 1.0 / factors[first + p * n + p]
         for t in range(width):
             right[here + t] *= inverse
@@ -260,9 +314,6 @@ def solve_bordered(
         unknown[n_wrapped + k] = right[border.below[k]]
         x[border.beside[k]] = 0.0
     solve_small(border, unknown)
-    for k in range(n_wrapped + border.n_beside):
-        value = unknown[k]
-        for i in range(border.n):
-            x[i] -= border.above[k * border.n + i] * value
+    subtract_columns(border.above, 0, border.n, n_wrapped + border.n_beside, unknown, 0, x, 0)
     for k in range(border.n_beside):
         x[border.beside[k]] = unknown[n_wrapped + k]

@@ -11,6 +11,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from pddecont.errors import PddecontError, ResultsError, RunError, suggest
 from pddecont.model import parse_document
 from pddecont.output import refuse_link
@@ -95,7 +97,7 @@ def _keep_freed_memory() -> None:
     The C library of Linux does so for all that is no larger than the largest block that was ever freed (mallopt(3), on
     M_MMAP_THRESHOLD); every page that it asks for again costs 2 us, at some 60 pages a point of a branch.
     """
-    bytearray(LARGE_BLOCK)
+    np.empty(LARGE_BLOCK, dtype=np.uint8)
 
 
 def check_output(plan: Plan, path: Path) -> None:
