@@ -82,7 +82,7 @@ def raise_degree(mesh: Mesh, reference_theta: Array) -> Mesh:
     def raise_whole() -> Mesh:
         raised = replace(mesh, degree=mesh.degree + 1, reference_theta=None, reference_lags=None)
         raised.take_edges(mesh)
-        raised.take_layout(mesh.alike("raised", lambda: raised))
+        raised.take_layout(mesh)
         # Found here, these are found for all orbits on such meshes.
         _ = raised.equation_points, raised.first_base, raised.last_base
         return raised

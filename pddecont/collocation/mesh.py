@@ -34,18 +34,25 @@ EDGES = (
     "_every_interval",
     "breaking_interval",
 )
-# What it works out of its layout: where its pieces begin and end, and into how many intervals they are cut.
+# What it works out of its layout: how many intervals each segment has.
 LAYOUT = (
-    *(name for name in EDGES if name not in ("start", "length")),
     "basis",
+    "segment",
+    "n_intervals",
     "n_base",
     "n_collocation",
     "base_index",
     "first_base",
     "last_base",
+    "first_interval",
+    "last_interval",
+    "_every_interval",
+    "breaking_interval",
     "equation_points",
     "n_equation_points",
 )
+# Layouts that are known of the meshes that were made one after another.
+KNOWN_LAYOUTS = 8
 
 
 def find_inner_side(sigma: Array) -> Array:
@@ -95,11 +102,6 @@ class Piece:
     end: Array
     cuts: Array
 
-    def begins_and_ends_as(self, other: Piece) -> bool:
-        """Return whether another piece begins and ends at the same times of its segment, wherever it is cut."""
-        same = self.segment == other.segment
-        return same and np.array_equal(self.start, other.start) and np.array_equal(self.end, other.end)
-
 
 @dataclass(frozen=True, eq=False)
 class BreakingTime:
@@ -112,11 +114,6 @@ class BreakingTime:
     delay: int
     source: Array
     level: int
-
-    def is_read_as(self, other: BreakingTime) -> bool:
-        """Return whether the same jump is read there by the same delay."""
-        same = (self.delay, self.level) == (other.delay, other.level)
-        return same and np.array_equal(self.source, other.source)
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,13 +134,14 @@ class Mesh(Memo):
     reference_lags: Array | None = None
     _always: Memo = field(default_factory=Memo, init=False, repr=False)
     _layout: Memo = field(default_factory=Memo, init=False, repr=False)
+    _layouts: dict[Hashable, Mesh] = field(default_factory=dict, init=False, repr=False)
 
     def always(self, key: Hashable, find: Callable[[], Found]) -> Found:
         """Return what ``find`` finds, found once for all meshes of these pieces, wherever they read the past."""
         return self._always.once(key, find)
 
     def alike(self, key: Hashable, find: Callable[[], Found]) -> Found:
-        """Return what ``find`` finds, found once for all meshes of this layout, wherever their pieces are cut."""
+        """Return what ``find`` finds, found once for all meshes of this layout, wherever their intervals lie."""
         return self._layout.once(key, find)
 
     def anchor(self, theta: Array, lags: Array | None = None) -> Mesh:
@@ -154,7 +152,7 @@ class Mesh(Memo):
         anchored = replace(self, reference_theta=theta.copy(), reference_lags=lags)
         # Nothing that is worked out of the pieces alone has to be found again.
         own = anchored.__dict__
-        kept = {"_always": self._always, "_layout": self._layout}
+        kept = {"_always": self._always, "_layout": self._layout, "_layouts": self._layouts}
         own.update({name: value for name, value in self.__dict__.items() if name not in own}, **kept)
         return anchored
 
@@ -164,29 +162,29 @@ class Mesh(Memo):
         self.__dict__.update({name: known[name] for name in EDGES if name in known})
 
     def take_layout(self, other: Mesh) -> None:
-        """Take over what has been worked out of the layout of another mesh, where this one is laid out as that is."""
-        if self._is_laid_out_as(other):
-            known = other.__dict__
-            self.__dict__.update({name: known[name] for name in LAYOUT if name in known}, _layout=other._layout)
+        """Take over what has been worked out of the layout of a mesh, of ``other`` or one before it, that has this one.
 
-    def _is_laid_out_as(self, other: Mesh) -> bool:
-        own, theirs = (
-            (m.degree, m.n_segments, [len(p.cuts) for p in m.pieces], len(m.breaking)) for m in (self, other)
-        )
-        return own == theirs and all(
-            (
-                *(a.begins_and_ends_as(b) for a, b in zip(self.pieces, other.pieces, strict=True)),
-                *(a.is_read_as(b) for a, b in zip(self.breaking, other.breaking, strict=True)),
-            )
-        )
+        Points are numbered alike on meshes of one degree with as many intervals in each segment, and breaking times
+        behind as many of them.
+        """
+        layouts = other._layouts
+        layouts.setdefault(other._layout_key, other)
+        # Those that were met last stand last.
+        known = layouts[self._layout_key] = layouts.pop(self._layout_key, self)
+        if len(layouts) > KNOWN_LAYOUTS:
+            del layouts[next(iter(layouts))]
+        worked_out = {name: known.__dict__[name] for name in LAYOUT if name in known.__dict__}
+        self.__dict__.update(worked_out, _layout=known._layout, _layouts=layouts)
+
+    @property
+    def _layout_key(self) -> Hashable:
+        breaking = [(b.delay, b.level, b.source.tobytes()) for b in self.breaking]
+        counts = np.bincount(self.segment, minlength=self.n_segments)
+        return self.degree, counts.tobytes(), self.breaking_interval.tobytes(), tuple(breaking)
 
     def has_base_points_of(self, other: Mesh) -> bool:
         """Return whether base values mean the same on another mesh, wherever delayed values are read."""
         return self.pieces is other.pieces and self.degree == other.degree
-
-    def has_layout_of(self, other: Mesh) -> bool:
-        """Return whether base points are numbered as on another mesh from which the layout was taken over."""
-        return self._layout is other._layout
 
     @cached_property
     def basis(self) -> Basis:

@@ -8,6 +8,7 @@ from .amplitude import AmplitudeBoundary as AmplitudeBoundary
 from .amplitude import bound_amplitude as bound_amplitude
 from .amplitude import measure_size as measure_size
 from .assembly import Assembly as Assembly
+from .assembly import find_assembly as find_assembly
 from .boundaries import DelayBoundary as DelayBoundary
 from .boundaries import DurationBoundary as DurationBoundary
 from .boundaries import RangeBoundary as RangeBoundary

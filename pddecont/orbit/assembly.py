@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from copy import copy
 from dataclasses import dataclass
 
@@ -32,6 +32,8 @@ from pddecont.orbit.sparsity import SparsityPattern
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
+# From so many unknowns on places are kept for meshes of the same pieces alone: those of several meshes are large.
+MANY = 2000
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +64,21 @@ class DenseTerm:
     rows: Ints
     columns: Ints
     values: Callable[[Linearisation], Array]
+
+
+def find_assembly(
+    kind: Hashable, problem: OrbitProblem, reads: Reads, make_columns: Callable[[], ColumnMap]
+) -> Assembly:
+    """Return the places of the entries of a matrix of some ``kind``, which says all that its columns depend on.
+
+    Those of the last one on a mesh of the same layout serve again, and only what is read of the past is looked for.
+    """
+    keep = problem.mesh.alike if problem.unknowns.size < MANY else problem.mesh.always
+    kept: dict[str, Assembly] = keep((kind, problem.signature, problem.links, problem.free), dict)
+    last = kept.get("last")
+    found = (last and last.move_to(problem, reads, make_columns)) or Assembly(problem, reads, make_columns())
+    kept["last"] = found
+    return found
 
 
 class Assembly:
@@ -101,32 +118,18 @@ class Assembly:
         integrals = zip(self.integrals, reads.integrals, strict=True)
         return all(a.reads_as(b) for a, b in delays) and all(a.reads_as(b) for a, b in integrals)
 
-    def has_equations_of(self, problem: OrbitProblem) -> bool:
-        """Return whether another problem has the same equations of the same unknowns, whatever they read."""
-        own = self.problem
-        same = own.mesh.has_base_points_of(problem.mesh) and own.signature is problem.signature
-        return same and (own.free, own.links) == (problem.free, problem.links)
+    def move_to(self, problem: OrbitProblem, reads: Reads, make_columns: Callable[[], ColumnMap]) -> Assembly | None:
+        """Return the places for a problem with these equations on a mesh of this layout, which reads the past anywhere.
 
-    def is_laid_out_for(self, problem: OrbitProblem) -> bool:
-        """Return whether another problem has these equations of as many unknowns, on a mesh of the same layout."""
-        own = self.problem
-        same = own.mesh.has_layout_of(problem.mesh) and own.signature is problem.signature
-        return same and (own.free, own.links) == (problem.free, problem.links)
-
-    def move_to(self, problem: OrbitProblem, reads: Reads, columns: ColumnMap) -> Assembly | None:
-        """Return the places for a problem that it is laid out for, in ``columns`` of as many unknowns."""
-        moved = copy(self)
-        moved.problem, moved.columns = problem, columns
-        return moved.move_reads(reads)
-
-    def move_reads(self, reads: Reads) -> Assembly | None:
-        """Return the places of the same equations' entries where the past is read from elsewhere.
-
-        None where there are more or fewer of them then, as with integrals over the past.
+        None where there are more or fewer entries then, as with integrals over the past.
         """
+        same = self.problem.mesh.has_base_points_of(problem.mesh)
+        if same and self.reads_as(reads):
+            return self
         if self.integrals or reads.integrals or self.has_full_reads:
             return None
         moved = copy(self)
+        moved.problem, moved.columns = problem, self.columns if same else make_columns()
         moved.operators, moved.entry_columns = tuple(reads.operators), self.entry_columns.copy()
         vars(moved).pop("pattern", None)
         for term in self.read_terms:

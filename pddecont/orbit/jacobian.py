@@ -32,7 +32,7 @@ from numpy.typing import NDArray
 
 from pddecont.continuation import Matrix
 from pddecont.delay import LocalWeights
-from pddecont.orbit.assembly import Assembly
+from pddecont.orbit.assembly import Assembly, find_assembly
 from pddecont.orbit.linearisation import Entries
 from pddecont.orbit.orbit import Orbit, Reads
 from pddecont.orbit.problem import OrbitProblem
@@ -126,29 +126,10 @@ class PeriodicColumns:
         return entries
 
 
-class JacobianAssembler:
-    """Jacobians of orbits on one mesh; keeps the places of entries while the delayed reads stay in their intervals.
-
-    ``assembly`` are those of an earlier mesh, which may be laid out alike.
-    """
-
-    def __init__(self, assembly: Assembly | None = None) -> None:
-        self.assembly = assembly
-
-    def make_jacobian(self, orbit: Orbit) -> Matrix:
-        """Return d residual / d x, shape (n_equations, n_unknowns)."""
-        problem, reads, last = orbit.problem, orbit.equation_reads, self.assembly
-        if last is None or not (last.has_equations_of(problem) and last.reads_as(reads)):
-            self.assembly = (last and _move(last, problem, reads)) or assemble_periodic(problem, reads)
-        assert self.assembly is not None
-        return self.assembly.make_matrix(orbit, reads)
-
-
-def _move(last: Assembly, problem: OrbitProblem, reads: Reads) -> Assembly | None:
-    """Return the places of entries that ``last`` has elsewhere, None where these equations are others."""
-    if last.has_equations_of(problem):
-        return last.move_reads(reads)
-    return last.move_to(problem, reads, PeriodicColumns(problem)) if last.is_laid_out_for(problem) else None
+def make_jacobian(orbit: Orbit) -> Matrix:
+    """Return d residual / d x, shape (n_equations, n_unknowns)."""
+    problem, reads = orbit.problem, orbit.equation_reads
+    return find_assembly("jacobian", problem, reads, lambda: PeriodicColumns(problem)).make_matrix(orbit, reads)
 
 
 def assemble_periodic(problem: OrbitProblem, reads: Reads) -> Assembly:

@@ -59,7 +59,7 @@ def find_deepest_lag(mesh: Mesh, still: Collection[Edge] = ()) -> int:
         sources = np.array([*moving, *(b.source for b in mesh.breaking)])
         return int(np.max(count_wraps(sources, mesh.n_segments), initial=0)) if len(sources) else 0
 
-    return mesh.alike(("deepest lag", frozenset(still)), find)
+    return mesh.always(("deepest lag", frozenset(still)), find)
 
 
 @dataclass(frozen=True, eq=False)

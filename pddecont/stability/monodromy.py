@@ -23,10 +23,10 @@ from pddecont.continuation import EquilibratedMatrix, Matrix, ScaledFactors, equ
 from pddecont.delay import FullWeights
 from pddecont.errors import ConvergenceError
 from pddecont.memo import cached_property
-from pddecont.orbit import Assembly, Linearisation, Orbit, OrbitProblem, Reads, measure_orbit, order_in_time
+from pddecont.orbit import Assembly, Linearisation, Orbit, OrbitProblem, find_assembly, measure_orbit, order_in_time
 from pddecont.stability.characteristic import Characteristic, MapCharacteristic, PeriodCharacteristic
 from pddecont.stability.lagged_columns import LaggedColumns, count_lags
-from pddecont.stability.moving_edges import Edge, find_still_edges
+from pddecont.stability.moving_edges import find_still_edges
 from pddecont.stability.period_line import PeriodLine, make_period_line
 
 Array = NDArray[np.float64]
@@ -162,10 +162,8 @@ class MonodromyOperator:
         return self.step(np.eye(self.size))[1]
 
 
-def linearise_period(orbit: Orbit, assembly: Assembly | None = None) -> MonodromyOperator:
+def linearise_period(orbit: Orbit) -> MonodromyOperator:
     """Return the linearised map of an orbit, its parameters fixed.
-
-    ``assembly`` of an earlier map is used where it serves.
 
     Raises
     ------
@@ -185,9 +183,12 @@ def linearise_period(orbit: Orbit, assembly: Assembly | None = None) -> Monodrom
             for k, op in enumerate(reads.operators)
         ]
         reads = replace(reads, operators=operators)
-    assembly = None if lines else _move_assembly(assembly, orbit.problem, reads, still)
-    if assembly is None:
-        assembly = Assembly(orbit.problem, reads, LaggedColumns(orbit.problem, reads, lines, still))
+    problem = orbit.problem
+    if lines:
+        assembly = Assembly(problem, reads, LaggedColumns(problem, reads, lines, still))
+    else:
+        kind = "map", count_lags(problem, reads, still), still
+        assembly = find_assembly(kind, problem, reads, lambda: LaggedColumns(problem, reads, {}, still))
     columns = assembly.columns
     assert isinstance(columns, LaggedColumns)
     at, n = assembly.linearise(orbit, reads), columns.n_columns
@@ -221,22 +222,6 @@ def _take_period(wide: Matrix, n: int, w: int, places: Ints) -> Matrix:
     starts = wide.indptr[w * n : (w + 1) * n + 1]
     inside, chosen = slice(starts[0], starts[-1]), np.concatenate([starts[places], starts[-1:]]) - starts[0]
     return make_sparse(wide.data[inside], wide.indices[inside], chosen, (n, len(places)))
-
-
-def _move_assembly(
-    assembly: Assembly | None, problem: OrbitProblem, reads: Reads, still: frozenset[Edge]
-) -> Assembly | None:
-    """Return the assembly of an earlier map where its entries stand for these equations and ``reads``, or None."""
-    if assembly is None or not isinstance(assembly.columns, LaggedColumns) or assembly.columns.lags.still != still:
-        return None
-    same, alike = assembly.has_equations_of(problem), assembly.columns.n_lags == count_lags(problem, reads, still)
-    if same and assembly.reads_as(reads):
-        return assembly
-    if same and alike:
-        return assembly.move_reads(reads)
-    if alike and assembly.is_laid_out_for(problem):
-        return assembly.move_to(problem, reads, LaggedColumns(problem, reads, {}, still))
-    return None
 
 
 def _measure_columns(orbit: Orbit) -> Array:

@@ -32,7 +32,7 @@ def find_still_edges(orbit: Orbit) -> frozenset[Edge]:
         returned = np.flatnonzero(starts[:, S:].any(axis=1))
         return list(zip(returned.tolist(), _find_levels(orbit, starts[returned]), strict=True))
 
-    levels = mesh.alike(("levels of edges", orbit.signature), find_returned)
+    levels = mesh.always(("levels of edges", orbit.signature), find_returned)
     if not levels:
         return frozenset()
     returned, doubtful = [i for i, _ in levels], [i for i, level in levels if level == 1]

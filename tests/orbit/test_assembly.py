@@ -9,7 +9,8 @@ import scipy.sparse as sp
 from pddecont.collocation import MeshRule
 from pddecont.delay import Chain
 from pddecont.orbit import Orbit, adapt_mesh
-from pddecont.orbit.jacobian import JacobianAssembler, assemble_periodic
+from pddecont.orbit.assembly import find_assembly
+from pddecont.orbit.jacobian import PeriodicColumns, assemble_periodic, make_jacobian
 from tests.known_orbits import hard_wall, impact_oscillator, mackey_glass
 from tests.orbit.exact import circle
 
@@ -24,7 +25,7 @@ def test_an_assembly_serves_orbits_with_the_same_reads(orbit):
     moved = Orbit(first.problem, first.x * (1 + 1e-3 * np.sin(np.arange(len(first.x)))))
     reads = moved.equation_reads
     assert assembly.reads_as(reads)
-    exact = JacobianAssembler().make_jacobian(moved).toarray()
+    exact = make_jacobian(moved).toarray()
     assert assembly.make_matrix(moved, reads).toarray() == pytest.approx(exact, abs=1e-12 * np.max(np.abs(exact)))
 
 
@@ -32,12 +33,15 @@ def test_whom_it_serves():
     orbit = adapt_mesh(impact_oscillator(), RULE)
     problem, reads = orbit.problem, orbit.equation_reads
     assembly = assemble_periodic(problem, reads)
-    assert assembly.has_equations_of(problem)
     assert assembly.reads_as(reads)
-    assert assembly.has_equations_of(replace(problem, parameters=problem.parameters * 1.1))
-    assert not assembly.has_equations_of(replace(problem, free=("K",)))
+    find = lambda p, r=reads: find_assembly("here", p, r, lambda: PeriodicColumns(p))  # noqa: E731
+    found = find(problem)
+    assert found is not assembly
+    assert find(problem) is found
+    assert find(replace(problem, parameters=problem.parameters * 1.1)) is found
+    assert find(replace(problem, free=("K",))) is not found
     other = adapt_mesh(orbit, RULE)
-    assert not assembly.has_equations_of(other.problem)
+    assert find(other.problem, other.equation_reads) is not found
     # A delay so long that other intervals are read stands in other places.
     far = circle(tau=4.0).equation_reads
     near = assemble_periodic(circle().problem, circle().equation_reads)
@@ -51,7 +55,10 @@ def test_reads_move_to_other_places():
     far = circle(tau=1.4)
     mesh = orbit.mesh.anchor(far.theta)
     there = Orbit(replace(far.problem, mesh=mesh), orbit.x)
-    own, moved = assemble_periodic(there.problem, there.equation_reads), first.move_reads(there.equation_reads)
+    own, moved = (
+        assemble_periodic(there.problem, there.equation_reads),
+        first.move_to(there.problem, there.equation_reads, lambda: PeriodicColumns(there.problem)),
+    )
     assert not first.reads_as(there.equation_reads)
     assert moved.reads_as(there.equation_reads)
     assert np.array_equal(moved.entry_rows, own.entry_rows)

@@ -41,8 +41,7 @@ def test_an_evaluation_holds_its_orbit():
     assert at.residual is at.residual
     assert sp.issparse(at.jacobian())
     # Jacobians of one system have their entries in one place.
-    assert system.at(orbit.x * 1.001).jacobian().indices is not None
-    assert system.assembler.assembly is not None
+    assert system.at(orbit.x * (1.0 + 1e-12)).jacobian().indices is at.jacobian().indices
 
 
 def test_unknowns_that_no_mesh_changes():
@@ -101,7 +100,6 @@ def test_an_orbit_becomes_the_reference():
     updated = system.update_reference(at)
     assert np.array_equal(updated.problem.reference, at.orbit.values)
     assert updated.density is not None
-    assert updated.assembler is system.assembler
     forced = system_of(impact_oscillator())
     assert forced.update_reference(forced.at(impact_oscillator().x)).problem is forced.problem
     assert "read across a jump" in system.explain_unsettled_mesh()

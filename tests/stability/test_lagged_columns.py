@@ -5,7 +5,7 @@ import pytest
 
 from pddecont.collocation import MeshRule
 from pddecont.orbit import Assembly, Rows, adapt_mesh
-from pddecont.orbit.jacobian import JacobianAssembler
+from pddecont.orbit.jacobian import make_jacobian
 from pddecont.orbit.residual import find_elapsed_weights
 from pddecont.stability.lagged_columns import LaggedColumns
 from tests.known_orbits import hard_wall, impact_oscillator, mackey_glass, neuron, with_parameter
@@ -29,7 +29,7 @@ def test_all_periods_together_make_the_jacobian(name):
     columns = LaggedColumns(orbit.problem, orbit.equation_reads, {})
     assembly = Assembly(orbit.problem, orbit.equation_reads, columns)
     wide = assembly.pattern.fill(assembly.evaluate(assembly.linearise(orbit, orbit.equation_reads))).toarray()
-    jacobian = JacobianAssembler().make_jacobian(orbit).toarray()
+    jacobian = make_jacobian(orbit).toarray()
     rows = Rows(orbit.problem.unknowns)
     n = rows.period if orbit.signature.has_events else rows.events
     assert fold(wide, columns)[:n] == pytest.approx(jacobian[:n], abs=1e-11 * np.max(np.abs(jacobian)))
