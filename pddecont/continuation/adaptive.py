@@ -19,7 +19,7 @@ S = TypeVar("S", bound=AdaptiveSystem[Any])
 MAX_MESHES = 8
 # Finer meshes that a solution's estimated error may ask for, and by what the error that each aims at is less than it
 # need be where the one before did not do.
-FINER_MESHES, FINER = 3, 4.0
+FINER_MESHES, FINER = 4, 4.0
 
 
 class MeshNotSettledError(ConvergenceError):
