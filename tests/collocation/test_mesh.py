@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pddecont.collocation import Mesh, MeshPoints
+from pddecont.collocation.mesh import KNOWN_LAYOUTS
 from tests.collocation.meshes import make_pieces, meshes
 
 # Segments of three and two intervals, the first of two pieces; a delay that moves nothing.
@@ -154,3 +155,37 @@ def test_what_is_found_for_a_mesh_is_found_once():
     mesh.once("another", find)
     Mesh(3, 2, MESH.pieces).once("key", find)
     assert len(calls) == 3
+
+
+def test_meshes_of_one_layout_know_the_same_of_it():
+    """As many intervals in each segment, wherever they lie and whatever came between; no other mesh."""
+    first, calls = Mesh(3, 2, make_pieces(SHAPE, n_delays=1)), []
+    elsewhere = Mesh(3, 2, make_pieces([[[0, 0.1, 0.7, 1]], [[0, 1], [0, 1]]], n_delays=1))
+    finer = Mesh(3, 2, make_pieces([[[0, 0.1, 0.7, 1]], [[0, 0.5, 1], [0, 1]]], n_delays=1))
+    higher = Mesh(4, 2, make_pieces(SHAPE, n_delays=1))
+    known = first.equation_points
+    finer.take_layout(first)
+    higher.take_layout(finer)
+    elsewhere.take_layout(higher)
+    assert elsewhere.equation_points is known
+    for mesh in (first, elsewhere, elsewhere.anchor(THETA), finer, higher):
+        mesh.alike("layout", lambda mesh=mesh: calls.append((mesh.degree, mesh.n_intervals)))
+    assert calls == [(3, 5), (3, 6), (4, 5)]
+    # Where edges lie is each mesh's own.
+    assert elsewhere.start @ THETA == pytest.approx([0, 0.4, 2.8, 4, 4.5])
+    assert elsewhere.equation_times @ THETA == pytest.approx(
+        Mesh(3, 2, elsewhere.pieces).equation_times @ THETA, abs=1e-15
+    )
+    assert not elsewhere.has_base_points_of(first)
+
+
+def test_few_layouts_are_kept():
+    mesh = first = Mesh(2, 1, make_pieces([[np.linspace(0, 1, 2)]]))
+    for n in range(2, KNOWN_LAYOUTS + 4):
+        mesh, last = Mesh(2, 1, make_pieces([[np.linspace(0, 1, n + 1)]])), mesh
+        mesh.take_layout(last)
+    again, still = Mesh(2, 1, first.pieces), Mesh(2, 1, last.pieces)
+    again.take_layout(mesh)
+    still.take_layout(mesh)
+    assert again.alike("n", lambda: 1) == 1 and first.alike("n", lambda: 2) == 2
+    assert still.alike("n", lambda: 3) == 3 and last.alike("n", lambda: 4) == 3

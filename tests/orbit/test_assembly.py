@@ -8,7 +8,7 @@ import scipy.sparse as sp
 
 from pddecont.collocation import MeshRule
 from pddecont.delay import Chain
-from pddecont.orbit import Orbit, adapt_mesh
+from pddecont.orbit import Orbit, adapt_mesh, transfer_orbit
 from pddecont.orbit.assembly import find_assembly
 from pddecont.orbit.jacobian import PeriodicColumns, assemble_periodic, make_jacobian
 from tests.known_orbits import hard_wall, impact_oscillator, mackey_glass
@@ -65,6 +65,26 @@ def test_reads_move_to_other_places():
     assert np.array_equal(moved.entry_columns, own.entry_columns)
     exact = own.make_matrix(there, there.equation_reads).toarray()
     assert np.array_equal(moved.make_matrix(there, there.equation_reads).toarray(), exact)
+
+
+@pytest.mark.parametrize("orbit", [impact_oscillator, hard_wall, mackey_glass], ids=lambda f: f.__name__)
+def test_places_move_to_other_meshes_of_one_layout(orbit):
+    """Intervals cut elsewhere: places and entries are those of an assembly of that mesh's own."""
+    first = adapt_mesh(orbit(), RULE)
+    pieces = tuple(replace(p, cuts=p.cuts**1.1) for p in first.mesh.pieces)
+    mesh = replace(first.mesh, pieces=pieces)
+    mesh.take_layout(first.mesh)
+    there = transfer_orbit(first, mesh)
+    find = lambda o: find_assembly("here", o.problem, o.equation_reads, lambda: PeriodicColumns(o.problem))  # noqa: E731
+    old, moved = find(first), find(there)
+    own = assemble_periodic(there.problem, there.equation_reads)
+    assert moved.entry_rows is old.entry_rows
+    assert np.array_equal(moved.entry_rows, own.entry_rows)
+    assert np.array_equal(moved.entry_columns, own.entry_columns)
+    exact = own.make_matrix(there, there.equation_reads).toarray()
+    assert np.array_equal(moved.make_matrix(there, there.equation_reads).toarray(), exact)
+    # And what is found for the first one stands as it was.
+    assert np.array_equal(find(first).entry_columns, old.entry_columns)
 
 
 def test_a_full_delay_operator_makes_a_full_matrix():

@@ -10,7 +10,7 @@ import pytest
 
 from pddecont.stability import eigenpairs, find_multipliers
 from pddecont.stability import multipliers as module_of_multipliers
-from pddecont.stability.eigenpairs import SHORT, find_all_outside, find_inside
+from pddecont.stability.eigenpairs import FEW, LARGE, SHORT, find_all_outside, find_few, find_inside
 from tests.known_orbits import hard_wall, impact_oscillator
 
 
@@ -99,6 +99,46 @@ def test_a_small_multiplier_beside_large_entries_keeps_its_digits():
     found = find_all_outside(MapOnly(matrix), 4, 0.95)
     assert abs(exact[1]) < 1e-5 * abs(exact[0])
     assert [m.value for m in found][:2] == pytest.approx(exact[:2], rel=1e-9)
+
+
+def forgetful_map(values, n=80, rest=1e-8):
+    """Return a map with some eigenvalues, all others no larger than ``rest``, and the pair 0.3 +- 0.4i besides."""
+    rng = np.random.default_rng(3)
+    matrix = np.diag(np.concatenate([[0.3, 0.3], values, rest * rng.uniform(-1, 1, n - 2 - len(values))]))
+    matrix[0, 1], matrix[1, 0] = 0.4, -0.4
+    leading = 2 + len(values)
+    matrix[:leading] += np.triu(rng.standard_normal((n, n)), 2)[:leading] / n
+    q, _ = np.linalg.qr(rng.standard_normal((n, n)))
+    return q @ matrix @ q.T
+
+
+@pytest.mark.parametrize("values", [[], [1.7, -0.9], [0.9, 0.02, -2e-3, 1.5e-4]])
+def test_few_multipliers_are_found_where_the_map_leads(values):
+    """Those given, in order, down to the least that is asked for, by vectors of the map; so says the whole map."""
+    matrix, least = forgetful_map(values), 1e-3
+    found, vectors = find_few(matrix, least)
+    given = sorted([0.3 + 0.4j, 0.3 - 0.4j, *(v for v in values if abs(v) >= least)], key=abs, reverse=True)
+    assert np.abs(found) == pytest.approx(np.abs(given), abs=1e-14)
+    assert np.sort_complex(found) == pytest.approx(np.sort_complex(np.array(given)), abs=1e-14)
+    assert matrix @ vectors == pytest.approx(vectors * found, abs=1e-13)
+    listed = find_all_outside(MapOnly(matrix), 8, 0.95, least)
+    assert [m.value for m in listed] == pytest.approx(found.tolist(), abs=1e-14)
+
+
+@pytest.mark.parametrize(
+    "matrix",
+    [
+        forgetful_map([0.5] * FEW),
+        forgetful_map([], rest=0.9e-3),
+        forgetful_map([]) * 1e-4,
+        forgetful_map([]) * 10.0 * LARGE,
+        map_with([2.0, 0.9], 80),
+        np.diag(np.full(79, 1.0), 1),
+    ],
+    ids=["many", "others beside them", "none", "large", "slow", "shift"],
+)
+def test_where_few_directions_do_not_tell_the_whole_map_does(matrix):
+    assert find_few(matrix, 1e-3) is None
 
 
 def test_what_remembers_more_than_a_period_is_left_to_others():
