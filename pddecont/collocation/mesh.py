@@ -52,7 +52,7 @@ LAYOUT = (
     "n_equation_points",
 )
 # Layouts that are known of the meshes that were made one after another.
-KNOWN_LAYOUTS = 8
+KNOWN_LAYOUTS = 16
 
 
 def find_inner_side(sigma: Array) -> Array:
