@@ -34,24 +34,7 @@ EDGES = (
     "_every_interval",
     "breaking_interval",
 )
-# What it works out of its layout: how many intervals each segment has.
-LAYOUT = (
-    "basis",
-    "segment",
-    "n_intervals",
-    "n_base",
-    "n_collocation",
-    "base_index",
-    "first_base",
-    "last_base",
-    "first_interval",
-    "last_interval",
-    "_every_interval",
-    "breaking_interval",
-    "equation_points",
-    "n_equation_points",
-)
-# Layouts that are known of the meshes that were made one after another.
+# Layouts that meshes made one after another know.
 KNOWN_LAYOUTS = 16
 
 
@@ -134,7 +117,7 @@ class Mesh(Memo):
     reference_lags: Array | None = None
     _always: Memo = field(default_factory=Memo, init=False, repr=False)
     _layout: Memo = field(default_factory=Memo, init=False, repr=False)
-    _layouts: dict[Hashable, Mesh] = field(default_factory=dict, init=False, repr=False)
+    _layouts: dict[Hashable, Memo] = field(default_factory=dict, init=False, repr=False)
 
     def always(self, key: Hashable, find: Callable[[], Found]) -> Found:
         """Return what ``find`` finds, found once for all meshes of these pieces, wherever they read the past."""
@@ -162,19 +145,18 @@ class Mesh(Memo):
         self.__dict__.update({name: known[name] for name in EDGES if name in known})
 
     def take_layout(self, other: Mesh) -> None:
-        """Take over what has been worked out of the layout of a mesh, of ``other`` or one before it, that has this one.
+        """Take over what has been worked out of this layout for ``other`` or a mesh before it, where one of them has it.
 
         Points are numbered alike on meshes of one degree with as many intervals in each segment, and breaking times
         behind as many of them.
         """
-        layouts = other._layouts
-        layouts.setdefault(other._layout_key, other)
+        layouts, key = other._layouts, self._layout_key
+        layouts.setdefault(other._layout_key, other._layout)
         # Those that were met last stand last.
-        known = layouts[self._layout_key] = layouts.pop(self._layout_key, self)
-        if len(layouts) > KNOWN_LAYOUTS:
+        layouts[key] = layouts.pop(key, self._layout)
+        while len(layouts) > KNOWN_LAYOUTS:
             del layouts[next(iter(layouts))]
-        worked_out = {name: known.__dict__[name] for name in LAYOUT if name in known.__dict__}
-        self.__dict__.update(worked_out, _layout=known._layout, _layouts=layouts)
+        self.__dict__.update(_layout=layouts[key], _layouts=layouts)
 
     @property
     def _layout_key(self) -> Hashable:
@@ -296,10 +278,15 @@ class Mesh(Memo):
     @cached_property
     def equation_points(self) -> MeshPoints:
         """Where equations hold: the collocation points interval by interval, segments' ends, breaking times."""
-        points, ends = self.grid(self.basis.nodes), np.ones(self.n_segments + self.n_breaking)
-        weights = np.concatenate([self.local_weights(points), self.basis.lagrange(ends)])
-        interval = np.concatenate([points.interval, self.last_interval, self.breaking_interval])
-        return MeshPoints(interval, np.concatenate([points.sigma, ends]), weights, columns=self.base_index[interval])
+
+        def find() -> MeshPoints:
+            points, ends = self.grid(self.basis.nodes), np.ones(self.n_segments + self.n_breaking)
+            weights = np.concatenate([self.local_weights(points), self.basis.lagrange(ends)])
+            interval = np.concatenate([points.interval, self.last_interval, self.breaking_interval])
+            sigma, columns = np.concatenate([points.sigma, ends]), self.base_index[interval]
+            return MeshPoints(interval, sigma, weights, columns=columns)
+
+        return self.alike("equation points", find)
 
     @cached_property
     def n_equation_points(self) -> int:

@@ -40,6 +40,7 @@ from .images import list_images as list_images
 from .leaving import explain_sliding as explain_sliding
 from .leaving import find_leaving_rate as find_leaving_rate
 from .leaving import list_sliding_ends as list_sliding_ends
+from .linearisation import ColumnMap as ColumnMap
 from .linearisation import Entries as Entries
 from .linearisation import Linearisation as Linearisation
 from .monitor import Monitor as Monitor

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import dataclass
 
@@ -67,18 +67,29 @@ class DenseTerm:
 
 
 def find_assembly(
-    kind: Hashable, problem: OrbitProblem, reads: Reads, make_columns: Callable[[], ColumnMap]
+    kind: str,
+    problem: OrbitProblem,
+    reads: Reads,
+    make_columns: Callable[[], ColumnMap],
+    fits: Callable[[ColumnMap], bool] = lambda columns: True,
 ) -> Assembly:
-    """Return the places of the entries of a matrix of some ``kind``, which says all that its columns depend on.
+    """Return the places of the entries of a matrix of some ``kind``.
 
-    Those of the last one on a mesh of the same layout serve again, and only what is read of the past is looked for.
+    Those of the last one on a mesh of the same layout serve again if its columns are such as ``fits`` says, and only
+    what is read of the past is looked for.
     """
-    keep = problem.mesh.alike if problem.unknowns.size < MANY else problem.mesh.always
+    movable = problem.unknowns.size < MANY and can_move(reads)
+    keep = problem.mesh.alike if movable else problem.mesh.always
     kept: dict[str, Assembly] = keep((kind, problem.signature, problem.links, problem.free), dict)
     last = kept.get("last")
-    found = (last and last.move_to(problem, reads, make_columns)) or Assembly(problem, reads, make_columns())
-    kept["last"] = found
+    found = last.move_to(problem, reads, make_columns) if last is not None and fits(last.columns) else None
+    kept["last"] = found = found or Assembly(problem, reads, make_columns())
     return found
+
+
+def can_move(reads: Reads) -> bool:
+    """Return whether what is read has as many entries wherever it lies: there are no integrals and full operators."""
+    return not reads.integrals and not any(isinstance(operator.weights, FullWeights) for operator in reads.operators)
 
 
 class Assembly:
@@ -126,7 +137,7 @@ class Assembly:
         same = self.problem.mesh.has_base_points_of(problem.mesh)
         if same and self.reads_as(reads):
             return self
-        if self.integrals or reads.integrals or self.has_full_reads:
+        if self.integrals or self.has_full_reads or not can_move(reads):
             return None
         moved = copy(self)
         moved.problem, moved.columns = problem, self.columns if same else make_columns()

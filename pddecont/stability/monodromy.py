@@ -23,7 +23,16 @@ from pddecont.continuation import EquilibratedMatrix, Matrix, ScaledFactors, equ
 from pddecont.delay import FullWeights
 from pddecont.errors import ConvergenceError
 from pddecont.memo import cached_property
-from pddecont.orbit import Assembly, Linearisation, Orbit, OrbitProblem, find_assembly, measure_orbit, order_in_time
+from pddecont.orbit import (
+    Assembly,
+    ColumnMap,
+    Linearisation,
+    Orbit,
+    OrbitProblem,
+    find_assembly,
+    measure_orbit,
+    order_in_time,
+)
 from pddecont.stability.characteristic import Characteristic, MapCharacteristic, PeriodCharacteristic
 from pddecont.stability.lagged_columns import LaggedColumns, count_lags
 from pddecont.stability.moving_edges import find_still_edges
@@ -187,8 +196,15 @@ def linearise_period(orbit: Orbit) -> MonodromyOperator:
     if lines:
         assembly = Assembly(problem, reads, LaggedColumns(problem, reads, lines, still))
     else:
-        kind = "map", count_lags(problem, reads, still), still
-        assembly = find_assembly(kind, problem, reads, lambda: LaggedColumns(problem, reads, {}, still))
+        n_lags = count_lags(problem, reads, still)
+
+        def make_columns() -> LaggedColumns:
+            return LaggedColumns(problem, reads, {}, still)
+
+        def fits(columns: ColumnMap) -> bool:
+            return isinstance(columns, LaggedColumns) and (columns.n_lags, columns.lags.still) == (n_lags, still)
+
+        assembly = find_assembly("map", problem, reads, make_columns, fits)
     columns = assembly.columns
     assert isinstance(columns, LaggedColumns)
     at, n = assembly.linearise(orbit, reads), columns.n_columns

@@ -188,4 +188,12 @@ def test_few_layouts_are_kept():
     again.take_layout(mesh)
     still.take_layout(mesh)
     assert again.alike("n", lambda: 1) == 1 and first.alike("n", lambda: 2) == 2
+    # Whatever mesh they are taken over from, again and again.
+    standing = [Mesh(2, 1, make_pieces([[np.linspace(0, 1, n)]])) for n in (40, 41, 42)]
+    standing[1].take_layout(standing[0])
+    standing[2].take_layout(standing[0])
+    for n in range(50, 150):
+        mesh = Mesh(2, 1, make_pieces([[np.linspace(0, 1, n)]]))
+        mesh.take_layout(standing[n % 3])
+    assert len(mesh._layouts) == KNOWN_LAYOUTS
     assert still.alike("n", lambda: 3) == 3 and last.alike("n", lambda: 4) == 3

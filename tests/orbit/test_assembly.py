@@ -87,6 +87,21 @@ def test_places_move_to_other_meshes_of_one_layout(orbit):
     assert np.array_equal(find(first).entry_columns, old.entry_columns)
 
 
+def test_delays_may_be_read_in_other_ways_on_meshes_of_one_layout():
+    """From the orbit itself, by stages, from the orbit: each matrix is that of a mesh which shares nothing."""
+    chained, direct = circle(method=Chain(2, 4), rule=RULE), circle(rule=RULE)
+    for method in (direct.problem.delay, chained.problem.delay, direct.problem.delay):
+        orbit = Orbit(replace(direct.problem, delay=method), direct.x)
+        mesh = replace(direct.mesh, pieces=tuple(replace(p, cuts=p.cuts**1.05) for p in direct.mesh.pieces))
+        alone = transfer_orbit(orbit, replace(mesh))
+        mesh.take_layout(direct.mesh)
+        moved = transfer_orbit(orbit, mesh)
+        exact = make_jacobian(alone)
+        found = make_jacobian(moved)
+        assert sp.issparse(found) == (method == direct.problem.delay)
+        assert np.array_equal(*(m.toarray() if sp.issparse(m) else m for m in (found, exact)))
+
+
 def test_a_full_delay_operator_makes_a_full_matrix():
     orbit = circle(method=Chain(2, 4), rule=RULE)
     assembly = assemble_periodic(orbit.problem, orbit.equation_reads)
