@@ -145,7 +145,7 @@ class Mesh(Memo):
         self.__dict__.update({name: known[name] for name in EDGES if name in known})
 
     def take_layout(self, other: Mesh) -> None:
-        """Take over what has been worked out of this layout for ``other`` or a mesh before it, where one of them has it.
+        """Take over what has been worked out of this layout for ``other`` or a mesh before it, if one of them has it.
 
         Points are numbered alike on meshes of one degree with as many intervals in each segment, and breaking times
         behind as many of them.
