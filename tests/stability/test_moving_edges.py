@@ -59,13 +59,17 @@ def test_without_feedback_no_returned_edge_moves_and_no_history_is_left():
 def test_a_map_of_an_orbit_whose_edges_stand_still_does_not_serve_one_whose_edges_move():
     """Without feedback nothing jumps; with a little of it the motion is y_k+1 = a map that no mesh may change."""
     orbit = firing_neuron()
-    assembly = linearise_period(orbit).assembly
+    known = linearise_period(orbit).assembly
     for K in (0.002, 0.03):
         p = orbit.parameters.copy()
         p[orbit.numeric.parameter_index("K")] = K
         other = solve_on_mesh(Orbit(replace(orbit.problem, parameters=p), orbit.x)).at.orbit
         assert other.mesh is orbit.mesh and find_still_edges(other) < find_still_edges(orbit)
-        whole = [multipliers_of_map(linearise_period(other, known), other, 3).values[:3] for known in (None, assembly)]
+        shared = linearise_period(other)
+        assert shared.assembly is not known
+        pieces = tuple(replace(piece) for piece in other.mesh.pieces)
+        alone = linearise_period(Orbit(replace(other.problem, mesh=replace(other.mesh, pieces=pieces)), other.x))
+        whole = [multipliers_of_map(monodromy, other, 3).values[:3] for monodromy in (alone, shared)]
         assert whole[1] == pytest.approx(whole[0], abs=1e-12)
 
 

@@ -49,99 +49,30 @@ class Border(NamedTuple):
 
 @wide
 def factor_block(factors: Floats, first: int, n: int, pivots: Integers, top: int) -> bool:
-    """Put the factors of a full matrix (n, n), column by column from ``first`` on, in its place.
+    """Put the factors of a full matrix (n, n) from ``first`` on in its place; False where a pivot is zero.
 
-    By Gaussian elimination with partial pivoting: row p was exchanged with row ``pivots[top + p]``. False where a pivot
-    is zero.
+    By Gaussian elimination with partial pivoting: row p was exchanged with row ``pivots[top + p]``.
     """
     for p in range(n):
-        column = first + p * n
         best = p
         for r in range(p + 1, n):
-            if abs(factors[column + r]) > abs(factors[column + best]):
+            if abs(factors[first + r * n + p]) > abs(factors[first + best * n + p]):
                 best = r
         pivots[top + p] = best
-        if factors[column + best] == 0.0:
+        if factors[first + best * n + p] == 0.0:
             return False
         if best != p:
             for c in range(n):
-                kept = factors[first + c * n + p]
-                factors[first + c * n + p] = factors[first + c * n + best]
-                factors[first + c * n + best] = kept
+                kept = factors[first + p * n + c]
+                factors[first + p * n + c] = factors[first + best * n + c]
+                factors[first + best * n + c] = kept
         for r in range(p + 1, n):
-            factors[column + r] /= factors[column + p]
-        for c in range(p + 1, n):
-            factor = factors[first + c * n + p]
+            factors[first + r * n + p] /= factors[first + p * n + p]
+            factor = factors[first + r * n + p]
             if factor != 0.0:
-                there = first + c * n
-                for r in range(p + 1, n):
-                    factors[there + r] -= factor * factors[column + r]
+                for c in range(p + 1, n):
+                    factors[first + r * n + c] -= factor * factors[first + p * n + c]
     return True
-
-
-@wide
-def subtract_row(
-    factors: Floats, here: int, step: int, right: Floats, first: int, n: int, width: int, there: int
-) -> None:
-    """Subtract from a row of ``right`` at ``there`` the ``n`` rows from ``first`` on, each times its factor.
-
-    Factors stand at ``here`` and every ``step`` places from there. Four rows at a time: so each number of the row that
-    changes is read and written once for four.
-    """
-    k = 0
-    while k + 4 <= n:
-        a = factors[here + k * step]
-        b = factors[here + (k + 1) * step]
-        c = factors[here + (k + 2) * step]
-        d = factors[here + (k + 3) * step]
-        at = first + k * width
-        for t in range(width):
-            right[there + t] = (
-                right[there + t]
-                - a * right[at + t]
-                - b * right[at + width + t]
-                - c * right[at + 2 * width + t]
-                - d * right[at + 3 * width + t]
-            )
-        k += 4
-    while k < n:
-        a = factors[here + k * step]
-        at = first + k * width
-        for t in range(width):
-            right[there + t] -= a * right[at + t]
-        k += 1
-
-
-@wide
-def subtract_columns(
-    factors: Floats, first: int, n: int, width: int, values: Floats, at: int, x: Floats, there: int
-) -> None:
-    """Subtract from ``x`` (n,) at ``there`` columns (n,), ``width`` of them from ``first`` on, times ``values``.
-
-    Columns stand ``n`` apart; four of them at a time, as :func:`subtract_row` takes rows.
-    """
-    k = 0
-    while k + 4 <= width:
-        a = values[at + k]
-        b = values[at + k + 1]
-        c = values[at + k + 2]
-        d = values[at + k + 3]
-        column = first + k * n
-        for i in range(n):
-            x[there + i] = (
-                x[there + i]
-                - a * factors[column + i]
-                - b * factors[column + n + i]
-                - c * factors[column + 2 * n + i]
-                - d * factors[column + 3 * n + i]
-            )
-        k += 4
-    while k < width:
-        a = values[at + k]
-        column = first + k * n
-        for i in range(n):
-            x[there + i] -= a * factors[column + i]
-        k += 1
 
 
 @wide
@@ -158,12 +89,23 @@ def solve_block(
                 kept = right[here + t]
                 right[here + t] = right[other + t]
                 right[other + t] = kept
-    for r in range(n):
-        subtract_row(factors, first + r, n, right, at, r, width, at + r * width)
+    for p in range(n):
+        here = at + p * width
+        for r in range(p + 1, n):
+            factor = factors[first + r * n + p]
+            if factor != 0.0:
+                there = at + r * width
+                for t in range(width):
+                    right[there + t] -= factor * right[here + t]
     for i in range(n):
         p = n - 1 - i
         here = at + p * width
-        subtract_row(factors, first + (p + 1) * n + p, n, right, here + width, i, width, here)
+        for c in range(p + 1, n):
+            factor = factors[first + p * n + c]
+            if factor != 0.0:
+                there = at + c * width
+                for t in range(width):
+                    right[here + t] -= factor * right[there + t]
         inverse = 1.0 / factors[first + p * n + p]
         for t in range(width):
             right[here + t] *= inverse
@@ -201,7 +143,7 @@ def factor_in_time(m: Blocks, factors: Floats, pivots: Integers) -> bool:
         for c in range(size):
             for e in range(m.starts[m.columns[b] + c], m.starts[m.columns[b] + c + 1]):
                 if m.block_of_row[m.indices[e]] == b:
-                    factors[first + c * size + m.indices[e] - m.rows[b]] += m.data[e]
+                    factors[first + (m.indices[e] - m.rows[b]) * size + c] += m.data[e]
         if not factor_block(factors, first, size, pivots, top):
             return False
         first += size * size
@@ -247,7 +189,6 @@ def take_columns(m: Blocks, chosen: Integers, n: int, block_of_column: Integers,
                 right[m.indices[e] * n + k] = m.data[e]
 
 
-@wide
 def solve_blocks(m: Blocks, factors: Floats, pivots: Integers, right: Floats, x: Floats) -> None:
     """Do what :func:`solve_in_time` does with a single right-hand side ``right`` (n_rows,), into ``x`` (n_columns,)."""
     first = 0
@@ -260,17 +201,15 @@ def solve_blocks(m: Blocks, factors: Floats, pivots: Integers, right: Floats, x:
         for i in range(size):
             kept = x[left + pivots[top + i]]
             x[left + pivots[top + i]] = x[left + i]
+            for p in range(i):
+                kept -= factors[first + i * size + p] * x[left + p]
             x[left + i] = kept
-        for p in range(size):
-            value = x[left + p]
-            for i in range(p + 1, size):
-                x[left + i] -= factors[first + p * size + i] * value
         for k in range(size):
-            p = size - 1 - k
-            x[left + p] /= factors[first + p * size + p]
-            value = x[left + p]
-            for i in range(p):
-                x[left + i] -= factors[first + p * size + i] * value
+            i = size - 1 - k
+            total = x[left + i]
+            for p in range(i + 1, size):
+                total -= factors[first + i * size + p] * x[left + p]
+            x[left + i] = total / factors[first + i * size + i]
         first += size * size
         top += size
         for c in range(left, left + size):
@@ -279,7 +218,6 @@ def solve_blocks(m: Blocks, factors: Floats, pivots: Integers, right: Floats, x:
                     right[m.indices[e]] -= m.data[e] * x[c]
 
 
-@wide
 def solve_small(border: Border, unknown: Floats) -> None:
     """Put the solution of the small system in place of its right-hand side ``unknown`` (n_wrapped + n_beside,)."""
     width = border.n_wrapped + border.n_beside
@@ -314,6 +252,9 @@ def solve_bordered(
         unknown[n_wrapped + k] = right[border.below[k]]
         x[border.beside[k]] = 0.0
     solve_small(border, unknown)
-    subtract_columns(border.above, 0, border.n, n_wrapped + border.n_beside, unknown, 0, x, 0)
+    for k in range(n_wrapped + border.n_beside):
+        value = unknown[k]
+        for i in range(border.n):
+            x[i] -= border.above[k * border.n + i] * value
     for k in range(border.n_beside):
         x[border.beside[k]] = unknown[n_wrapped + k]
