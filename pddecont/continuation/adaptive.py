@@ -73,6 +73,6 @@ def keep_within(tol: float, found: T, error_of: Callable[[T], float | None], sol
         except ConvergenceError:
             break
         now = error_of(finer)
-        if now is None or now < error:
+        if now is not None and now < error:
             found = finer
     return found

@@ -69,7 +69,7 @@ class StepStart:
 
 @dataclass(frozen=True, eq=False)
 class Reached(Generic[E]):
-    """The end of a ``step``, and the boundary that it passed: which one, which of its values, where on the step.
+    """The end of a ``step``, and the boundary it was taken back onto.
 
     ``seen`` is its start, ``error`` its estimated error, where they are known.
     """
@@ -87,13 +87,15 @@ def find_next(
     """Return the next point, taken back onto a boundary that it passed."""
     while True:
         found = _advance(start, step, settings, boundaries)
-        if found.passed is None:
+        reached = found.point
+        passed = find_passed(boundaries, Approach.BEYOND, start, reached)
+        if passed is None:
             return found
-        reached, (boundary, k, fraction) = found.point, found.passed
+        boundary, k, fraction = passed
         guess = (1.0 - fraction) * reached.system.interpolate_from(start.system, start.x) + fraction * reached.x
         try:
             landed = land(boundary, k, reached.system, guess, settings.newton)
-            return replace(found, point=landed, seen=None)
+            return Reached(landed, found.step, passed=passed)
         except ConvergenceError:
             # A fold next to the boundary: come closer with smaller steps.
             step = found.step / 2
@@ -127,7 +129,7 @@ def _take_step(
         boundary, k, fraction = passed
         last = land(boundary, k, start.system, start.x + fraction * (predicted.x - start.x), settings.newton)
         refuse_out_of_reach(boundaries, last.at)
-        return Reached(last, step, passed=find_passed(boundaries, Approach.BEYOND, start, last))
+        return Reached(last, step)
     seen: list[StepStart] = []
     control: ErrorControl[E] | None = settings.control
 
@@ -149,10 +151,7 @@ def _take_step(
     def reach(system: AdaptiveSystem[E], guess: Array, carried: list[Array]) -> Reached[E]:
         system, solution = solve_adaptively(system, guess, solve, carried)
         point = CurvePoint(system, solution.at, solution)
-        passed = find_passed(boundaries, Approach.BEYOND, start, point)
-        # One beyond a boundary leads back there, and is no point of the branch.
-        error = None if control is None or passed is not None else control.measure(point)
-        return Reached(point, step, seen[0], error, passed)
+        return Reached(point, step, seen[0], None if control is None else control.measure(point))
 
     def reach_finer(coarse: Reached[E], error: float) -> Reached[E]:
         point, seen = coarse.point, coarse.seen

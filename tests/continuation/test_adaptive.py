@@ -102,11 +102,6 @@ def test_of_meshes_that_do_not_help_the_best_is_kept():
     assert len(asked) == FINER_MESHES
 
 
-def test_what_has_no_error_is_kept():
-    """As a point that a finer mesh has beyond a boundary, from which it is taken back."""
-    assert keep_within(1.0, 2.0, lambda error: None if error == 5.0 else error, lambda found, error: 5.0) == 5.0
-
-
 def test_where_a_finer_mesh_has_no_solution_the_coarse_one_stays():
     def fail(found, error):
         raise ConvergenceError("nothing there")
