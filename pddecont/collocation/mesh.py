@@ -164,6 +164,10 @@ class Mesh(Memo):
         counts = np.bincount(self.segment, minlength=self.n_segments)
         return self.degree, counts.tobytes(), self.breaking_interval.tobytes(), tuple(breaking)
 
+    def has_layout_of(self, other: Mesh) -> bool:
+        """Return whether points are numbered alike on another mesh, from which the layout was taken over."""
+        return self._layout is other._layout
+
     def has_base_points_of(self, other: Mesh) -> bool:
         """Return whether base values mean the same on another mesh, wherever delayed values are read."""
         return self.pieces is other.pieces and self.degree == other.degree

@@ -32,7 +32,7 @@ from pddecont.orbit.sparsity import SparsityPattern
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
-# From so many unknowns on places are kept for meshes of the same pieces alone: those of several meshes are large.
+# From so many unknowns on places are not kept with meshes: those of several are large.
 MANY = 2000
 
 
@@ -71,19 +71,22 @@ def find_assembly(
     problem: OrbitProblem,
     reads: Reads,
     make_columns: Callable[[], ColumnMap],
+    last: Assembly | None = None,
     fits: Callable[[ColumnMap], bool] = lambda columns: True,
 ) -> Assembly:
     """Return the places of the entries of a matrix of some ``kind``.
 
     Those of the last one on a mesh of the same layout serve again if its columns are such as ``fits`` says, and only
-    what is read of the past is looked for.
+    what is read of the past is looked for. Many places, which no mesh keeps, are those of ``last`` if they serve.
     """
-    movable = problem.unknowns.size < MANY and can_move(reads)
-    keep = problem.mesh.alike if movable else problem.mesh.always
-    kept: dict[str, Assembly] = keep((kind, problem.signature, problem.links, problem.free), dict)
-    last = kept.get("last")
-    found = last.move_to(problem, reads, make_columns) if last is not None and fits(last.columns) else None
-    kept["last"] = found = found or Assembly(problem, reads, make_columns())
+    few, key = problem.unknowns.size < MANY and can_move(reads), (kind, problem.signature, problem.links, problem.free)
+    kept: dict[str, Assembly] = problem.mesh.alike(key, dict) if few else {}
+    last = kept.get("last", last)
+    if last is not None and last.is_laid_out_for(problem) and fits(last.columns):
+        last = last.move_to(problem, reads, make_columns)
+    else:
+        last = None
+    kept["last"] = found = last or Assembly(problem, reads, make_columns())
     return found
 
 
@@ -128,6 +131,12 @@ class Assembly:
         delays = zip(self.operators, reads.operators, strict=True)
         integrals = zip(self.integrals, reads.integrals, strict=True)
         return all(a.reads_as(b) for a, b in delays) and all(a.reads_as(b) for a, b in integrals)
+
+    def is_laid_out_for(self, problem: OrbitProblem) -> bool:
+        """Return whether another problem has the same equations of as many unknowns, on a mesh of the same layout."""
+        own = self.problem
+        same = own.mesh.has_layout_of(problem.mesh) and own.signature is problem.signature
+        return same and (own.free, own.links) == (problem.free, problem.links)
 
     def move_to(self, problem: OrbitProblem, reads: Reads, make_columns: Callable[[], ColumnMap]) -> Assembly | None:
         """Return the places for a problem with these equations on a mesh of this layout, which reads the past anywhere.

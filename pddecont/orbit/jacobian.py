@@ -128,8 +128,13 @@ class PeriodicColumns:
 
 def make_jacobian(orbit: Orbit) -> Matrix:
     """Return d residual / d x, shape (n_equations, n_unknowns)."""
+    return find_jacobian_places(orbit).make_matrix(orbit, orbit.equation_reads)
+
+
+def find_jacobian_places(orbit: Orbit, last: Assembly | None = None) -> Assembly:
+    """Return the places of the Jacobian's entries; those of a ``last`` one are taken where they serve."""
     problem, reads = orbit.problem, orbit.equation_reads
-    return find_assembly("jacobian", problem, reads, lambda: PeriodicColumns(problem)).make_matrix(orbit, reads)
+    return find_assembly("jacobian", problem, reads, lambda: PeriodicColumns(problem), last)
 
 
 def assemble_periodic(problem: OrbitProblem, reads: Reads) -> Assembly:

@@ -13,8 +13,9 @@ from pddecont.collocation import SAFETY, Density, MeshRule, equal_cuts, has_want
 from pddecont.continuation import Matrix, Scaling, TimeOrder
 from pddecont.errors import ConvergenceError
 from pddecont.memo import cached_property
+from pddecont.orbit.assembly import Assembly
 from pddecont.orbit.error import estimate_interval_errors, measure_states
-from pddecont.orbit.jacobian import make_jacobian
+from pddecont.orbit.jacobian import find_jacobian_places
 from pddecont.orbit.nonfinite import explain_not_finite
 from pddecont.orbit.orbit import Orbit
 from pddecont.orbit.problem import OrbitProblem
@@ -91,7 +92,9 @@ class OrbitEvaluation:
         ConvergenceError
             Where they are not finite, with the expression that is not.
         """
-        matrix = make_jacobian(self.orbit)
+        places = self.system.places
+        places["last"] = assembly = find_jacobian_places(self.orbit, places.get("last"))
+        matrix = assembly.make_matrix(self.orbit, self.orbit.equation_reads)
         if not np.isfinite(matrix.data if sp.issparse(matrix) else matrix).all():
             raise ConvergenceError(explain_not_finite(self.orbit, derivatives=True))
         return matrix
@@ -107,8 +110,8 @@ class PeriodicOrbitSystem:
     """The orbits of one problem with its free parameters.
 
     ``rule`` says how its meshes are made (None: the mesh stays), ``density`` where the last solution wanted its
-    intervals. ``n_coarse`` counts the meshes in a row that were too coarse for the solutions found on them.
-    ``outlived`` says that the next orbit gets another mesh.
+    intervals; ``places`` holds those of the last Jacobian's entries. ``n_coarse`` counts the meshes in a row that were
+    too coarse for the solutions found on them. ``outlived`` says that the next orbit gets another mesh.
     ``growth`` is by how much the last solution's error was larger than those of its intervals: orbits pass errors on.
     ``known`` is an orbit of the same problem of which much is worked out already.
     """
@@ -117,6 +120,7 @@ class PeriodicOrbitSystem:
     sizes: Sizes
     rule: MeshRule | None = None
     density: Density | None = None
+    places: dict[str, Assembly] = field(default_factory=dict, repr=False)
     n_coarse: int = 0
     outlived: bool = False
     growth: float = 1.0
@@ -182,7 +186,7 @@ class PeriodicOrbitSystem:
         mesh = make_mesh(self.problem, orbit.theta, self.rule, density, orbit)
         moved = transfer_orbit(orbit, mesh)
         system = PeriodicOrbitSystem(
-            moved.problem, self.sizes, self.rule, density, n_coarse=n_coarse, growth=self.growth
+            moved.problem, self.sizes, self.rule, density, self.places, n_coarse=n_coarse, growth=self.growth
         )
         carried = [moved.x if other is at.x else transfer_orbit(Orbit(self.problem, other), mesh).x for other in others]
         return system, moved.x, carried
@@ -206,7 +210,7 @@ class PeriodicOrbitSystem:
         if problem.reference is not None:
             problem, known = replace(problem, reference=orbit.values), None
         return PeriodicOrbitSystem(
-            problem, self.sizes, self.rule, density, outlived=outlived, growth=growth, known=known
+            problem, self.sizes, self.rule, density, self.places, outlived=outlived, growth=growth, known=known
         )
 
     def _meets_tolerance(self, orbit: Orbit) -> bool:

@@ -171,8 +171,10 @@ class MonodromyOperator:
         return self.step(np.eye(self.size))[1]
 
 
-def linearise_period(orbit: Orbit) -> MonodromyOperator:
+def linearise_period(orbit: Orbit, last: Assembly | None = None) -> MonodromyOperator:
     """Return the linearised map of an orbit, its parameters fixed.
+
+    The places of entries of a ``last`` map are taken where they serve.
 
     Raises
     ------
@@ -204,7 +206,7 @@ def linearise_period(orbit: Orbit) -> MonodromyOperator:
         def fits(columns: ColumnMap) -> bool:
             return isinstance(columns, LaggedColumns) and (columns.n_lags, columns.lags.still) == (n_lags, still)
 
-        assembly = find_assembly("map", problem, reads, make_columns, fits)
+        assembly = find_assembly("map", problem, reads, make_columns, last, fits)
     columns = assembly.columns
     assert isinstance(columns, LaggedColumns)
     at, n = assembly.linearise(orbit, reads), columns.n_columns

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from pddecont.collocation import refine_evenly
 from pddecont.errors import ConvergenceError
-from pddecont.orbit import Orbit, transfer_orbit
+from pddecont.orbit import Assembly, Orbit, transfer_orbit
 from pddecont.stability.candidates import find_candidates, is_deep, is_mapped_whole
 from pddecont.stability.characteristic import Characteristic, MapCharacteristic
 from pddecont.stability.counting import Counter
@@ -352,19 +352,22 @@ def find_eigenvector(orbit: Orbit, multiplier: float) -> Array:
 
 
 class MultiplierCache:
-    """Multipliers of orbits, found once for each.
+    """Multipliers of orbits, found once for each; the places of a map's entries are kept from one orbit to the next.
 
     As many are found whatever the number ``n`` of those that are shown, down to ``AT_MOST``.
     """
 
     def __init__(self, n: int | None = None):
         self.n = n
+        self._places: Assembly | None = None
 
     def find(self, orbit: Orbit) -> Multipliers:
         """Return the multipliers of an orbit."""
 
         def find() -> Multipliers:
-            found = multipliers_of_map(linearise_period(orbit), orbit, self.n)
+            monodromy = linearise_period(orbit, self._places)
+            self._places = monodromy.assembly
+            found = multipliers_of_map(monodromy, orbit, self.n)
             return found.leading(None if self.n is None else max(self.n, AT_MOST))
 
         return orbit.once(("multipliers", self.n), find)
