@@ -10,7 +10,6 @@ Found = TypeVar("Found")
 # Stands for what has not been found.
 _NOT_YET: Any = object()
 
-
 if TYPE_CHECKING:
     from functools import cached_property as cached_property
 else:

@@ -106,7 +106,8 @@ class Mesh(Memo):
     Base points are numbered through the orbit: ``degree`` a mesh interval and one more at the end of each segment,
     since neighbours inside a segment share the point between them and segments do not. ``reference_theta`` is the theta
     that the mesh was made for, where it matters which interval a delayed value is read from; ``reference_lags``
-    (n_varying, n_equation_points) are the values that delays that vary had there.
+    (n_varying, n_equation_points) are the values that delays that vary had there. What is worked out of a mesh is kept
+    for itself (:meth:`once`), for all of its pieces (:meth:`always`), or for all of its layout (:meth:`alike`).
     """
 
     degree: int

@@ -126,17 +126,13 @@ class PeriodicColumns:
         return entries
 
 
-def make_jacobian(orbit: Orbit) -> Matrix:
-    """Return d residual / d x, shape (n_equations, n_unknowns)."""
-    return find_jacobian_places(orbit).make_matrix(orbit, orbit.equation_reads)
+def make_jacobian(orbit: Orbit, places: dict[str, Assembly] | None = None) -> Matrix:
+    """Return d residual / d x, shape (n_equations, n_unknowns).
 
-
-def find_jacobian_places(orbit: Orbit, last: Assembly | None = None) -> Assembly:
-    """Return the places of the Jacobian's entries; those of a ``last`` one are taken where they serve."""
+    ``places`` holds those of the last Jacobian's entries, which are taken where they serve, and gets this one's.
+    """
     problem, reads = orbit.problem, orbit.equation_reads
-    return find_assembly("jacobian", problem, reads, lambda: PeriodicColumns(problem), last)
-
-
-def assemble_periodic(problem: OrbitProblem, reads: Reads) -> Assembly:
-    """Return the places of the Jacobian's entries."""
-    return Assembly(problem, reads, PeriodicColumns(problem))
+    kept = {} if places is None else places
+    last = kept.get("last")
+    kept["last"] = found = find_assembly("jacobian", problem, reads, lambda: PeriodicColumns(problem), last)
+    return found.make_matrix(orbit, reads)

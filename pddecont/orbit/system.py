@@ -15,7 +15,7 @@ from pddecont.errors import ConvergenceError
 from pddecont.memo import cached_property
 from pddecont.orbit.assembly import Assembly
 from pddecont.orbit.error import estimate_interval_errors, measure_states
-from pddecont.orbit.jacobian import find_jacobian_places
+from pddecont.orbit.jacobian import make_jacobian
 from pddecont.orbit.nonfinite import explain_not_finite
 from pddecont.orbit.orbit import Orbit
 from pddecont.orbit.problem import OrbitProblem
@@ -92,9 +92,7 @@ class OrbitEvaluation:
         ConvergenceError
             Where they are not finite, with the expression that is not.
         """
-        places = self.system.places
-        places["last"] = assembly = find_jacobian_places(self.orbit, places.get("last"))
-        matrix = assembly.make_matrix(self.orbit, self.orbit.equation_reads)
+        matrix = make_jacobian(self.orbit, self.system.places)
         if not np.isfinite(matrix.data if sp.issparse(matrix) else matrix).all():
             raise ConvergenceError(explain_not_finite(self.orbit, derivatives=True))
         return matrix

@@ -9,12 +9,22 @@ import scipy.sparse as sp
 from pddecont.collocation import MeshRule
 from pddecont.delay import Chain
 from pddecont.orbit import Orbit, adapt_mesh, transfer_orbit
-from pddecont.orbit.assembly import find_assembly
-from pddecont.orbit.jacobian import PeriodicColumns, assemble_periodic, make_jacobian
+from pddecont.orbit.assembly import Assembly, find_assembly
+from pddecont.orbit.jacobian import PeriodicColumns, make_jacobian
 from tests.known_orbits import hard_wall, impact_oscillator, mackey_glass
 from tests.orbit.exact import circle
 
 RULE = MeshRule(4, intervals=8)
+
+
+def assemble_periodic(problem, reads):
+    """Return the places of a Jacobian's entries, found for this problem alone."""
+    return Assembly(problem, reads, PeriodicColumns(problem))
+
+
+def find(problem, reads):
+    """Return the places of a Jacobian's entries, those of an earlier one where they serve."""
+    return find_assembly("here", problem, reads, lambda: PeriodicColumns(problem))
 
 
 @pytest.mark.parametrize("orbit", [impact_oscillator, hard_wall, mackey_glass], ids=lambda f: f.__name__)
@@ -34,12 +44,11 @@ def test_whom_it_serves():
     problem, reads = orbit.problem, orbit.equation_reads
     assembly = assemble_periodic(problem, reads)
     assert assembly.reads_as(reads)
-    find = lambda p, r=reads: find_assembly("here", p, r, lambda: PeriodicColumns(p))  # noqa: E731
-    found = find(problem)
+    found = find(problem, reads)
     assert found is not assembly
-    assert find(problem) is found
-    assert find(replace(problem, parameters=problem.parameters * 1.1)) is found
-    assert find(replace(problem, free=("K",))) is not found
+    assert find(problem, reads) is found
+    assert find(replace(problem, parameters=problem.parameters * 1.1), reads) is found
+    assert find(replace(problem, free=("K",)), reads) is not found
     other = adapt_mesh(orbit, RULE)
     assert find(other.problem, other.equation_reads) is not found
     # A delay so long that other intervals are read stands in other places.
@@ -75,8 +84,7 @@ def test_places_move_to_other_meshes_of_one_layout(orbit):
     mesh = replace(first.mesh, pieces=pieces)
     mesh.take_layout(first.mesh)
     there = transfer_orbit(first, mesh)
-    find = lambda o: find_assembly("here", o.problem, o.equation_reads, lambda: PeriodicColumns(o.problem))  # noqa: E731
-    old, moved = find(first), find(there)
+    old, moved = (find(o.problem, o.equation_reads) for o in (first, there))
     own = assemble_periodic(there.problem, there.equation_reads)
     assert moved.entry_rows is old.entry_rows
     assert np.array_equal(moved.entry_rows, own.entry_rows)
@@ -84,7 +92,7 @@ def test_places_move_to_other_meshes_of_one_layout(orbit):
     exact = own.make_matrix(there, there.equation_reads).toarray()
     assert np.array_equal(moved.make_matrix(there, there.equation_reads).toarray(), exact)
     # And what is found for the first one stands as it was.
-    assert np.array_equal(find(first).entry_columns, old.entry_columns)
+    assert np.array_equal(find(first.problem, first.equation_reads).entry_columns, old.entry_columns)
 
 
 def test_delays_may_be_read_in_other_ways_on_meshes_of_one_layout():
