@@ -82,8 +82,9 @@ def find_all_outside(monodromy: MonodromyOperator, n: int, radius: float, least:
 def find_few(matrix: Array, least: float) -> tuple[Complex, Complex] | None:
     """Return all eigenvalues of modulus ``least`` or more by falling modulus, and their vectors as columns.
 
-    Shapes (k,) and (size, k), of a ``matrix`` (size, size) that is finite. It is looked at where it leads some random histories again and again. None where that does not tell them to
-    rounding, where there are none or too many, or where others may be missing.
+    Shapes (k,) and (size, k), of a ``matrix`` (size, size) that is finite. It is looked at where it leads some random
+    histories again and again. None where that does not tell them to rounding, where there are none or too many, or
+    where others may be missing.
 
     Reference: Golub, Van Loan, Matrix Computations (2013), section 7.3.2, for such iterations.
     """
