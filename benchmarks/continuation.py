@@ -128,12 +128,12 @@ def solver(orbit, free):
     return lambda: correct_component(system, orbit.x.copy(), last, orbit.x[last], settings)
 
 
-def split():
-    """Print where the time of a Newton step goes."""
+def split(meshes=(20, 80, 320, 1280)):
+    """Print where the time of a Newton step goes, on meshes of so many intervals."""
     print("Newton step of the impact oscillator, delay equation, parts of its time (%)")
     print(f"{'unknowns':>10} {'generated code':>15} {'assembly':>10} {'factorisation':>14} {'rest':>8} {'ms':>8}")
     orbit, matrix = impact(MeshRule(6, intervals=20)), type(equilibrate(np.eye(1)))
-    for intervals in (20, 80, 320, 1280):
+    for intervals in meshes:
         other = adapt_mesh(orbit, MeshRule(6, intervals=intervals))
         step = solver(other, "tau_d")
         spent = {name: [0.0] for name in ("value", "derivatives", "jacobian", "residual", "factor")}

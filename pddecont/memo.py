@@ -20,13 +20,13 @@ else:
         That of Python 3.11 locks other threads out meanwhile, which takes longer than what many properties work out.
         """
 
-        def __init__(self, find):
-            self.find, self.name, self.__doc__ = find, find.__name__, find.__doc__
+        def __init__(self, func):
+            self.func, self.attrname, self.__doc__ = func, func.__name__, func.__doc__
 
         def __get__(self, owner, kind=None):
             if owner is None:
                 return self
-            found = owner.__dict__[self.name] = self.find(owner)
+            found = owner.__dict__[self.attrname] = self.func(owner)
             return found
 
 

@@ -1,5 +1,6 @@
 """What benchmarks time has to run: the steps that they do by themselves, not by a whole run."""
 
+from benchmarks.continuation import split
 from benchmarks.effects import HAND, context_of, followed
 from pddecont.results import read_results
 
@@ -11,3 +12,12 @@ def test_a_run_without_effects_step_by_step(tmp_path):
     steps = read_results(path).steps
     assert list(steps) == [step.name for step in context.plan.steps[1:]]
     assert all(step.done for step in steps.values())
+
+
+def test_where_the_time_of_a_newton_step_goes(capsys):
+    """Parts are measured, none counted twice, and add up to the whole."""
+    split(meshes=(10,))
+    row = capsys.readouterr().out.splitlines()[2]
+    unknowns, *parts, ms = (float(entry) for entry in row.split())
+    assert unknowns > 100 and ms > 0
+    assert all(part > 0 for part in parts) and abs(sum(parts) - 100) <= 2  # four rounded numbers
